@@ -1,6 +1,10 @@
 // Typed reads.
 #include "protocol/client/client.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <random>
+
 #include <fmt/format.h>
 
 #include "protocol/registers/unit_registers.hpp"
@@ -13,10 +17,18 @@ const Registers kEchoOnly{0};  ///< the link fills it in
 
 }  // namespace
 
-Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options) {
+UnitClient::UnitClient(Link link, const Host& host) : link_(std::move(link)) {
+  std::random_device chance;
+  self_.key = host.key != 0 ? host.key : std::uint64_t{chance()} << 32 | chance();
+  self_.number = chance();
+  self_.host = host.name;
+  arm_code_ = host.arm_code;
+}
+
+Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options, const Host& host) {
   auto link = Link::open(address, options);
   if (!link) return tl::unexpected(link.error());
-  UnitClient client(std::move(*link));
+  UnitClient client(std::move(*link), host);
   const auto version = client.link_.ask(kEcho, kEchoOnly, kVersion);
   if (!version) return tl::unexpected(version.error());
   if ((*version)[1] != kProtocolVersion)
@@ -50,6 +62,31 @@ Result<UnitStatus> UnitClient::state() {
     head.resize(kStatus.count, 0);
     return status_in(head);
   });
+}
+
+Result<std::vector<Registers>> UnitClient::event_blocks(std::size_t most) {
+  std::vector<Registers> blocks;
+  if (most == 0) return blocks;
+  const auto asked = [this](std::uint32_t first) {
+    return link_.ask(kEventSelect, registers_of(EventSelect{first}, 0), kEvents);
+  };
+  const auto newest = asked(std::numeric_limits<std::uint32_t>::max()).and_then(event_page_in);
+  if (!newest) return tl::unexpected(newest.error());
+  std::uint32_t next = newest->newest > most ? newest->newest - static_cast<std::uint32_t>(most) + 1 : 1;
+  while (next <= newest->newest) {
+    auto block = asked(next);
+    if (!block) return tl::unexpected(block.error());
+    const auto page = event_page_in(*block);
+    if (!page) return tl::unexpected(page.error());
+    const std::uint32_t last =
+        std::max_element(page->events.begin(), page->events.end(), [](const auto& a, const auto& b) {
+          return a.number < b.number;
+        })->number;
+    if (last < next) return blocks;
+    next = last + 1;
+    blocks.push_back(std::move(*block));
+  }
+  return blocks;
 }
 
 }  // namespace ecs::protocol

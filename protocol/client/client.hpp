@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
@@ -37,13 +39,21 @@ struct UploadReport {
   bool already_held = false;          ///< the image was active before: nothing was sent or committed
 };
 
+/// Who asks, for the unit's records.
+struct Host {
+  std::uint64_t key = 0;  ///< one number for all programs of a user on a computer; 0: one by chance
+  std::string name;       ///< up to 16 characters
+  std::string arm_code;   ///< that the unit shows: it is armed as soon as something needs it; empty: none is known
+};
+
 /// Problems: kind `link` for the link, a failed command and a unit that sends nonsense; kind `refused` for what the
 /// unit declines to do, with its reason. Every call can be cancelled between two frames by the link's flag.
 class UnitClient {
  public:
   /// Opens the link and checks that a unit with this protocol version answers.
-  [[nodiscard]] static Result<UnitClient> connect(const LinkAddress& address, const LinkOptions& options = {});
-  explicit UnitClient(Link link) : link_(std::move(link)) {}
+  [[nodiscard]] static Result<UnitClient> connect(const LinkAddress& address, const LinkOptions& options = {},
+                                                  const Host& host = {});
+  explicit UnitClient(Link link, const Host& host = {});
 
   [[nodiscard]] Link& link() { return link_; }
   [[nodiscard]] const Link& link() const { return link_; }
@@ -53,8 +63,22 @@ class UnitClient {
   /// One short read: modes, faults and the active image; nothing of loop, axes and pointers.
   [[nodiscard]] Result<UnitStatus> state();
   [[nodiscard]] Result<MonitorSample> monitor();
+  /// What hosts did to the unit, or tried: the newest `most` as the blocks they came in, the oldest first.
+  [[nodiscard]] Result<std::vector<Registers>> event_blocks(std::size_t most);
 
-  /// Gives a command (its sequence number is chosen here) and waits until it is done.
+  /// From now on this code is shown where something needs an armed host.
+  void know_code(std::string code) { arm_code_ = std::move(code); }
+  /// Since this was last asked, the unit has refused something because this host is not armed.
+  [[nodiscard]] bool take_wants_code() { return std::exchange(wants_code_, false); }
+  /// How long this host is armed yet, s; 0: it is not.
+  [[nodiscard]] Result<std::uint32_t> armed_s();
+  /// Arms the unit for this host, all its programs included. A wrong code is `refused`.
+  [[nodiscard]] Result<void> arm(const std::string& code, std::uint16_t minutes = kUsualArmed_min);
+  [[nodiscard]] Result<void> disarm();
+
+  /// Gives a command in the session of this client, which is opened where there is none, and waits until it is done.
+  /// One that acts at once carries the unit's clock as it was just before; if it comes too late all the same, it is
+  /// given again within kMostAge_ms of the host's clock, then it is a problem.
   /// @param limit  how long it may stay busy; `stop` is sent when it is reached, or when the flag cancels
   [[nodiscard]] Result<CommandResult> run(Command command, std::chrono::milliseconds limit,
                                           const CommandCallback& busy = {});
@@ -111,7 +135,9 @@ class UnitClient {
   };
   using FrameCallback = std::function<void(const BlockFrame&)>;
   [[nodiscard]] Result<CommandResult> result_now();
-  [[nodiscard]] std::uint16_t next_sequence();
+  [[nodiscard]] Result<SessionState> session_now();
+  [[nodiscard]] Result<void> make_ready(Command& command);
+  [[nodiscard]] Result<SessionState> armed_session();
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
@@ -141,8 +167,12 @@ class UnitClient {
   [[nodiscard]] Result<void> nothing_else_committed(const UnitStatus& before);
 
   Link link_;
-  std::string serial_number_;   ///< of the unit that answered first: no other one is sent a map
-  std::uint16_t sequence_ = 0;  ///< 0: not yet known
+  std::string serial_number_;  ///< of the unit that answered first: no other one is sent a map
+  SessionOpen self_;
+  std::string arm_code_;
+  bool wants_code_ = false;
+  std::uint32_t session_ = 0;   ///< 0: none is open
+  std::uint16_t sequence_ = 0;  ///< of the last command
   std::uint16_t window_tag_ = 0;
   std::uint32_t token_ = 0;  ///< of the staging that was begun last
 };

@@ -1,6 +1,6 @@
 // Commands of the host: given once, followed until they end.
 #include <algorithm>
-#include <random>
+#include <ctime>
 
 #include <fmt/format.h>
 
@@ -59,39 +59,75 @@ constexpr std::string_view kOpensByItself =
 }  // namespace
 
 Result<CommandResult> UnitClient::result_now() {
-  return link_.ask(kEcho, Registers{0}, kCommandResult).and_then(command_result_in);
+  return link_.ask(kResultSelect, registers_of(ResultSelect{session_, sequence_}, 0), kCommandResult)
+      .and_then(command_result_in);
 }
 
 Result<CommandResult> UnitClient::exchange(const Command& command) {
   return link_.ask(kCommand, registers_of(command, 0), kCommandResult).and_then(command_result_in);
 }
 
-/// By chance: two hosts that counted would meet at the same number, and each take the other's result for its own.
-std::uint16_t UnitClient::next_sequence() {
-  std::random_device chance;
-  const std::uint16_t last = sequence_;
-  while (sequence_ == last || sequence_ == 0) sequence_ = static_cast<std::uint16_t>(chance() & 0xFFFFu);
-  return sequence_;
+/// Opens the session of this client, or finds it again as the unit knows it now.
+Result<SessionState> UnitClient::session_now() {
+  self_.unix_time_s = static_cast<std::uint32_t>(std::time(nullptr));
+  auto state = link_.ask(kSessionOpen, registers_of(self_, 0), kSession).and_then(session_state_in);
+  if (!state) return state;
+  if (state->error == UnitError::other_version)
+    return problem(ProblemKind::link,
+                   fmt::format("the unit speaks protocol version {}, this program version {}; use matching versions",
+                               state->protocol_version, kProtocolVersion));
+  if (state->session == 0) return problem(ProblemKind::link, "the unit opens no session; is another host using it?");
+  if (state->session != session_) sequence_ = state->sequence;
+  session_ = state->session;
+  return state;
+}
+
+/// The session as it is now, armed if the code is known.
+Result<SessionState> UnitClient::armed_session() {
+  auto now = session_now();
+  if (!now || now->armed_s > 0 || arm_code_.empty()) return now;
+  const std::string code = std::exchange(arm_code_, {});
+  const auto done = arm(code);
+  wants_code_ = !done && done.error().kind == ProblemKind::refused;
+  if (!wants_code_) arm_code_ = code;  // a wrong one is not shown again
+  if (!done) return tl::unexpected(done.error());
+  return session_now();
+}
+
+/// Session, number and, where the command acts at once, the unit's clock as it is now.
+Result<void> UnitClient::make_ready(Command& command) {
+  if (session_ == 0 || needs_arming(command.code)) {
+    const auto now = needs_arming(command.code) ? armed_session() : session_now();
+    if (!now) return tl::unexpected(now.error());
+    command.clock_ms = now->clock_ms;
+    command.stops = now->stops;
+  }
+  command.session = session_;
+  command.sequence = ++sequence_;
+  return {};
 }
 
 Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
-  if (sequence_ == 0) {
-    const auto before = result_now();
-    if (!before) return before;
-    sequence_ = before->sequence;
+  const auto until = std::chrono::steady_clock::now() + milliseconds(kMostAge_ms);
+  for (;;) {
+    if (const auto ready = make_ready(command); !ready) return tl::unexpected(ready.error());
+    auto first = exchange(command);
+    if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
+    if (!first) return first;
+    if (first->error == UnitError::session_unknown) session_ = 0;
+    if (first->error == UnitError::not_armed) wants_code_ = true;
+    const bool not_taken = first->error == UnitError::session_unknown || first->error == UnitError::late;
+    if (!not_taken || std::chrono::steady_clock::now() > until)
+      return wait_for(command, std::move(*first), limit, busy);
   }
-  command.sequence = next_sequence();
-  auto first = exchange(command);
-  if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
-  if (!first) return first;
-  return wait_for(command, std::move(*first), limit, busy);
 }
 
 Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult result,
                                            std::chrono::milliseconds limit, const CommandCallback& busy) {
   const auto until = std::chrono::steady_clock::now() + limit;
   milliseconds poll = kFirstPoll;
-  while (result.sequence == command.sequence && result.state == CommandState::busy) {
+  const auto ours = [&] { return result.session == command.session && result.sequence == command.sequence; };
+  while (ours() && result.state == CommandState::busy) {
     if (busy) busy(result);
     const bool over = std::chrono::steady_clock::now() >= until;
     if (over || !link_.pause(poll)) return stopped(command, over);
@@ -101,12 +137,10 @@ Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult
     if (!next) return next;
     result = std::move(*next);
   }
-  if (result.sequence != command.sequence) {
-    sequence_ = 0;
+  if (!ours())
     return problem(ProblemKind::link,
                    fmt::format("{}: the unit answers another command; it was restarted, or another host uses it",
                                name_of(command.code)));
-  }
   return outcome_of(command, result);
 }
 
@@ -114,8 +148,7 @@ Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult
 Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
   link_.heed_cancel(false);
   Command stop = command_of(CommandCode::stop);
-  stop.sequence = next_sequence();
-  const auto taken = exchange(stop);
+  const auto taken = make_ready(stop).and_then([&] { return exchange(stop); });
   link_.heed_cancel(true);
   return problem(ProblemKind::link,
                  fmt::format("{}: {}{}", name_of(command.code), over ? "not done in time; stopped" : "cancelled",
@@ -201,12 +234,24 @@ Result<CommandResult> UnitClient::run_ram_test(const CommandCallback& busy) {
   return run(command_of(CommandCode::run_ram_test), kRamTestLimit, busy);
 }
 
+Result<std::uint32_t> UnitClient::armed_s() {
+  return session_now().map([](const SessionState& now) { return now.armed_s; });
+}
+
+Result<void> UnitClient::arm(const std::string& code, std::uint16_t minutes) {
+  if (const auto now = session_now(); !now) return tl::unexpected(now.error());
+  Command command = command_of(CommandCode::arm);
+  command.minutes = minutes;
+  command.proof = arm_proof(code, session_);
+  return run_plain(command, kShortLimit);
+}
+
+Result<void> UnitClient::disarm() { return run_plain(command_of(CommandCode::arm), kShortLimit); }
+
 Result<void> UnitClient::clear_fault() { return run_plain(command_of(CommandCode::clear_fault), kShortLimit); }
 
 Result<void> UnitClient::reset_unit() {
-  auto done = run_acting(command_of(CommandCode::reset_unit), kShortLimit, "read the unit's status");
-  sequence_ = 0;
-  return done;
+  return run_acting(command_of(CommandCode::reset_unit), kShortLimit, "read the unit's status");
 }
 
 Result<std::uint32_t> UnitClient::check_memory(Address address, std::uint32_t bytes) {

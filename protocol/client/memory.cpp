@@ -87,6 +87,8 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window, bool open) {
   if (!ack) return ack;
   const bool ours = ack->tag == window.tag && ack->address == window.address && ack->length == window.length;
   if (!ours) ack->error = UnitError::token_expired;
+  if (ack->error == UnitError::session_unknown) session_ = 0;
+  if (ack->error == UnitError::not_armed) wants_code_ = true;
   if (ack->error != UnitError::none)
     return problem(ProblemKind::refused,
                    fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address, text_of(ack->error)));
@@ -115,7 +117,7 @@ Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCal
   if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
   if (++window_tag_ == 0) ++window_tag_;
   const WindowOpen window{window_tag_, frames.address, static_cast<std::uint32_t>(frames.bytes.size()),
-                          in_axis_memory(frames.address) ? token_ : 0, frames.coded};
+                          in_axis_memory(frames.address) ? token_ : 0, frames.coded, session_};
   const std::size_t blocks = blocks_in(window.length, window.block_bytes());
   auto ack = ask_ack(window, true);
   int fruitless = 0;
@@ -138,6 +140,8 @@ Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCal
 Result<void> UnitClient::write_memory(Address address, std::span<const std::uint8_t> bytes,
                                       const ProgressCallback& progress) {
   if (bytes.empty()) return {};
+  if (!in_axis_memory(address))  // begin staging has armed the session otherwise
+    if (const auto open = armed_session(); !open) return tl::unexpected(open.error());
   Meter meter(progress, bytes.size());
   for (std::size_t at = 0; at < bytes.size(); at += kWindowBytes) {
     const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 
 namespace ecs::protocol {
@@ -17,7 +18,8 @@ namespace {
 
 constexpr std::array kBaudRates{1200, 2400, 4800, 9600, 19'200, 38'400, 57'600, 115'200, 230'400, 460'800, 921'600};
 constexpr std::string_view kRtuForm = "rtu:DEVICE:BAUD[:8N1[:UNIT]], for example rtu:/dev/ttyUSB0:115200";
-constexpr std::string_view kTcpForm = "tcp:HOST:PORT[:UNIT], for example tcp:192.168.0.10:502";
+constexpr std::string_view kTcpForm =
+    "tcp:HOST:PORT[:UNIT][?token=FILE], for example tcp:192.168.0.10:502:1?token=unit.token";
 
 tl::unexpected<Problem> wrong(std::string_view text, std::string_view why, std::string_view form) {
   return problem(ProblemKind::usage, fmt::format("link \"{}\": {}; expected {}", text, why, form));
@@ -75,6 +77,14 @@ Result<LinkAddress> rtu_address_of(std::string_view text, std::vector<std::strin
 
 Result<LinkAddress> tcp_address_of(std::string_view text, std::string_view rest) {
   TcpPeer peer;
+  if (const auto at = rest.find('?'); at != std::string_view::npos) {
+    constexpr std::string_view kTokenIs = "?token=";
+    const std::string_view question = rest.substr(at);
+    if (!question.starts_with(kTokenIs) || question.size() == kTokenIs.size())
+      return wrong(text, fmt::format("?token=FILE, got \"{}\"", question), kTcpForm);
+    peer.token_file = std::string(question.substr(kTokenIs.size()));
+    rest = rest.substr(0, at);
+  }
   if (rest.starts_with('[')) {
     const auto end = rest.find("]:");
     if (end == std::string_view::npos) return wrong(text, "the host has no ] before its port", kTcpForm);
@@ -111,7 +121,24 @@ std::string to_text(const LinkAddress& address) {
                        address.unit);
   const auto& peer = std::get<TcpPeer>(address.endpoint);
   const bool is_v6 = peer.host.find(':') != std::string::npos;
-  return fmt::format("tcp:{}{}{}:{}:{}", is_v6 ? "[" : "", peer.host, is_v6 ? "]" : "", peer.port, address.unit);
+  const std::string token = peer.token_file.empty() ? "" : "?token=" + peer.token_file;
+  return fmt::format("tcp:{}{}{}:{}:{}{}", is_v6 ? "[" : "", peer.host, is_v6 ? "]" : "", peer.port, address.unit,
+                     token);
+}
+
+bool is_loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
+
+Result<std::vector<std::uint8_t>> token_digest_of(const std::string& file) {
+  const auto content = read_file(file);
+  if (!content) return tl::unexpected(content.error());
+  const std::string_view token = trimmed(*content);
+  if (token.empty())
+    return problem(ProblemKind::bad_input, fmt::format("{}: expected a token, got an empty file", file));
+  const std::string digits = sha256_hex(token);
+  std::vector<std::uint8_t> digest;
+  for (std::size_t i = 0; i < digits.size(); i += 2)
+    digest.push_back(static_cast<std::uint8_t>(std::stoi(digits.substr(i, 2), nullptr, 16)));
+  return digest;
 }
 
 LinkTiming timing_of(const LinkAddress& address) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "base/result.hpp"
 
@@ -24,6 +25,7 @@ struct SerialPort {
 struct TcpPeer {
   std::string host;
   std::uint16_t port = 502;
+  std::string token_file{};  ///< holds the token that the unit asks for; empty: none
   friend bool operator==(const TcpPeer&, const TcpPeer&) = default;
 };
 
@@ -36,9 +38,17 @@ struct LinkAddress {
   friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
 
-/// `rtu:DEVICE:BAUD[:FORMAT[:UNIT]]` or `tcp:HOST:PORT[:UNIT]`, for example `rtu:/dev/ttyUSB0:115200:8N1:1`. DEVICE may
-/// hold colons; an IPv6 HOST is written in brackets. Anything else is a `usage` problem that says what was expected.
+/// `rtu:DEVICE:BAUD[:FORMAT[:UNIT]]` or `tcp:HOST:PORT[:UNIT][?token=FILE]`, for example
+/// `rtu:/dev/ttyUSB0:115200:8N1:1`. DEVICE may hold colons; an IPv6 HOST is written in brackets. Anything else is a
+/// `usage` problem that says what was expected.
 [[nodiscard]] Result<LinkAddress> link_address_of(std::string_view text);
+
+/// This computer: "localhost", "127.…", "::1".
+[[nodiscard]] bool is_loopback(const std::string& host);
+
+/// The SHA-256 of the token in a file, without blanks and line ends at its ends; what is sent for it. A file that
+/// cannot be read or holds no token is a `bad_input` problem.
+[[nodiscard]] Result<std::vector<std::uint8_t>> token_digest_of(const std::string& file);
 
 /// The full form, as link_address_of reads it.
 [[nodiscard]] std::string to_text(const LinkAddress& address);

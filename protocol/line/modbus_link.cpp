@@ -78,15 +78,38 @@ tl::expected<void, PortProblem> ModbusLink::connect_serial(const SerialPort& por
 }
 
 tl::expected<void, PortProblem> ModbusLink::connect_tcp(const TcpPeer& peer) {
+  if (peer.token_file.empty() && !is_loopback(peer.host))
+    return failed(LinkFailure::no_permission,
+                  fmt::format("{}: TCP beyond this computer needs the token of the unit: tcp:{}:{}:{}?token=FILE",
+                              peer.host, peer.host, peer.port, address_.unit));
   if (!host_is_known(peer)) return failed(LinkFailure::no_such_port, fmt::format("{}: no such host", peer.host));
   context_ = modbus_new_tcp_pi(peer.host.c_str(), std::to_string(peer.port).c_str());
-  if (prepare()) return {};
+  if (prepare()) return peer.token_file.empty() ? tl::expected<void, PortProblem>() : show_token(peer);
   const int error = errno;
   if (context_ != nullptr) modbus_free(context_);
   context_ = nullptr;
   return failed(LinkFailure::no_connection,
                 fmt::format("{}:{}: cannot connect: {}; check that the unit is on and the port is right", peer.host,
                             peer.port, modbus_strerror(error)));
+}
+
+/// Before all else, where the unit asks for it.
+tl::expected<void, PortProblem> ModbusLink::show_token(const TcpPeer& peer) {
+  const auto digest = token_digest_of(peer.token_file);
+  if (!digest) return tl::unexpected(PortProblem{LinkFailure::no_permission, digest.error()});
+  Bytes pdu{
+      MODBUS_FC_WRITE_MULTIPLE_REGISTERS, kToken.first >> 8, kToken.first & 0xFF, 0, kToken.count, 2 * kToken.count};
+  pdu.insert(pdu.end(), digest->begin(), digest->end());
+  constexpr std::size_t kReply = 5;
+  const auto sent = send(pdu);
+  const auto reply = sent ? receive(kReply, [] { return false; }) : tl::unexpected(sent.error());
+  if (reply && (*reply)[0] == MODBUS_FC_WRITE_MULTIPLE_REGISTERS) return {};
+  const bool takes_none = reply.has_value();
+  disconnect();
+  return failed(LinkFailure::no_permission,
+                fmt::format("{}:{}: {}", peer.host, peer.port,
+                            takes_none ? "this unit asks for no token; leave ?token= out"
+                                       : fmt::format("the unit does not take the token in {}", peer.token_file)));
 }
 
 bool ModbusLink::prepare() {

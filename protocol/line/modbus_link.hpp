@@ -52,6 +52,7 @@ class ModbusLink {
   [[nodiscard]] Wait wait_whole(std::size_t bytes, const std::function<bool()>& cancelled) const;
   [[nodiscard]] tl::expected<void, PortProblem> connect_serial(const SerialPort& port);
   [[nodiscard]] tl::expected<void, PortProblem> connect_tcp(const TcpPeer& peer);
+  [[nodiscard]] tl::expected<void, PortProblem> show_token(const TcpPeer& peer);
   [[nodiscard]] bool prepare();
 
   LinkAddress address_;

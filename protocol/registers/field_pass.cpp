@@ -2,6 +2,10 @@
 #include "protocol/registers/field_pass.hpp"
 
 #include <algorithm>
+#include <vector>
+
+#include "base/file.hpp"
+#include "core/bytes.hpp"
 
 namespace ecs::protocol {
 
@@ -23,6 +27,12 @@ void FieldWriter::axes(const PerAxis<bool>& set) {
   for (const Axis a : kAllAxes)
     if (set[index_of(a)]) mask |= 1u << index_of(a);
   out_.push_back(static_cast<std::uint16_t>(mask));
+}
+
+void FieldWriter::check() {
+  std::vector<std::uint8_t> bytes(2 * (out_.size() - 1));
+  for (std::size_t i = 1; i < out_.size(); ++i) store_big(bytes, 2 * (i - 1), out_[i]);
+  number(crc32_of(bytes), "check");
 }
 
 void FieldWriter::text(const std::string& value, std::size_t bytes, std::string_view) {

@@ -42,6 +42,8 @@ class FieldWriter {
   void text(const std::string& value, std::size_t bytes, std::string_view);
   /// Registers from here to the end of a block of `count` stay 0.
   void rest(std::size_t count) { out_.resize(count, 0); }
+  /// CRC-32 over what was written after the echo, high byte first.
+  void check();
 
   Registers out_;
 };
@@ -72,6 +74,7 @@ class FieldReader {
   void letter(bool& present, Axis axis);
   void text(std::string& value, std::size_t bytes, std::string_view name);
   void rest(std::size_t) {}
+  void check() {}  ///< see check_agrees()
 
   std::string problem_;  ///< empty: every field was good
 

@@ -25,11 +25,18 @@ struct Block {
 // Request blocks: written by the host, read back as last written. Each but `kBlockWrite` begins with the echo cell: one
 // cell for all of them, which comes back as the first register of every answer block. A host that writes a new echo
 // and reads an answer in one transaction (function 23) can tell a late reply from the one it waits for.
-inline constexpr Block kEcho{0x0000, 1};          ///< echo alone: before a plain answer block
-inline constexpr Block kReadSelect{0x0010, 4};    ///< echo, address (2), bytes
-inline constexpr Block kWindowOpen{0x0020, 9};    ///< echo, tag, address (2), bytes (2), token (2), coded
-inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 8 arguments
-inline constexpr Block kCheckSelect{0x0060, 6};   ///< echo, address (2), bytes (2), bytes of a piece
+inline constexpr Block kEcho{0x0000, 1};         ///< echo alone: before a plain answer block
+inline constexpr Block kReadSelect{0x0010, 4};   ///< echo, address (2), bytes
+inline constexpr Block kCheckSelect{0x0018, 6};  ///< echo, address (2), bytes (2), bytes of a piece
+/// echo, tag, address (2), bytes (2), token (2), coded, session (2), check (2)
+inline constexpr Block kWindowOpen{0x0020, 13};
+/// echo, session (2), sequence, command, the unit's clock (2) and stops as the host saw them, 8 arguments, check (2)
+inline constexpr Block kCommand{0x0030, 18};
+inline constexpr Block kResultSelect{0x0048, 4};  ///< echo, session (2), sequence
+/// echo, protocol version, key (4), number (2), time (2), host name (8), check (2)
+inline constexpr Block kSessionOpen{0x0050, 20};
+inline constexpr Block kEventSelect{0x0068, 3};  ///< echo, number of the first event to read (2)
+inline constexpr Block kToken{0x0070, 16};       ///< TCP beyond one computer: the SHA-256 of the token, before all else
 inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
 
 // Answer blocks: read only; the first register is the echo.
@@ -40,11 +47,13 @@ inline constexpr Block kStatus{0x0180, 58};
 inline constexpr Block kStatusHead{0x0180, 18};  ///< up to the length of the active image
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
-inline constexpr Block kCommandResult{0x0300, 49};
+inline constexpr Block kCommandResult{0x0300, 51};
 inline constexpr Block kWindowAck{0x0380, 13};
 inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
 inline constexpr Block kChecks{0x0480, 121};  ///< echo, the CRC-32 of each piece (2), up to 60
-inline constexpr std::uint16_t kRegisterSpace = 0x0500;  ///< nothing lies at or above
+inline constexpr Block kEvents{0x0500, 96};   ///< echo, newest number (2), 3 events of 31 registers
+inline constexpr Block kSession{0x0580, 12};  ///< the host's own session, how long it is armed, and the unit's clock
+inline constexpr std::uint16_t kRegisterSpace = 0x0600;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
 inline constexpr std::size_t kBlockHeaderRegisters = 3;
@@ -55,6 +64,7 @@ inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 1
 inline constexpr std::size_t kCodedBlockBytes = 120;
 inline constexpr std::size_t kCodedBlocksInFrame = 16;
 inline constexpr std::size_t kMostChecks = (kChecks.count - 1) / 2;
+inline constexpr std::size_t kCheckRegisters = 2;  ///< at the end of a request block that has a check
 inline constexpr std::size_t kMemoryHeaderRegisters = 5;
 inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRegisters);  ///< 240, most in one read
 
@@ -62,6 +72,10 @@ inline constexpr std::size_t kResultTextBytes = 80;
 inline constexpr std::size_t kSerialNumberBytes = 16;
 inline constexpr std::size_t kUnitNameBytes = 32;
 inline constexpr std::size_t kMachineBytes = 40;
+inline constexpr std::size_t kHostNameBytes = 16;
+inline constexpr std::size_t kEventTextBytes = 24;
+inline constexpr std::size_t kEventsInBlock = 3;
+inline constexpr std::size_t kKeptEvents = 64;  ///< by a unit; the oldest gives way
 
 // What one Modbus request can carry (MODBUS Application Protocol V1.1b3, 6.3, 6.12, 6.17).
 inline constexpr std::size_t kMostRead = 125;

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+
 namespace ecs::protocol {
 
 namespace {
@@ -25,6 +29,14 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "the unit gave up waiting",
     "this transfer has ended: another host has begun one or sent a map, or the unit was restarted; send the map again",
     "the image is not for this unit and its machine",
+    "the unit does not know this host any more; it was restarted, or many other hosts have used it",
+    "the command came too late: more than two seconds after it was given; it was not carried out",
+    "everything was switched off after this command had been given; it was not carried out",
+    "host and unit speak different versions of the protocol",
+    "the unit is read-only for this host until it is armed: ecs unit arm --code CODE, or --arm-code CODE; the unit "
+    "shows its code",
+    "this is not the code that the unit shows",
+    "too many wrong codes",
 };
 
 constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
@@ -43,7 +55,8 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
                                                                     "clear fault",
                                                                     "reset unit",
                                                                     "check memory",
-                                                                    "stop"};
+                                                                    "stop",
+                                                                    "arm"};
 
 }  // namespace
 
@@ -53,6 +66,42 @@ std::size_t Identity::axis_count() const {
 
 std::string_view text_of(UnitError error) noexcept {
   return kErrorTexts[std::min<std::size_t>(static_cast<std::size_t>(error), kUnitErrorCount - 1)];
+}
+
+bool acts_at_once(CommandCode code) noexcept {
+  switch (code) {
+    case CommandCode::enter_compensation:
+    case CommandCode::set_axis_position:
+    case CommandCode::output_compensation:
+    case CommandCode::test_datum:
+    case CommandCode::record_datum:
+    case CommandCode::run_user_software:
+    case CommandCode::run_ram_test:
+    case CommandCode::clear_fault:
+    case CommandCode::reset_unit:
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool needs_arming(CommandCode code) noexcept {
+  return acts_at_once(code) || code == CommandCode::begin_staging || code == CommandCode::commit_staged;
+}
+
+std::uint64_t arm_proof(std::string_view code, std::uint32_t session) {
+  constexpr std::size_t kDigits = 16;
+  const std::string digest = sha256_hex(fmt::format("{:08x}:{}", session, code));
+  return std::stoull(digest.substr(0, kDigits), nullptr, 16);
+}
+
+bool switches_off(CommandCode code) noexcept {
+  return code == CommandCode::stop || code == CommandCode::output_off || code == CommandCode::enter_integration;
+}
+
+std::string_view name_of(CommandState state) noexcept {
+  constexpr std::array<std::string_view, 5> names{"idle", "under way", "done", "refused", "failed"};
+  return names[std::min<std::size_t>(static_cast<std::size_t>(state), names.size() - 1)];
 }
 
 std::string_view name_of(CommandCode code) noexcept {

@@ -110,19 +110,26 @@ enum class UnitError : std::uint16_t {
   address_protected = 3,        ///< memory that the host may not write
   bad_argument = 4,
   unknown_command = 5,
-  no_staging = 6,       ///< nothing staged, or no second bank
-  check_mismatch = 7,   ///< the CRC over memory is not the announced one
-  image_refused = 8,    ///< whole, but not a map or not for this unit: see the text
-  busy = 9,             ///< another command is under way
-  axis_absent = 10,     ///< the axis does not exist
-  not_referenced = 11,  ///< the axis has no reference position yet
-  unit_fault = 12,      ///< a fault prevents it: see the status
-  stopped = 13,         ///< ended by `stop`
-  time_out = 14,        ///< the unit gave up waiting: see the text
-  token_expired = 15,   ///< the staging that this token named has ended
-  other_machine = 16,   ///< an image that is addressed to another unit, machine or configuration: see the text
+  no_staging = 6,        ///< nothing staged, or no second bank
+  check_mismatch = 7,    ///< the CRC over memory is not the announced one
+  image_refused = 8,     ///< whole, but not a map or not for this unit: see the text
+  busy = 9,              ///< another command is under way
+  axis_absent = 10,      ///< the axis does not exist
+  not_referenced = 11,   ///< the axis has no reference position yet
+  unit_fault = 12,       ///< a fault prevents it: see the status
+  stopped = 13,          ///< ended by `stop`
+  time_out = 14,         ///< the unit gave up waiting: see the text
+  token_expired = 15,    ///< the staging that this token named has ended
+  other_machine = 16,    ///< an image that is addressed to another unit, machine or configuration: see the text
+  session_unknown = 17,  ///< the unit was restarted, or has forgotten the session over those of other hosts
+  late = 18,             ///< the command came more than kMostAge_ms after it was given
+  overtaken = 19,        ///< after it was given, everything was switched off
+  other_version = 20,    ///< the host speaks another version of the protocol
+  not_armed = 21,        ///< the unit is read-only for this host
+  wrong_code = 22,       ///< to arm the unit; see the text
+  too_many_codes = 23,   ///< wrong codes: no code is looked at for a while; see the text
 };
-inline constexpr std::uint16_t kUnitErrorCount = 17;
+inline constexpr std::uint16_t kUnitErrorCount = 24;
 /// In plain words, with what to do.
 [[nodiscard]] std::string_view text_of(UnitError error) noexcept;
 
@@ -145,8 +152,9 @@ enum class CommandCode : std::uint16_t {
   reset_unit = 14,    ///< answered `done` before the unit restarts
   check_memory = 15,  ///< address, length; result value = CRC-32 over that memory
   stop = 16,          ///< ends the command under way
+  arm = 17,           ///< minutes, proof; result value = seconds that the host is armed
 };
-inline constexpr std::uint16_t kCommandCount = 17;
+inline constexpr std::uint16_t kCommandCount = 18;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
 /// What the bank to write holds when a staging begins.
@@ -156,9 +164,85 @@ enum class StagingFrom : std::uint16_t {
   kept = 2,     ///< what is there: of a staging that was cut, or of an older map
 };
 
+/// What closes a relay, moves an axis or changes how the unit takes the machine: carried out within kMostAge_ms of the
+/// unit's clock, and only if nothing was switched off in between.
+[[nodiscard]] bool acts_at_once(CommandCode code) noexcept;
+inline constexpr std::uint32_t kMostAge_ms = 2000;
+/// Switches off: whatever was given before it and comes after it is not carried out.
+[[nodiscard]] bool switches_off(CommandCode code) noexcept;
+
+/// Writes, moves, closes a relay or runs code: only for a host that is armed.
+[[nodiscard]] bool needs_arming(CommandCode code) noexcept;
+
+/// Longest time that a host can be armed.
+inline constexpr std::uint16_t kMostArmed_min = 1440;
+inline constexpr std::uint16_t kUsualArmed_min = 30;
+/// What a host shows for knowing the unit's code, in a session: the first 8 bytes of the SHA-256 of "SESSION:CODE", the
+/// session in 8 hexadecimal digits. The code itself does not travel.
+[[nodiscard]] std::uint64_t arm_proof(std::string_view code, std::uint32_t session);
+
+/// A host makes itself known. The same key and number again: the same session, as long as the unit remembers it.
+struct SessionOpen {
+  std::uint16_t protocol_version = kProtocolVersion;
+  std::uint64_t key = 0;          ///< of the host, by chance; kept from one program to the next
+  std::uint32_t number = 0;       ///< of this program on that host, by chance
+  std::uint32_t unix_time_s = 0;  ///< the host's clock
+  std::string host;               ///< up to 16 characters, for the unit's records
+  friend bool operator==(const SessionOpen&, const SessionOpen&) = default;
+};
+
+/// What the unit answers to it.
+struct SessionState {
+  std::uint16_t protocol_version = kProtocolVersion;
+  UnitError error = UnitError::none;
+  std::uint32_t session = 0;   ///< by chance; 0: none was opened
+  std::uint16_t sequence = 0;  ///< of the last command that came in it
+  std::uint32_t clock_ms = 0;  ///< the unit's, since power-up, modulo 2³²
+  std::uint16_t stops = 0;     ///< commands that switched off, modulo 2¹⁶
+  std::uint32_t armed_s = 0;   ///< the host is armed for so long yet
+  std::uint16_t wait_s = 0;    ///< before the unit looks at another code
+  friend bool operator==(const SessionState&, const SessionState&) = default;
+};
+
+enum class CommandState : std::uint16_t { idle = 0, busy = 1, done = 2, refused = 3, failed = 4 };
+[[nodiscard]] std::string_view name_of(CommandState state) noexcept;
+
+/// What a host did to the unit, or tried.
+struct HostEvent {
+  std::uint32_t number = 0;              ///< counts from 1; 0: no such event
+  std::uint32_t unit_time_s = 0;         ///< the unit's clock, since its start
+  std::uint32_t unix_time_s = 0;         ///< the host's clock, as it said; 0: unknown
+  std::uint16_t starts = 0;              ///< how often the unit had started, modulo 2¹⁶
+  std::uint16_t times = 1;               ///< the same, so often in a row
+  CommandCode code = CommandCode::none;  ///< none: memory was written
+  UnitError error = UnitError::none;
+  CommandState state = CommandState::idle;
+  std::string host;  ///< up to 16 characters
+  std::string text;  ///< up to 24 characters: the arguments
+  friend bool operator==(const HostEvent&, const HostEvent&) = default;
+};
+
+/// Events from a number on.
+struct EventPage {
+  std::uint32_t newest = 0;  ///< number of the newest event
+  std::array<HostEvent, kEventsInBlock> events{};
+  friend bool operator==(const EventPage&, const EventPage&) = default;
+};
+struct EventSelect {
+  std::uint32_t first = 1;
+  friend bool operator==(const EventSelect&, const EventSelect&) = default;
+};
+
+/// Whose result is read.
+struct ResultSelect {
+  std::uint32_t session = 0;
+  std::uint16_t sequence = 0;
+  friend bool operator==(const ResultSelect&, const ResultSelect&) = default;
+};
+
 /// One command. Only the fields that its code names (above) travel.
 struct Command {
-  std::uint16_t sequence = 0;  ///< differs from the command before; a repeat is not done twice
+  std::uint16_t sequence = 0;  ///< counts the commands of a session; a repeat is not done twice
   CommandCode code = CommandCode::none;
   Axis axis = Axis::X;
   double position_mm = 0.0;
@@ -170,10 +254,13 @@ struct Command {
   std::uint32_t length = 0;
   std::uint32_t crc = 0;    ///< CRC-32 (IEEE 802.3)
   std::uint32_t token = 0;  ///< of the staging
+  std::uint32_t session = 0;
+  std::uint32_t clock_ms = 0;  ///< of the unit, when the command was given
+  std::uint16_t stops = 0;     ///< of the unit, when the command was given
+  std::uint16_t minutes = 0;
+  std::uint64_t proof = 0;  ///< see arm_proof()
   friend bool operator==(const Command&, const Command&) = default;
 };
-
-enum class CommandState : std::uint16_t { idle = 0, busy = 1, done = 2, refused = 3, failed = 4 };
 
 struct CommandResult {
   std::uint16_t sequence = 0;  ///< of the command that this answers
@@ -183,6 +270,7 @@ struct CommandResult {
   std::uint32_t value = 0;      ///< see CommandCode
   std::string text;             ///< up to 80 characters, shown to the user
   std::uint32_t token = 0;      ///< of the staging that was begun
+  std::uint32_t session = 0;
   friend bool operator==(const CommandResult&, const CommandResult&) = default;
 };
 
@@ -193,6 +281,7 @@ struct WindowOpen {
   std::uint32_t length = 0;  ///< 1 … kWindowBytes
   std::uint32_t token = 0;   ///< of the staging that it belongs to; 0 outside axis memory
   bool coded = false;        ///< blocks of 120 bytes, several in a frame, coded (core/block_code.hpp); axis memory only
+  std::uint32_t session = 0;
   [[nodiscard]] std::size_t block_bytes() const { return coded ? kCodedBlockBytes : kBlockBytes; }
   friend bool operator==(const WindowOpen&, const WindowOpen&) = default;
 };

@@ -1,6 +1,8 @@
 // The order of the fields in every block, once for both directions.
 #include "protocol/registers/unit_registers.hpp"
 
+#include <algorithm>
+
 #include "protocol/registers/field_pass.hpp"
 
 namespace ecs::protocol {
@@ -121,6 +123,9 @@ void arguments(Pass& pass, T& command) {
     case CommandCode::check_memory:
       pass.number(command.address, "address");
       return pass.number(command.length, "length");
+    case CommandCode::arm:
+      pass.number(command.minutes, "minutes");
+      return pass.number(command.proof, "proof");
     default:
       return;
   }
@@ -128,14 +133,19 @@ void arguments(Pass& pass, T& command) {
 
 template <class Pass, class T>
 void fields(Pass& pass, T& command) requires std::is_same_v<std::remove_const_t<T>, Command> {
+  pass.number(command.session, "session");
   pass.number(command.sequence, "sequence");
   pass.one_of(command.code, kCommandCount, "command");
+  pass.number(command.clock_ms, "clock");
+  pass.number(command.stops, "stops");
   arguments(pass, command);
-  pass.rest(kCommand.count);
+  pass.rest(kCommand.count - kCheckRegisters);
+  pass.check();
 }
 
 template <class Pass, class T>
 void fields(Pass& pass, T& result) requires std::is_same_v<std::remove_const_t<T>, CommandResult> {
+  pass.number(result.session, "session");
   pass.number(result.sequence, "sequence");
   pass.one_of(result.state, 5, "command state");
   pass.one_of(result.error, kUnitErrorCount, "error");
@@ -152,6 +162,8 @@ void fields(Pass& pass, T& window) requires std::is_same_v<std::remove_const_t<T
   pass.number(window.length, "length");
   pass.number(window.token, "token");
   pass.flag(window.coded, "coded");
+  pass.number(window.session, "session");
+  pass.check();
 }
 
 template <class Pass, class T>
@@ -175,6 +187,56 @@ template <class Pass, class T>
 void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, ReadSelect> {
   pass.number(select.address, "address");
   pass.number(select.bytes, "bytes");
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, ResultSelect> {
+  pass.number(select.session, "session");
+  pass.number(select.sequence, "sequence");
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& open) requires std::is_same_v<std::remove_const_t<T>, SessionOpen> {
+  pass.number(open.protocol_version, "protocol version");
+  pass.number(open.key, "key");
+  pass.number(open.number, "number");
+  pass.number(open.unix_time_s, "time");
+  pass.text(open.host, kHostNameBytes, "host");
+  pass.check();
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& state) requires std::is_same_v<std::remove_const_t<T>, SessionState> {
+  pass.number(state.protocol_version, "protocol version");
+  pass.one_of(state.error, kUnitErrorCount, "error");
+  pass.number(state.session, "session");
+  pass.number(state.sequence, "sequence");
+  pass.number(state.clock_ms, "clock");
+  pass.number(state.stops, "stops");
+  pass.number(state.armed_s, "armed");
+  pass.number(state.wait_s, "wait");
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& page) requires std::is_same_v<std::remove_const_t<T>, EventPage> {
+  pass.number(page.newest, "newest event");
+  for (auto& event : page.events) {
+    pass.number(event.number, "event");
+    pass.number(event.unit_time_s, "unit time");
+    pass.number(event.unix_time_s, "time");
+    pass.number(event.starts, "starts");
+    pass.number(event.times, "times");
+    pass.one_of(event.code, kCommandCount, "command");
+    pass.one_of(event.error, kUnitErrorCount, "error");
+    pass.one_of(event.state, 5, "command state");
+    pass.text(event.host, kHostNameBytes, "host");
+    pass.text(event.text, kEventTextBytes, "text");
+  }
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, EventSelect> {
+  pass.number(select.first, "event");
 }
 
 template <class T>
@@ -213,6 +275,11 @@ Registers registers_of(const Command& command, std::uint16_t echo) { return with
 Registers registers_of(const WindowOpen& window, std::uint16_t echo) { return with_echo(window, echo); }
 Registers registers_of(const CheckSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
 Registers registers_of(const ReadSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
+Registers registers_of(const ResultSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
+Registers registers_of(const SessionOpen& open, std::uint16_t echo) { return with_echo(open, echo); }
+Registers registers_of(const SessionState& state, std::uint16_t echo) { return with_echo(state, echo); }
+Registers registers_of(const EventPage& page, std::uint16_t echo) { return with_echo(page, echo); }
+Registers registers_of(const EventSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
 
 Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo) {
   FieldWriter pass;
@@ -241,6 +308,29 @@ Result<CheckSelect> check_select_in(std::span<const std::uint16_t> block) {
 }
 Result<ReadSelect> read_select_in(std::span<const std::uint16_t> block) {
   return from<ReadSelect>(block, "the selection");
+}
+Result<ResultSelect> result_select_in(std::span<const std::uint16_t> block) {
+  return from<ResultSelect>(block, "the selection");
+}
+Result<SessionOpen> session_open_in(std::span<const std::uint16_t> block) {
+  return from<SessionOpen>(block, "the session");
+}
+Result<SessionState> session_state_in(std::span<const std::uint16_t> block) {
+  return from<SessionState>(block, "the session");
+}
+
+Result<EventSelect> event_select_in(std::span<const std::uint16_t> block) {
+  return from<EventSelect>(block, "the selection");
+}
+Result<EventPage> event_page_in(std::span<const std::uint16_t> block) {
+  return from<EventPage>(block, "the list of events");
+}
+
+bool check_agrees(std::span<const std::uint16_t> block) {
+  FieldWriter pass;
+  pass.out_.assign(block.begin(), block.end() - kCheckRegisters);
+  pass.check();
+  return std::equal(block.begin(), block.end(), pass.out_.begin(), pass.out_.end());
 }
 
 Result<void> take_pointers(std::span<const std::uint16_t> block, UnitStatus& status) {

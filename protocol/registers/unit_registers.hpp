@@ -17,12 +17,20 @@ namespace ecs::protocol {
 [[nodiscard]] Registers registers_of(const MonitorSample& sample, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const CommandResult& result, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const WindowAck& ack, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const SessionState& state, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const EventPage& page, std::uint16_t echo);
 
-// Request blocks, the echo first.
+// Request blocks, the echo first; those with a check end with it.
 [[nodiscard]] Registers registers_of(const Command& command, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const WindowOpen& window, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const CheckSelect& select, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const ReadSelect& select, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const ResultSelect& select, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const SessionOpen& open, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const EventSelect& select, std::uint16_t echo);
+
+/// The CRC-32 over the registers between the echo and the last two (high byte first) is what these two hold.
+[[nodiscard]] bool check_agrees(std::span<const std::uint16_t> block);
 
 // Back, from a whole block. A number that its type does not know, a number that is not finite or a text that is not
 // printable is a `link` problem that names the field.
@@ -36,6 +44,11 @@ namespace ecs::protocol {
 [[nodiscard]] Result<WindowOpen> window_open_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<CheckSelect> check_select_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<ReadSelect> read_select_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<ResultSelect> result_select_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<SessionOpen> session_open_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<SessionState> session_state_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<EventSelect> event_select_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<EventPage> event_page_in(std::span<const std::uint16_t> block);
 
 /// Bytes two a register, the first in the high byte; an odd last byte leaves the low byte 0.
 [[nodiscard]] Registers packed(std::span<const std::uint8_t> bytes);

@@ -33,6 +33,11 @@ void MemoryWindow::open(const WindowOpen& window) {
     error_ = unit_->may_write(window.address, window.length);
 }
 
+void MemoryWindow::refuse(UnitError why) {
+  received_ = 0;
+  error_ = why;
+}
+
 void MemoryWindow::stage_under(std::uint32_t token) {
   token_ = token;
   received_ = 0;

@@ -22,10 +22,14 @@ class MemoryWindow {
   /// `token_expired`. 0: nothing is staged.
   void stage_under(std::uint32_t token);
   [[nodiscard]] std::uint32_t token() const { return token_; }
+  [[nodiscard]] std::uint32_t session() const { return window_.session; }
+  [[nodiscard]] UnitError error() const { return error_; }
 
   /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written, or not under
   /// this token, leaves the window closed with the reason in ack().error.
   void open(const WindowOpen& window);
+  /// The window that was opened last is closed for this reason.
+  void refuse(UnitError why);
 
   /// One frame: tag, number, check, payload. In a coded window it brings several blocks, taken all or not at all, and
   /// none before those below them. False: not taken.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "base/file.hpp"
@@ -14,8 +13,11 @@ namespace ecs::protocol {
 
 namespace {
 
-constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kChecks};
-constexpr std::array kEchoed{kEcho, kReadSelect, kWindowOpen, kCommand, kCheckSelect};
+constexpr std::array kAnswers{kIdentity,  kStatus, kMonitor, kPointers, kCommandResult,
+                              kWindowAck, kMemory, kChecks,  kSession,  kEvents};
+constexpr std::array kEchoed{kEcho,         kReadSelect,  kCheckSelect, kWindowOpen, kCommand,
+                             kResultSelect, kSessionOpen, kEventSelect};
+constexpr std::array kWithCheck{kWindowOpen, kCommand, kSessionOpen};
 constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
 
 std::optional<Block> answer_block(std::uint16_t first, std::uint16_t count) {
@@ -30,12 +32,12 @@ std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
   return std::nullopt;
 }
 
-/// Differs from that of the staging before, and is no token of another unit but by chance.
-std::uint32_t next_token(std::uint32_t before) {
-  std::random_device chance;
-  std::uint32_t token = before;
-  while (token == before || token == 0) token = chance();
-  return token;
+CommandResult refused(UnitError error) { return {0, CommandState::refused, error, 0, 0, {}}; }
+
+/// A later number of the same count, which begins again after 65,535.
+bool comes_after(std::uint16_t number, std::uint16_t before) {
+  const auto ahead = static_cast<std::uint16_t>(number - before);
+  return ahead != 0 && ahead < 0x8000;
 }
 
 }  // namespace
@@ -62,7 +64,9 @@ Registers RegisterServer::answer(const Block& block) {
   if (block == kStatus) return registers_of(unit_->status(), echo_);
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
   if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
-  if (block == kCommandResult) return registers_of(result_now(), echo_);
+  if (block == kCommandResult) return registers_of(result_selected(), echo_);
+  if (block == kSession) return registers_of(session_state(), echo_);
+  if (block == kEvents) return registers_of(events_.page(event_select_.first), echo_);
   return registers_of(window_.ack(), echo_);
 }
 
@@ -104,49 +108,158 @@ tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
 
 tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
+    if (!may_write(window_.session())) window_.refuse(UnitError::not_armed);
     if (!window_.take(values)) return tl::unexpected(ModbusException::illegal_value);
     return {};
   }
   const auto block = request_block(first, values.size());
   if (!block) return tl::unexpected(ModbusException::illegal_address);
+  const bool whole = block->count > 1 && first == block->first && values.size() == block->count;
+  const bool checked = std::find(kWithCheck.begin(), kWithCheck.end(), *block) != kWithCheck.end();
+  if (whole && checked && !check_agrees(values)) return tl::unexpected(ModbusException::illegal_value);
   std::copy(values.begin(), values.end(), requests_.begin() + first);
   if (first == block->first) echo_ = values.front();
-  if (block->count > 1 && first == block->first && values.size() == block->count) act_on(*block);
+  if (whole) act_on(*block);
   return {};
+}
+
+/// After a start of the unit nothing of before counts: sessions, tokens, results.
+void RegisterServer::forget_hosts_of_another_start() {
+  const std::uint32_t starts = unit_->clock().starts;
+  if (starts == starts_) return;
+  starts_ = starts;
+  sessions_.forget_all();
+  arming_.begin_again();
+  window_.stage_under(0);
+  port_busy_ = false;
 }
 
 void RegisterServer::act_on(const Block& block) {
   const auto whole = std::span<const std::uint16_t>(requests_).subspan(block.first, block.count);
-  if (block == kWindowOpen) {
-    if (const auto window = window_open_in(whole)) window_.open(*window);
+  forget_hosts_of_another_start();
+  if (block == kSessionOpen) {
+    if (const auto host = session_open_in(whole)) open_session(*host);
+  } else if (block == kWindowOpen) {
+    if (const auto window = window_open_in(whole)) open_window(*window);
+  } else if (block == kResultSelect) {
+    if (const auto select = result_select_in(whole)) selected_ = *select;
+  } else if (block == kEventSelect) {
+    if (const auto select = event_select_in(whole)) event_select_ = *select;
   } else if (block == kCommand) {
-    const std::uint16_t sequence = whole[1];
-    if (sequence == 0 || std::find(sequences_.begin(), sequences_.end(), sequence) != sequences_.end()) return;
-    sequences_[next_sequence_++ % sequences_.size()] = sequence;
-    if (const auto command = command_in(whole))
-      take_command(*command);
-    else
-      result_ = {sequence,
-                 CommandState::refused,
-                 whole[2] >= kCommandCount ? UnitError::unknown_command : UnitError::bad_argument,
-                 0,
-                 0,
-                 {}};
+    if (const auto command = command_in(whole)) return take_command(*command);
+    Command unreadable;
+    unreadable.session = static_cast<std::uint32_t>(whole[1]) << 16 | whole[2];
+    unreadable.sequence = whole[3];
+    unreadable.code = whole[4] < kCommandCount ? CommandCode::none : static_cast<CommandCode>(kCommandCount);
+    take_command(unreadable);
   }
 }
 
+void RegisterServer::open_session(const SessionOpen& host) {
+  opened_ = {};
+  if (host.protocol_version == kProtocolVersion)
+    opened_.session = sessions_.open(host).id;
+  else
+    opened_.error = UnitError::other_version;
+}
+
+/// The session asked for last, as it is now.
+SessionState RegisterServer::session_state() {
+  forget_hosts_of_another_start();
+  SessionState state = opened_;
+  const std::uint64_t now_ms = unit_->clock().ms;
+  const HostSession* session = sessions_.find(state.session);
+  if (session == nullptr) state.session = 0;
+  if (session != nullptr) state.sequence = session->result.sequence;
+  if (session != nullptr) state.armed_s = arming_.left_s(*session, now_ms);
+  state.wait_s = arming_.wait_s(now_ms);
+  state.clock_ms = static_cast<std::uint32_t>(now_ms);
+  state.stops = stops_;
+  return state;
+}
+
+void RegisterServer::open_window(const WindowOpen& window) {
+  const HostSession* session = sessions_.find(window.session);
+  window_.open(window);
+  if (session == nullptr) return window_.refuse(UnitError::session_unknown);
+  if (!may_write(window.session)) window_.refuse(UnitError::not_armed);
+  const UnitError error = window_.error();
+  if (in_axis_memory(window.address) && error == UnitError::none) return;  // the commit is what counts there
+  HostEvent written;
+  written.state = error == UnitError::none ? CommandState::done : CommandState::refused;
+  written.error = error;
+  written.text = stretch_in_words(window.address, window.length);
+  note(*session, std::move(written));
+}
+
+bool RegisterServer::may_write(std::uint32_t session_id) {
+  const HostSession* session = sessions_.find(session_id);
+  return session != nullptr && arming_.left_s(*session, unit_->clock().ms) > 0;
+}
+
+std::uint32_t RegisterServer::note(const HostSession& session, HostEvent event) {
+  const UnitClock clock = unit_->clock();
+  event.unit_time_s = static_cast<std::uint32_t>(clock.ms / 1000);
+  event.unix_time_s = session.host.unix_time_s;
+  event.starts = static_cast<std::uint16_t>(clock.starts);
+  event.host = session.host.host;
+  return events_.add(std::move(event));
+}
+
+/// A command that comes again, or after a later one of its session, does nothing.
 void RegisterServer::take_command(const Command& command) {
-  (void)result_now();
-  if (command.code == CommandCode::check_memory) {
-    result_ = check_memory(command);
-  } else if (port_busy_ && command.code != CommandCode::stop) {
-    result_ = {command.sequence, CommandState::refused, UnitError::busy, 0, 0, {}};
-  } else {
-    result_ = begun(command);
-    result_.sequence = command.sequence;
-    port_busy_ = result_.state == CommandState::busy;
-    busy_sequence_ = command.sequence;
+  selected_ = {command.session, command.sequence};
+  look_at_busy_command();
+  HostSession* session = sessions_.find(command.session);
+  if (session == nullptr || !comes_after(command.sequence, session->result.sequence)) return;
+  CommandResult result = outcome_of(command, *session);
+  result.session = command.session;
+  result.sequence = command.sequence;
+  if (result.state == CommandState::done && switches_off(command.code)) ++stops_;
+  if (needs_arming(command.code) || switches_off(command.code) || command.code == CommandCode::arm) {
+    HostEvent event;
+    event.code = command.code;
+    event.state = result.state;
+    event.error = result.error;
+    event.text = arguments_in_words(command);
+    const std::uint32_t number = note(*session, std::move(event));
+    if (result.state == CommandState::busy) busy_event_ = number;
   }
+  session->result = std::move(result);
+}
+
+/// Why a command is not even looked at by the unit.
+UnitError RegisterServer::refusal_of(const Command& command, const HostSession& session) const {
+  if (command.code == CommandCode::none) return UnitError::bad_argument;
+  if (static_cast<std::uint16_t>(command.code) >= kCommandCount) return UnitError::unknown_command;
+  if (port_busy_ && command.code != CommandCode::stop) return UnitError::busy;
+  const std::uint64_t now_ms = unit_->clock().ms;
+  if (needs_arming(command.code) && arming_.left_s(session, now_ms) == 0) return UnitError::not_armed;
+  if (!acts_at_once(command.code)) return UnitError::none;
+  const std::uint32_t age_ms = static_cast<std::uint32_t>(now_ms) - command.clock_ms;
+  if (age_ms > kMostAge_ms) return UnitError::late;
+  return command.stops == stops_ ? UnitError::none : UnitError::overtaken;
+}
+
+/// A host that is armed is present: the unit that is starting enters integration mode.
+CommandResult RegisterServer::armed(const Command& command, const HostSession& session) {
+  CommandResult result = arming_.arm(command, session, unit_->clock().ms);
+  if (result.state == CommandState::done && result.value > 0) unit_->host_armed();
+  return result;
+}
+
+CommandResult RegisterServer::outcome_of(const Command& command, const HostSession& session) {
+  if (command.code == CommandCode::arm) return armed(command, session);
+  if (command.code == CommandCode::check_memory) return check_memory(command);
+  if (const UnitError error = refusal_of(command, session); error != UnitError::none) return refused(error);
+  CommandResult result = begun(command);
+  if (result.state == CommandState::busy) {
+    port_busy_ = true;
+    busy_ = {command.session, command.sequence};
+  } else if (command.code == CommandCode::stop) {
+    look_at_busy_command();
+  }
+  return result;
 }
 
 /// The unit's answer. A staging ends with the next one, with its commit and when it is abandoned; under another token
@@ -154,17 +267,17 @@ void RegisterServer::take_command(const Command& command) {
 CommandResult RegisterServer::begun(const Command& command) {
   const bool begins = command.code == CommandCode::begin_staging;
   const bool ends = command.code == CommandCode::commit_staged || command.code == CommandCode::abandon_staged;
-  if (ends && window_.token() == 0) return {0, CommandState::refused, UnitError::no_staging, 0, 0, {}};
-  if (ends && command.token != window_.token()) return {0, CommandState::refused, UnitError::token_expired, 0, 0, {}};
+  if (ends && window_.token() == 0) return refused(UnitError::no_staging);
+  if (ends && command.token != window_.token()) return refused(UnitError::token_expired);
   CommandResult result = unit_->begin(command);
   if (result.state != CommandState::done && result.state != CommandState::busy) return result;
-  if (begins) result.token = next_token(window_.token());
+  if (begins) result.token = number_by_chance(window_.token());
   if (begins || ends) window_.stage_under(result.token);
   return result;
 }
 
 CommandResult RegisterServer::check_memory(const Command& command) {
-  CommandResult result{command.sequence, CommandState::done, UnitError::none, 0, 0, {}};
+  CommandResult result{0, CommandState::done, UnitError::none, 0, 0, {}};
   std::vector<std::uint8_t> bytes(std::min(command.length, kLongestCheck));
   if (command.length == 0 || command.length > kLongestCheck)
     result.error = UnitError::bad_argument;
@@ -177,13 +290,31 @@ CommandResult RegisterServer::check_memory(const Command& command) {
   return result;
 }
 
-const CommandResult& RegisterServer::result_now() {
-  if (!port_busy_) return result_;
+/// Takes over how far the command under way is, or how it has ended.
+void RegisterServer::look_at_busy_command() {
+  if (!port_busy_) return;
   CommandResult now = unit_->progress();
-  now.sequence = busy_sequence_;
   port_busy_ = now.state == CommandState::busy;
-  if (result_.sequence == busy_sequence_) result_ = std::move(now);
-  return result_;
+  events_.settle(busy_event_, now.state, now.error);
+  HostSession* session = sessions_.find(busy_.session);
+  if (session == nullptr || session->result.sequence != busy_.sequence) return;
+  now.session = busy_.session;
+  now.sequence = busy_.sequence;
+  session->result = std::move(now);
+}
+
+/// Idle: that command is not the newest of its session.
+CommandResult RegisterServer::result_selected() {
+  forget_hosts_of_another_start();
+  look_at_busy_command();
+  CommandResult result;
+  if (const HostSession* session = sessions_.find(selected_.session); session == nullptr)
+    result = refused(UnitError::session_unknown);
+  else if (session->result.sequence == selected_.sequence)
+    result = session->result;
+  result.session = selected_.session;
+  result.sequence = selected_.sequence;
+  return result;
 }
 
 }  // namespace ecs::protocol

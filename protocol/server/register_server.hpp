@@ -2,15 +2,24 @@
 // Does not live here: the link (server.hpp), the order of the fields (protocol/registers/unit_registers.hpp).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "protocol/registers/register_handler.hpp"
 #include "protocol/registers/unit_data.hpp"
+#include "protocol/server/arming.hpp"
+#include "protocol/server/event_list.hpp"
+#include "protocol/server/host_sessions.hpp"
 #include "protocol/server/memory_window.hpp"
 
 namespace ecs::protocol {
+
+struct UnitClock {
+  std::uint32_t starts = 0;  ///< how often the unit has started; another number: it knows no host any more
+  std::uint64_t ms = 0;      ///< since the last start
+};
 
 /// What the link needs of a unit. Called from the server, between ticks.
 class UnitPort {
@@ -19,6 +28,9 @@ class UnitPort {
   [[nodiscard]] virtual Identity identity() = 0;
   [[nodiscard]] virtual UnitStatus status() = 0;
   [[nodiscard]] virtual MonitorSample monitor() = 0;
+  [[nodiscard]] virtual UnitClock clock() = 0;
+  /// A host has armed the unit.
+  virtual void host_armed() {}
 
   /// Fills `out`, all of it or (any error but `none`) nothing.
   [[nodiscard]] virtual UnitError read_memory(Address address, std::span<std::uint8_t> out) = 0;
@@ -26,19 +38,18 @@ class UnitPort {
   [[nodiscard]] virtual UnitError may_write(Address address, std::uint32_t bytes) = 0;
   [[nodiscard]] virtual UnitError write_memory(Address address, std::span<const std::uint8_t> bytes) = 0;
 
-  /// Called once for each new sequence number; while a command is busy only with `stop`. `check_memory` never comes
-  /// here. The answer's `sequence` is filled in by the caller.
+  /// Called once for each command; while a command is busy only with `stop`. `check_memory` never comes here. Session
+  /// and sequence of the answer are filled in by the caller.
   [[nodiscard]] virtual CommandResult begin(const Command& command) = 0;
   /// State of the command that `begin` left busy.
   [[nodiscard]] virtual CommandResult progress() = 0;
 };
 
-/// Commands whose late repeat does nothing.
-inline constexpr std::size_t kRemembered = 32;
-
 class RegisterServer : public RegisterHandler {
  public:
-  explicit RegisterServer(UnitPort& unit) : unit_(&unit), window_(unit) {}
+  /// @param arm_code  that the unit shows; empty: no host needs one
+  explicit RegisterServer(UnitPort& unit, std::string arm_code = {})
+      : unit_(&unit), window_(unit), arming_(std::move(arm_code)) {}
 
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override;
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,
@@ -49,20 +60,36 @@ class RegisterServer : public RegisterHandler {
   [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer();
   [[nodiscard]] tl::expected<Registers, ModbusException> checks_answer();
   void act_on(const Block& block);
-  [[nodiscard]] const CommandResult& result_now();
+  void forget_hosts_of_another_start();
+  void open_session(const SessionOpen& host);
+  void open_window(const WindowOpen& window);
   void take_command(const Command& command);
+  [[nodiscard]] CommandResult outcome_of(const Command& command, const HostSession& session);
+  [[nodiscard]] UnitError refusal_of(const Command& command, const HostSession& session) const;
+  [[nodiscard]] CommandResult armed(const Command& command, const HostSession& session);
+  [[nodiscard]] bool may_write(std::uint32_t session_id);
+  std::uint32_t note(const HostSession& session, HostEvent event);
   [[nodiscard]] CommandResult begun(const Command& command);
   [[nodiscard]] CommandResult check_memory(const Command& command);
+  void look_at_busy_command();
+  [[nodiscard]] CommandResult result_selected();
+  [[nodiscard]] SessionState session_state();
 
   UnitPort* unit_;
   MemoryWindow window_;
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written
-  CommandResult result_;
-  std::array<std::uint16_t, kRemembered> sequences_{};  ///< of the commands taken last, so that none is taken twice
-  std::size_t next_sequence_ = 0;
-  bool port_busy_ = false;           ///< the unit works on a command …
-  std::uint16_t busy_sequence_ = 0;  ///< … of this number
+  HostSessions sessions_;
+  Arming arming_;
+  EventList events_;
+  std::uint32_t starts_ = 0;
+  std::uint16_t stops_ = 0;
+  SessionState opened_;     ///< the session that was asked for last
+  ResultSelect selected_;   ///< the result that was asked for last
+  ResultSelect busy_;       ///< the command that the unit works on …
+  bool port_busy_ = false;  ///< … if it does
+  std::uint32_t busy_event_ = 0;
+  EventSelect event_select_;
 };
 
 }  // namespace ecs::protocol

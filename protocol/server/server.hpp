@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <poll.h>
@@ -28,9 +29,11 @@ struct PtyOptions {
 };
 
 struct TcpOptions {
-  std::uint16_t port = 0;  ///< on 127.0.0.1; 0: any free one
+  std::uint16_t port = 0;  ///< 0: any free one
   int unit = kDefaultUnit;
   std::size_t most_connections = 8;
+  std::string host = "127.0.0.1";  ///< IPv4 address of the interface; beyond loopback a token is needed
+  std::string token_file{};        ///< what every connection must show first; empty: nothing
 };
 
 class ModbusServer {

@@ -1,4 +1,4 @@
-// Modbus TCP on the loopback interface, a few connections at once.
+// Modbus TCP, on the loopback interface unless asked otherwise, a few connections at once.
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 
 #include "protocol/line/frame_cut.hpp"
+#include "protocol/registers/register_map.hpp"
 #include "protocol/server/server_link.hpp"
 
 namespace ecs::protocol {
@@ -24,15 +25,23 @@ struct Connection {
   std::vector<std::uint8_t> heard;
   ReplyChannel channel;
   std::chrono::steady_clock::time_point asked;  ///< when it was made, or asked last
+  bool admitted = false;                        ///< has shown the token, or needs none
   bool ended = false;
 };
 
 class TcpLink : public ServerLink {
  public:
-  TcpLink(FrameCodec codec, const TcpOptions& options, Descriptor listener, std::uint16_t port)
-      : ServerLink(std::move(codec), Framing::tcp), options_(options), listener_(std::move(listener)), port_(port) {}
+  TcpLink(FrameCodec codec, const TcpOptions& options, std::vector<std::uint8_t> token, Descriptor listener,
+          std::uint16_t port)
+      : ServerLink(std::move(codec), Framing::tcp),
+        options_(options),
+        token_(std::move(token)),
+        listener_(std::move(listener)),
+        port_(port) {}
 
-  [[nodiscard]] LinkAddress address() const override { return {TcpPeer{"127.0.0.1", port_}, options_.unit}; }
+  [[nodiscard]] LinkAddress address() const override {
+    return {TcpPeer{options_.host, port_, options_.token_file}, options_.unit};
+  }
   [[nodiscard]] std::vector<pollfd> poll_fds() const override {
     std::vector<pollfd> fds{{listener_.get(), POLLIN, 0}};
     for (const auto& connection : connections_) fds.push_back({connection.socket.get(), POLLIN, 0});
@@ -67,7 +76,7 @@ class TcpLink : public ServerLink {
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       if (connections_.size() >= options_.most_connections) drop_idle();
       if (connections_.size() < options_.most_connections)
-        connections_.push_back({std::move(socket), {}, {}, Clock::now(), false});
+        connections_.push_back({std::move(socket), {}, {}, Clock::now(), token_.empty(), false});
     }
   }
   void drop_idle() {
@@ -89,13 +98,33 @@ class TcpLink : public ServerLink {
       const TcpCut cut = tcp_request_length(connection.heard);
       connection.ended = cut.broken;
       if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
-      carry_out(std::span(connection.heard).first(cut.length), handler, connection.channel, Clock::now(), {});
+      const auto frame = std::span<const std::uint8_t>(connection.heard).first(cut.length);
+      if (connection.admitted)
+        carry_out(frame, handler, connection.channel, Clock::now(), {});
+      else
+        admit(connection, frame);
       connection.asked = Clock::now();
       connection.heard.erase(connection.heard.begin(),
                              connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
       ++answered;
     }
     return answered;
+  }
+
+  /// The first frame of a connection must show the token; anything else ends it, without an answer.
+  void admit(Connection& connection, std::span<const std::uint8_t> frame) const {
+    constexpr std::size_t kPdu = 7, kDigest = kPdu + 6, kReply = kPdu + 5;
+    const std::array<std::uint8_t, 6> head{0x10, kToken.first >> 8, kToken.first & 0xFF,
+                                           0,    kToken.count,      static_cast<std::uint8_t>(2 * kToken.count)};
+    connection.admitted = frame.size() == kDigest + token_.size() &&
+                          std::equal(head.begin(), head.end(), frame.begin() + kPdu) &&
+                          std::equal(token_.begin(), token_.end(), frame.begin() + kDigest);
+    connection.ended = !connection.admitted;
+    if (!connection.admitted) return;
+    std::vector<std::uint8_t> reply(frame.begin(), frame.begin() + kReply);
+    reply[4] = 0;
+    reply[5] = kReply - 6;
+    connection.channel.put(std::move(reply), Clock::now(), {});
   }
 
   static void speak(Connection& connection) {
@@ -106,35 +135,47 @@ class TcpLink : public ServerLink {
   }
 
   TcpOptions options_;
+  std::vector<std::uint8_t> token_;  ///< its digest; empty: none is asked for
   Descriptor listener_;
   std::uint16_t port_;
   std::vector<Connection> connections_;
 };
 
-tl::unexpected<Problem> listen_problem(std::uint16_t port) {
-  return problem(ProblemKind::output, fmt::format("cannot listen on 127.0.0.1:{}: {}", port, std::strerror(errno)));
+tl::unexpected<Problem> listen_problem(const TcpOptions& options) {
+  return problem(ProblemKind::output,
+                 fmt::format("cannot listen on {}:{}: {}", options.host, options.port, std::strerror(errno)));
 }
 
 }  // namespace
 
 Result<std::unique_ptr<ServerLink>> open_tcp_link(const TcpOptions& options) {
+  std::vector<std::uint8_t> token;
+  if (options.token_file.empty() && !is_loopback(options.host))
+    return problem(ProblemKind::usage, fmt::format("{}: beyond this computer a token is needed", options.host));
+  if (!options.token_file.empty()) {
+    auto digest = token_digest_of(options.token_file);
+    if (!digest) return tl::unexpected(digest.error());
+    token = std::move(*digest);
+  }
   Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!listener) return listen_problem(options.port);
+  if (!listener) return listen_problem(options);
   const int on = 1;
   (void)::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in place{};
   place.sin_family = AF_INET;
-  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::inet_pton(AF_INET, options.host.c_str(), &place.sin_addr) != 1)
+    return problem(ProblemKind::usage, fmt::format("{}: expected an IPv4 address such as 0.0.0.0", options.host));
   place.sin_port = htons(options.port);
   socklen_t size = sizeof place;
   auto* const general = reinterpret_cast<sockaddr*>(&place);
   constexpr int kWaiting = 8;
   if (::bind(listener.get(), general, size) != 0 || ::listen(listener.get(), kWaiting) != 0 ||
       ::getsockname(listener.get(), general, &size) != 0)
-    return listen_problem(options.port);
+    return listen_problem(options);
   auto codec = FrameCodec::make(Framing::tcp, options.unit);
   if (!codec) return tl::unexpected(codec.error());
-  return std::make_unique<TcpLink>(std::move(*codec), options, std::move(listener), ntohs(place.sin_port));
+  return std::make_unique<TcpLink>(std::move(*codec), options, std::move(token), std::move(listener),
+                                   ntohs(place.sin_port));
 }
 
 }  // namespace ecs::protocol

@@ -13,6 +13,7 @@
 #include "base/file.hpp"
 #include "core/memory_image.hpp"
 #include "protocol/client/client.hpp"
+#include "protocol/registers/unit_registers.hpp"
 #include "protocol/server/register_server.hpp"
 #include "protocol/server/server.hpp"
 
@@ -41,6 +42,7 @@ class UnitModel : public UnitPort {
   int replies_left = -1;            ///< after so many the unit is silent; -1: never
   bool names_active_bank = false;   ///< as the one to write
   std::function<void()> after_commit;
+  UnitClock unit_clock{1, 5'000};
   int foreign_echo = -1;  ///< the next monitor block carries it, as if another host had asked
 
   Identity identity() override {
@@ -71,6 +73,7 @@ class UnitModel : public UnitPort {
     sample.axes[0].position_mm = samples;
     return sample;
   }
+  UnitClock clock() override { return unit_clock; }
   UnitError read_memory(Address address, std::span<std::uint8_t> out) override {
     auto* bank = bank_at(address, out.size());
     if (bank == nullptr) return UnitError::address_unknown;
@@ -172,6 +175,47 @@ class UnitModel : public UnitPort {
     if (after_commit) after_commit();
     return done(commits);
   }
+};
+
+/// A host that writes the registers of a server itself.
+class RegisterHost {
+ public:
+  explicit RegisterHost(RegisterServer& server, std::uint32_t key = 1, std::uint32_t number = 0) : server_(&server) {
+    self_.key = key;
+    self_.number = number;
+    self_.host = "host " + std::to_string(key);
+    (void)look();
+  }
+  SessionState look() {
+    (void)server_->write(kSessionOpen.first, registers_of(self_, 0));
+    state_ = session_state_in(server_->read(kSession.first, kSession.count).value()).value();
+    return state_;
+  }
+  /// The next command of this session, as given at the last look.
+  [[nodiscard]] Command next(Command command) {
+    command.session = state_.session;
+    command.sequence = ++state_.sequence;
+    command.clock_ms = state_.clock_ms;
+    command.stops = state_.stops;
+    return command;
+  }
+  CommandResult send(const Command& command) {
+    (void)server_->write(kCommand.first, registers_of(command, 0));
+    return result();
+  }
+  CommandResult give(const Command& command) {
+    (void)look();
+    return send(next(command));
+  }
+  [[nodiscard]] CommandResult result() const {
+    return command_result_in(server_->read(kCommandResult.first, kCommandResult.count).value()).value();
+  }
+  [[nodiscard]] std::uint32_t session() const { return state_.session; }
+
+ private:
+  RegisterServer* server_;
+  SessionOpen self_;
+  SessionState state_;
 };
 
 /// Serves the registers of a model that may lose its replies from a certain command on.

@@ -50,8 +50,9 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   REQUIRE(document.has_value());
   CHECK(document->find(hex_of(kAskIdentity)) != std::string::npos);
   CHECK(document->find(hex_of(kIdentityReply)) != std::string::npos);
-  for (const Block& block : {kEcho, kReadSelect, kWindowOpen, kCommand, kBlockWrite, kIdentity, kStatus, kMonitor,
-                             kPointers, kCommandResult, kWindowAck, kMemory, kCheckSelect, kChecks}) {
+  for (const Block& block :
+       {kEcho, kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen, kEventSelect, kBlockWrite,
+        kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kChecks, kSession, kEvents}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
     CHECK_MESSAGE(document->find(row) != std::string::npos, row);
   }
@@ -140,17 +141,15 @@ TEST_CASE("a broadcast acts on nothing and gets no reply") {
   UnitModel model;
   RegisterServer server(model);
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
-  Command command;
-  command.sequence = 7;
-  command.code = CommandCode::begin_staging;
-  const Registers words = registers_of(command, 0);
+  RegisterHost host(server);
+  const Registers words = registers_of(host.next({.code = CommandCode::begin_staging}), 0);
   FrameBytes frame{0x00,
-                   0x10,
-                   0x00,
-                   0x30,
-                   0x00,
-                   static_cast<std::uint8_t>(words.size()),
-                   static_cast<std::uint8_t>(2 * words.size())};
+              0x10,
+              0x00,
+              0x30,
+              0x00,
+              static_cast<std::uint8_t>(words.size()),
+              static_cast<std::uint8_t>(2 * words.size())};
   for (const auto word : words) {
     frame.push_back(static_cast<std::uint8_t>(word >> 8));
     frame.push_back(static_cast<std::uint8_t>(word & 0xFF));

@@ -94,15 +94,22 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(WindowOpen{}, 0).size() == kWindowOpen.count);
   CHECK(registers_of(CheckSelect{}, 0).size() == kCheckSelect.count);
   CHECK(registers_of(ReadSelect{}, 0).size() == kReadSelect.count);
+  CHECK(registers_of(ResultSelect{}, 0).size() == kResultSelect.count);
+  CHECK(registers_of(SessionOpen{}, 0).size() == kSessionOpen.count);
+  CHECK(registers_of(SessionState{}, 0).size() == kSession.count);
 }
 
 TEST_CASE("answer blocks do not overlap and fit one read") {
-  const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory};
+  const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kSession};
   for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
     CHECK(blocks[i].end() <= blocks[i + 1].first);
     CHECK(blocks[i].count <= kMostRead);
   }
-  CHECK(kMemory.end() <= kRegisterSpace);
+  CHECK(kSession.end() <= kRegisterSpace);
+  CHECK(kWindowOpen.end() <= kCommand.first);
+  CHECK(kCommand.end() <= kResultSelect.first);
+  CHECK(kResultSelect.end() <= kSessionOpen.first);
+  CHECK(kSessionOpen.end() <= kBlockWrite.first);
   CHECK(kBlockWrite.count <= kMostWrite);
   CHECK(kBlockWrite.end() <= kIdentity.first);
 }
@@ -123,10 +130,14 @@ TEST_CASE("typed values survive the way through registers") {
     RC_ASSERT(monitor_in(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("command result", [] {
-    const CommandResult value{
-        any<std::uint16_t>(), *one_of_first<CommandState>(5), *one_of_first<UnitError>(kUnitErrorCount),
-        any<std::uint16_t>(), any<std::uint32_t>(),           printable(80),
-        any<std::uint32_t>()};
+    const CommandResult value{any<std::uint16_t>(),
+                              *one_of_first<CommandState>(5),
+                              *one_of_first<UnitError>(kUnitErrorCount),
+                              any<std::uint16_t>(),
+                              any<std::uint32_t>(),
+                              printable(80),
+                              any<std::uint32_t>(),
+                              any<std::uint32_t>()};
     RC_ASSERT(command_result_in(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("window and acknowledgement", [] {
@@ -135,10 +146,21 @@ TEST_CASE("typed values survive the way through registers") {
                         any<std::uint64_t>(), any<std::uint32_t>()};
     RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
     const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
-                          any<bool>()};
+                          any<bool>(), any<std::uint32_t>()};
     RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
     const CheckSelect select{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
     RC_ASSERT(check_select_in(registers_of(select, 1)).value() == select);
+  }));
+  CHECK(rc::check("sessions", [] {
+    const SessionOpen open{any<std::uint16_t>(), any<std::uint64_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
+                           printable(16)};
+    RC_ASSERT(session_open_in(registers_of(open, 1)).value() == open);
+    const SessionState state{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
+                             any<std::uint32_t>(), any<std::uint16_t>(),
+                             any<std::uint32_t>(), any<std::uint16_t>()};
+    RC_ASSERT(session_state_in(registers_of(state, 1)).value() == state);
+    const ResultSelect select{any<std::uint32_t>(), any<std::uint16_t>()};
+    RC_ASSERT(result_select_in(registers_of(select, 1)).value() == select);
   }));
   CHECK(rc::check("bytes", [] {
     const auto bytes = any<std::vector<std::uint8_t>>();
@@ -153,6 +175,9 @@ TEST_CASE("each command carries the arguments that its code names") {
   c.axis = Axis::Z;
   c.output_um = -12.25;
   c.relay_on = true;
+  c.session = 0x12345678;
+  c.clock_ms = 70'000;
+  c.stops = 3;
   CHECK(command_in(registers_of(c, 1)).value() == c);
   Command commit;
   commit.code = CommandCode::commit_staged;

@@ -125,46 +125,36 @@ TEST_CASE("axis memory takes a block only under the token of the staging that go
 TEST_CASE("a staging ends with the next one, with its commit and when it is abandoned, and with it its token") {
   UnitModel model;
   RegisterServer server(model);
-  const auto give = [&](Command command) {
-    static std::uint16_t sequence = 0;
-    command.sequence = ++sequence;
-    REQUIRE(server.write(kCommand.first, registers_of(command, 0)).has_value());
-    return command_result_in(server.read(kCommandResult.first, kCommandResult.count).value()).value();
-  };
-  const std::uint32_t first = give({.code = CommandCode::begin_staging}).token;
-  const std::uint32_t second = give({.code = CommandCode::begin_staging}).token;
+  RegisterHost host(server);
+  const std::uint32_t first = host.give({.code = CommandCode::begin_staging}).token;
+  const std::uint32_t second = host.give({.code = CommandCode::begin_staging}).token;
   CHECK(first != 0);
   CHECK(second != 0);
   CHECK(first != second);
   for (const CommandCode code : {CommandCode::commit_staged, CommandCode::abandon_staged}) {
-    CHECK(give({.code = code, .length = 4, .token = first}).error == UnitError::token_expired);
-    CHECK(give({.code = code, .length = 4}).error == UnitError::token_expired);
+    CHECK(host.give({.code = code, .length = 4, .token = first}).error == UnitError::token_expired);
+    CHECK(host.give({.code = code, .length = 4}).error == UnitError::token_expired);
   }
   CHECK(model.log == std::vector{CommandCode::begin_staging, CommandCode::begin_staging});
-  CHECK(give({.code = CommandCode::commit_staged, .length = 4, .token = second}).error == UnitError::check_mismatch);
-  CHECK(give({.code = CommandCode::abandon_staged, .token = second}).state == CommandState::done);
-  CHECK(give({.code = CommandCode::commit_staged, .token = second}).error == UnitError::no_staging);
+  CHECK(host.give({.code = CommandCode::commit_staged, .length = 4, .token = second}).error ==
+        UnitError::check_mismatch);
+  CHECK(host.give({.code = CommandCode::abandon_staged, .token = second}).state == CommandState::done);
+  CHECK(host.give({.code = CommandCode::commit_staged, .token = second}).error == UnitError::no_staging);
 }
 
-TEST_CASE("a command acts only as a whole block, and a late repeat of an earlier one does nothing") {
+TEST_CASE("a window belongs to a session that the unit knows") {
   UnitModel model;
   RegisterServer server(model);
-  const auto give = [&](std::uint16_t sequence, CommandCode code) {
-    Command command;
-    command.sequence = sequence;
-    command.code = code;
-    CHECK(server.write(kCommand.first, registers_of(command, 0)).has_value());
+  RegisterHost host(server);
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  const auto error_of = [&](std::uint32_t session) {
+    const WindowOpen open{5, kBankA.first, 1000, token, session};
+    REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
+    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
   };
-  give(11, CommandCode::output_compensation);
-  give(12, CommandCode::output_off);
-  CHECK(model.log == std::vector{CommandCode::output_compensation, CommandCode::output_off});
-  const std::uint16_t again = 13;
-  CHECK(server.write(kCommand.first + 1, std::span(&again, 1)).has_value());
-  CHECK(server.write(kCommand.first, std::vector<std::uint16_t>{0, 14, 4}).has_value());
-  give(11, CommandCode::output_compensation);  // a retry that another host's order has overtaken
-  CHECK(model.log.size() == 2);
-  give(15, CommandCode::clear_fault);
-  CHECK(model.log.size() == 3);
+  CHECK(error_of(host.session()) == UnitError::none);
+  CHECK(error_of(host.session() + 1) == UnitError::session_unknown);
+  CHECK(error_of(0) == UnitError::session_unknown);
 }
 
 namespace {

@@ -1,0 +1,153 @@
+// Who may write to a unit, and what the unit keeps of what was done to it.
+#include "protocol/server/arming.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+
+namespace {
+
+const std::string kCode = "271828";
+
+Command arming(const RegisterHost& host, std::string_view code, std::uint16_t minutes = 30) {
+  Command command{.code = CommandCode::arm};
+  command.minutes = minutes;
+  command.proof = arm_proof(code, host.session());
+  return command;
+}
+
+std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1) {
+  (void)server.write(kEventSelect.first, registers_of(EventSelect{first}, 0));
+  const auto page = event_page_in(server.read(kEvents.first, kEvents.count).value()).value();
+  std::vector<HostEvent> events;
+  for (const HostEvent& event : page.events)
+    if (event.number != 0) events.push_back(event);
+  return events;
+}
+
+}  // namespace
+
+TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, what stops does not") {
+  UnitModel model;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server);
+  const auto last = static_cast<std::uint16_t>(CommandCode::stop);
+  for (std::uint16_t number = 1; number <= last; ++number) {
+    const auto code = static_cast<CommandCode>(number);
+    CAPTURE(name_of(code));
+    const bool is_free = switches_off(code) || code == CommandCode::abandon_staged || code == CommandCode::check_memory;
+    CHECK((host.give({.code = code, .address = kBankA.first, .length = 10}).error == UnitError::not_armed) != is_free);
+  }
+  CHECK(host.give(arming(host, kCode)).value == 1800);
+  CHECK(host.look().armed_s == 1800);
+  CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
+}
+
+TEST_CASE("memory takes no window, and no block of an open one, from a host that is not armed") {
+  UnitModel model;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server);
+  (void)host.give(arming(host, kCode, 1));
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  WindowOpen window{5, kBankA.first, 4, token, host.session()};
+  const auto opened = [&] {
+    REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
+    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+  };
+  CHECK(opened() == UnitError::none);
+  model.unit_clock.ms += 60'000;
+  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
+  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
+  CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
+  CHECK(opened() == UnitError::not_armed);
+  CHECK(model.bank_a[0] == 0);
+}
+
+TEST_CASE("a host is armed with all its programs, for its minutes; another host and another start are not") {
+  UnitModel model;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server, 1);
+  RegisterHost other(server, 2);
+  (void)host.give(arming(host, kCode, 2));
+  CHECK(other.look().armed_s == 0);
+  RegisterHost same(server, 1, 77);
+  CHECK(same.session() != host.session());
+  CHECK(same.look().armed_s == 120);
+  model.unit_clock.ms += 119'999;
+  CHECK(host.look().armed_s == 1);
+  model.unit_clock.ms += 1;
+  CHECK(host.look().armed_s == 0);
+  (void)host.give(arming(host, kCode, 2));
+  CHECK(host.give(arming(host, "", 0)).state == CommandState::done);
+  CHECK(host.look().armed_s == 0);
+  (void)host.give(arming(host, kCode, 2));
+  ++model.unit_clock.starts;
+  CHECK(host.look().armed_s == 0);
+}
+
+TEST_CASE("after a wrong code no code is looked at for a while, twice as long with each one, at most a minute") {
+  UnitModel model;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server);
+  for (const std::uint16_t wait : {1, 2, 4, 8, 16, 32, 60, 60}) {
+    CHECK(host.give(arming(host, "314159")).error == UnitError::wrong_code);
+    CHECK(host.look().wait_s == wait);
+    CHECK(host.give(arming(host, kCode)).error == UnitError::too_many_codes);
+    CHECK(host.look().armed_s == 0);
+    model.unit_clock.ms += 1000u * wait;
+  }
+  CHECK(host.give(arming(host, kCode)).state == CommandState::done);
+}
+
+TEST_CASE("the proof of one session arms no other") {
+  UnitModel model;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server, 1);
+  RegisterHost thief(server, 2);
+  CHECK(thief.give(arming(host, kCode)).error == UnitError::wrong_code);
+}
+
+TEST_CASE("the unit keeps what hosts did and tried, with host, time and result") {
+  UnitModel model;
+  model.unit_clock.ms = 61'500;
+  RegisterServer server(model, kCode);
+  RegisterHost host(server, 7);
+  Command output{.code = CommandCode::output_compensation};
+  output.output_um = 5.0;
+  output.relay_on = true;
+  (void)host.give(output);
+  (void)host.give(arming(host, kCode));
+  (void)host.give(output);
+  (void)host.give(output);
+  (void)host.give({.code = CommandCode::check_memory, .address = kBankA.first, .length = 10});
+  (void)host.give({.code = CommandCode::output_off});
+  const auto events = events_of(server);
+  REQUIRE(events.size() == 3);
+  CHECK(events[0].host == "host 7");
+  CHECK(events[0].unit_time_s == 61);
+  CHECK(events[0].text == "X 5 um, relay closed");
+  CHECK(events[0].error == UnitError::not_armed);
+  CHECK(events[1].code == CommandCode::arm);
+  CHECK(events[2].state == CommandState::done);
+  CHECK(events[2].times == 2);
+  CHECK(events_of(server, 4).front().code == CommandCode::output_off);
+}
+
+TEST_CASE("a command that takes time ends in the list of events as it ended, and the oldest of 64 give way") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  (void)host.give({.code = CommandCode::test_datum});
+  (void)host.give({.code = CommandCode::stop});
+  CHECK(events_of(server)[0].state == CommandState::failed);
+  CHECK(events_of(server)[0].error == UnitError::stopped);
+  for (int k = 0; k < 100; ++k) {
+    Command position{.code = CommandCode::set_axis_position};
+    position.position_mm = k;
+    (void)host.give(position);
+  }
+  CHECK(events_of(server)[0].number == 102 - 64 + 1);
+}

@@ -1,0 +1,171 @@
+// What a unit carries out, of all that comes over its link.
+#include "protocol/server/register_server.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+
+namespace {
+
+Command output_closed() {
+  Command command{.code = CommandCode::output_compensation};
+  command.output_um = 5.0;
+  command.relay_on = true;
+  return command;
+}
+
+}  // namespace
+
+TEST_CASE("a command acts only when its whole block, with its check, comes in one request") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  const auto block = registers_of(host.next(output_closed()), 0);
+  for (std::size_t i = 0; i < block.size(); ++i)
+    CHECK(server.write(static_cast<std::uint16_t>(kCommand.first + i), std::span(block).subspan(i, 1)).has_value());
+  CHECK(server.write(kCommand.first, std::span(block).first(block.size() - 1)).has_value());
+  CHECK(server.write(kCommand.first + 1, std::span(block).subspan(1)).has_value());
+  for (std::size_t i = 1; i < block.size(); ++i) {
+    auto flipped = block;
+    flipped[i] ^= 0x0010;
+    CHECK(server.write(kCommand.first, flipped).error() == ModbusException::illegal_value);
+  }
+  CHECK(model.commands_begun == 0);
+  CHECK(server.write(kCommand.first, block).has_value());
+  CHECK(model.commands_begun == 1);
+}
+
+TEST_CASE("a repeated command is answered as the first time, and a late repeat of an earlier one does nothing") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  const Command begin = host.next({.code = CommandCode::begin_staging});
+  const CommandResult first = host.send(begin);
+  CHECK(first.state == CommandState::done);
+  CHECK(host.send(begin) == first);
+  (void)host.give({.code = CommandCode::clear_fault});
+  CHECK(host.send(begin).state == CommandState::idle);
+  CHECK(model.log == std::vector{CommandCode::begin_staging, CommandCode::clear_fault});
+}
+
+TEST_CASE("each of two hosts reads the result of its own command") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost one(server, 1);
+  RegisterHost other(server, 2);
+  CHECK(one.session() != other.session());
+  const Command begin = one.next({.code = CommandCode::begin_staging});
+  const CommandResult first = one.send(begin);
+  (void)other.give({.code = CommandCode::clear_fault});
+  REQUIRE(server.write(kResultSelect.first, registers_of(ResultSelect{begin.session, begin.sequence}, 0)).has_value());
+  CHECK(one.result() == first);
+}
+
+TEST_CASE("a host whose program is asked again finds its session as it left it, another program gets one of its own") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server, 1);
+  const auto session = host.session();
+  (void)host.give({.code = CommandCode::clear_fault});
+  CHECK(host.look().session == session);
+  CHECK(host.look().sequence == 1);
+  RegisterHost other(server, 2);
+  CHECK(other.session() != session);
+  CHECK(other.look().sequence == 0);
+}
+
+TEST_CASE("a command that was given before everything was switched off is not carried out after it") {
+  for (const CommandCode off : {CommandCode::output_off, CommandCode::stop, CommandCode::enter_integration}) {
+    UnitModel model;
+    RegisterServer server(model);
+    RegisterHost a(server, 1);
+    RegisterHost b(server, 2);
+    (void)a.look();
+    const Command lost = a.next(output_closed());  // its first try never arrives
+    CHECK(b.give({.code = off}).state == CommandState::done);
+    CHECK(a.send(lost).error == UnitError::overtaken);
+    CHECK(model.log == std::vector{off});
+    CHECK(a.give(output_closed()).state == CommandState::done);
+  }
+}
+
+TEST_CASE("a retry after another host switched everything off gives the answer of the first time and closes nothing") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost a(server, 1);
+  RegisterHost b(server, 2);
+  (void)a.look();
+  const Command output = a.next(output_closed());
+  CHECK(a.send(output).state == CommandState::done);
+  (void)b.give({.code = CommandCode::output_off});
+  CHECK(a.send(output).state == CommandState::done);
+  CHECK(model.log == std::vector{CommandCode::output_compensation, CommandCode::output_off});
+}
+
+TEST_CASE("what moves or closes a relay lives for two seconds of the unit's clock") {
+  for (const CommandCode code :
+       {CommandCode::output_compensation, CommandCode::enter_compensation, CommandCode::set_axis_position,
+        CommandCode::test_datum, CommandCode::run_user_software, CommandCode::reset_unit}) {
+    UnitModel model;
+    RegisterServer server(model);
+    RegisterHost host(server);
+    (void)host.look();
+    model.unit_clock.ms += kMostAge_ms + 1;
+    CHECK(host.send(host.next({.code = code})).error == UnitError::late);
+    CHECK(model.commands_begun == 0);
+    (void)host.look();
+    model.unit_clock.ms += kMostAge_ms;
+    CHECK(host.send(host.next({.code = code})).error == UnitError::none);
+    CHECK(model.commands_begun == 1);
+    (void)host.look();
+    model.unit_clock.ms -= 1;  // of a start before
+    CHECK(host.send(host.next({.code = CommandCode::clear_fault})).error != UnitError::none);
+  }
+}
+
+TEST_CASE("switching off has no age") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  model.unit_clock.ms += 3'600'000;
+  for (const CommandCode code : {CommandCode::output_off, CommandCode::stop, CommandCode::enter_integration})
+    CHECK(host.send(host.next({.code = code})).state == CommandState::done);
+}
+
+TEST_CASE("a unit that has started again knows no session, no token and no result of before") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  const auto before = host.session();
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  ++model.unit_clock.starts;
+  Command commit = host.next({.code = CommandCode::commit_staged, .length = 4, .token = token});
+  CHECK(host.send(commit).error == UnitError::session_unknown);
+  CHECK(host.look().session != before);
+  CHECK(host.give({.code = CommandCode::abandon_staged, .token = token}).error == UnitError::no_staging);
+}
+
+TEST_CASE("the session used least lately gives way to the seventeenth") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost first(server, 100);
+  const auto session = first.session();
+  for (std::uint32_t k = 1; k < kSessions; ++k) RegisterHost(server, k);
+  CHECK(first.look().session == session);
+  for (std::uint32_t k = 1; k <= kSessions; ++k) RegisterHost(server, 200 + k);
+  CHECK(first.send(first.next({.code = CommandCode::clear_fault})).error == UnitError::session_unknown);
+}
+
+TEST_CASE("a host of another protocol version gets no session, and the unit names its own version") {
+  UnitModel model;
+  RegisterServer server(model);
+  const SessionOpen newer{kProtocolVersion + 1, 7, 7, 0, "from tomorrow"};
+  REQUIRE(server.write(kSessionOpen.first, registers_of(newer, 0)).has_value());
+  const auto state = session_state_in(server.read(kSession.first, kSession.count).value()).value();
+  CHECK(state.error == UnitError::other_version);
+  CHECK(state.session == 0);
+  CHECK(state.protocol_version == kProtocolVersion);
+}
