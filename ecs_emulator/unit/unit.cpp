@@ -40,6 +40,7 @@ void Unit::report_damaged_record() {
 
 void Unit::start_up() {
   memory_.power_up();
+  ++starts_;
   mode_ = UnitMode::starting;
   fault_ = Fault::none;
   fault_address_ = 0;

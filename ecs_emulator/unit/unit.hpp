@@ -84,6 +84,10 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::Identity identity() override;
   [[nodiscard]] protocol::UnitStatus status() override;
   [[nodiscard]] protocol::MonitorSample monitor() override;
+  void host_armed() override {
+    if (powered_ && mode_ == UnitMode::starting) enter_integration();
+  }
+  [[nodiscard]] protocol::UnitClock clock() override { return {starts_, static_cast<std::uint64_t>(uptime_s_ * 1e3)}; }
   [[nodiscard]] protocol::UnitError read_memory(Address address, std::span<std::uint8_t> out) override;
   [[nodiscard]] protocol::UnitError may_write(Address address, std::uint32_t bytes) override;
   [[nodiscard]] protocol::UnitError write_memory(Address address, std::span<const std::uint8_t> bytes) override;
@@ -159,6 +163,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   PerAxis<double> at_limit_s_{};
   TickState tick_{};
   Drives drives_{};
+  std::uint32_t starts_ = 0;
   std::uint64_t ticks_ = 0;
   double uptime_s_ = 0.0;
   double silent_s_ = 0.0;  ///< since the last command

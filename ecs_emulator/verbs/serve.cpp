@@ -28,6 +28,8 @@ void declare_serve(Verb& verb, ServeArguments& arguments) {
             "make this symbolic link to the pseudo-terminal (RTU)"})
       .add({"--tcp", cli::OnInteger([&options](long long port) { options.tcp = static_cast<std::uint16_t>(port); }),
             "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", Need::optional, 0, 65535})
+      .text("--tcp-host", options.tcp_host, "address of another interface for --tcp; needs --token")
+      .text("--token", options.token_file, "file with the token that a TCP host must show first")
       .integer("--unit", options.unit, "Modbus unit number, 1 to 247", 1, 247)
       .text("--serial-number", options.serial_number, "at most 16 characters")
       .text("--memory", arguments.memory, "file that stands for the battery of the axis memory")
@@ -37,6 +39,7 @@ void declare_serve(Verb& verb, ServeArguments& arguments) {
       .integer("--modules", arguments.memory_modules, "axis memory modules in the rack, 1 to 5", 1, 5)
       .choice("--mode", arguments.mode, {"auto", "compensate", "integrate"},
               "what the unit finds on its socket at power-up")
+      .text("--arm-code", options.arm_code, "that the unit shows; six digits by chance if not given")
       .flag("--real-time", options.real_time, "simulated time goes by the clock; `state` counts missed periods")
       .flag("--with-parent", arguments.with_parent, "end when the parent process ends");
 }

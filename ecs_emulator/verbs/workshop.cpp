@@ -93,6 +93,8 @@ const std::vector<VerbDefinition>& workshop_verbs() {
               [](RequestVerb verb) { verb.integer("COUNT", "count", "", Need::required); }),
       request("load", "put a workpiece on the table", "load 500",
               [](RequestVerb verb) { verb.number("KG", "kg", "", Need::required); }),
+      request("arm-code", "the code that the unit shows, which a host needs to arm it", "arm-code",
+              [](RequestVerb /*verb*/) {}),
       request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", add_fault_options),
   };
   return verbs;

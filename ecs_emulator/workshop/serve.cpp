@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <random>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,7 +23,8 @@ constexpr double kMostCatchUp_s = 0.25;                  ///< lost time beyond t
 constexpr std::chrono::milliseconds kBatteryDelay{500};  ///< a changed memory is on disc at the latest after so long
 
 Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
-  if (options.tcp) return protocol::ModbusServer::on_tcp({*options.tcp, options.unit, 8});
+  if (options.tcp)
+    return protocol::ModbusServer::on_tcp({*options.tcp, options.unit, 8, options.tcp_host, options.token_file});
   const bool paced = options.pace_baud > 0;
   return protocol::ModbusServer::on_pty(
       {options.pty.value_or(std::filesystem::path()), paced ? options.pace_baud : 115'200, paced, options.unit});
@@ -31,7 +33,7 @@ Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
 /// The unit on the line.
 class Socket final : public protocol::RegisterHandler {
  public:
-  explicit Socket(Unit& unit) : unit_(unit), face_(unit) {}
+  Socket(Unit& unit, std::string arm_code) : unit_(unit), face_(unit, std::move(arm_code)) {}
   tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
     return face_.read(first, count);
@@ -57,13 +59,13 @@ class RunningWorkshop {
                   const volatile std::sig_atomic_t& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
-        socket_(unit_),
+        socket_(unit_, options.arm_code),
         line_(std::move(line)),
         door_(std::move(door)),
         battery_(options.memory),
         real_time_(options.real_time),
         stop_(stop),
-        workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address())} {
+        workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address()), options.arm_code} {
     simulation_.attach(&unit_);
     simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
     unit_.on_commit([this] { return keep_memory(); });
@@ -167,6 +169,11 @@ class RunningWorkshop {
   double owed_s_ = 0.0;
 };
 
+std::string code_by_chance() {
+  std::random_device chance;
+  return fmt::format("{:06}", std::uniform_int_distribution<int>(0, 999'999)(chance));
+}
+
 std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
                        const std::string& serial_number) {
   nlohmann::json line{{"pty", nullptr}, {"tcp", nullptr}, {"workshop", nullptr}};
@@ -177,6 +184,7 @@ std::string ready_line(const protocol::LinkAddress& address, const ServeOptions&
   line["link"] = protocol::to_text(address);
   line["serial_number"] = serial_number;
   line["unit"] = options.unit;
+  line["arm_code"] = options.arm_code;
   return line.dump();
 }
 
@@ -194,8 +202,10 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
   return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
 }
 
-Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
+Result<void> serve(const ServeOptions& given, const volatile std::sig_atomic_t& stop,
                    const std::function<void(const std::string&)>& ready) {
+  ServeOptions options = given;
+  if (options.arm_code.empty()) options.arm_code = code_by_chance();
   auto simulation = simulation_for(options.machine, options.errors, options.seed, options.serial_number);
   if (!simulation) return tl::unexpected(simulation.error());
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)

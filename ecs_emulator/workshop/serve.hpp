@@ -17,7 +17,9 @@ struct ServeOptions {
   std::filesystem::path machine;
   std::filesystem::path errors;              ///< empty: what the machine file names
   std::optional<std::filesystem::path> pty;  ///< symbolic link to make to the pseudo-terminal; empty path: none
-  std::optional<std::uint16_t> tcp;          ///< port on 127.0.0.1; 0: any. Neither: a pseudo-terminal
+  std::optional<std::uint16_t> tcp;          ///< port; 0: any. Neither: a pseudo-terminal
+  std::string tcp_host = "127.0.0.1";        ///< address of the interface for it
+  std::string token_file;                    ///< what a host must show; empty: nothing, on loopback only
   int unit = 1;                              ///< Modbus unit number
   std::string serial_number;                 ///< empty: what the machine file says
   std::filesystem::path memory;              ///< the battery's file; empty: memory lasts as long as the process
@@ -26,6 +28,7 @@ struct ServeOptions {
   int pace_baud = 0;                         ///< 0: as fast as the pseudo-terminal goes
   std::uint8_t memory_modules = 5;
   LinkSense mode = LinkSense::automatic;
+  std::string arm_code;    ///< that the unit shows; empty: six digits by chance
   bool real_time = false;  ///< simulated time goes by the clock, what is done in the workshop too
 };
 
@@ -36,7 +39,8 @@ struct ServeOptions {
                                                 const std::string& serial_number = {});
 
 /// Serves until `stop` is set.
-/// @param ready  gets one JSON object when everything answers: {"pty", "tcp", "workshop", "serial_number", "unit"}
+/// @param ready  gets one JSON object when everything answers: {"pty", "tcp", "workshop", "serial_number", "unit",
+///               "arm_code"}
 [[nodiscard]] Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
                                  const std::function<void(const std::string&)>& ready);
 

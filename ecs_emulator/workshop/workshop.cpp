@@ -204,6 +204,13 @@ Answer fault(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
+/// What stands on the front of the unit.
+Answer arm_code(const Workshop& workshop, Arguments& arguments) {
+  if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  return Json{{"arm_code", workshop.arm_code}};
+}
+
 Answer act(const Workshop& workshop, const Json& request, const Report& report) {
   if (!request.is_object() || !request.contains("action") || !request["action"].is_string())
     return wrong("expected an object with an \"action\"");
@@ -223,10 +230,11 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "tick") return tick(workshop, arguments);
   if (action == "load") return load(workshop, arguments);
   if (action == "fault") return fault(workshop, arguments);
-  return wrong(
-      fmt::format("action: expected state, jog, reference, measure, capture, run, mdi, survey, power, wait, tick, load "
-                  "or fault, got \"{}\"",
-                  action));
+  if (action == "arm-code") return arm_code(workshop, arguments);
+  return wrong(fmt::format(
+      "action: expected state, jog, reference, measure, capture, run, mdi, survey, power, wait, tick, load, "
+      "fault or arm-code, got \"{}\"",
+      action));
 }
 
 }  // namespace
