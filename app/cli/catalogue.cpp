@@ -27,7 +27,8 @@ VerbOption option_of(const VerbArgument& argument) {
 
 VerbEntry entry_of(const VerbDefinition& definition) {
   std::string link;
-  Verb verb(link);
+  std::string arm_code;
+  Verb verb(link, arm_code);
   const Action holds_the_arguments = definition.declare(verb);
   VerbEntry entry{definition.words(), definition.help, "Example:\n  " + definition.example, {}};
   for (const VerbArgument& argument : verb.arguments()) entry.options.push_back(option_of(argument));

@@ -9,7 +9,7 @@ namespace {
 
 /// What every menu and verb takes.
 Verb common_arguments(VerbContext& context) {
-  Verb common(context.link_option);
+  Verb common(context.link_option, context.arm_code);
   common.flag("--json", context.console.json, "the answer as one JSON object on stdout");
   common.flag("--quiet", context.console.quiet, "no notes and no progress bar");
   return common;

@@ -93,7 +93,7 @@ int run_command_line(const VerbRegistry& registry, const std::vector<std::string
                      std::ostream& messages, ConsoleOptions options) {
   Console console(out, messages, options);
   console.json = std::find(words.begin(), words.end(), "--json") != words.end();
-  VerbContext context{console, {}, {}};
+  VerbContext context{console, {}, {}, {}};
   try {
     return parsed_and_run(registry, words, context);
   } catch (const std::exception& error) {

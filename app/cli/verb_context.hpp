@@ -10,6 +10,7 @@ namespace ecs::app {
 struct VerbContext {
   Console& console;
   std::string link_option;  ///< --link as given; empty: not given
+  std::string arm_code;     ///< --arm-code as given; empty: not given
   std::string link_name;    ///< of the link that was opened; goes into the JSON answer as "link"
 };
 

@@ -19,6 +19,7 @@ Result<UnitLink> open_unit(VerbContext& context, Access access) {
   if (choice->origin == "default")
     context.console.note(fmt::format("no link given: using the bundled emulator with {}",
                                      std::get<EmulatorLink>(choice->link).machine.string()));
+  if (!context.arm_code.empty()) choice->arm_code = context.arm_code;
   return open_link(*choice);
 }
 

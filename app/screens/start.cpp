@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/screens/unit/screens.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/outcome.hpp"
@@ -66,8 +67,10 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   auto terminal = Terminal::open(options);
   if (terminal) {
     auto connection = std::make_shared<UnitConnection>(asked->link);
-    const int code = run_screens(**terminal, main_menu(connection),
-                                 [connection] { return status_line_of(connection->snapshot(), connection->newest()); });
+    const int code = run_screens(
+        **terminal, main_menu(connection),
+        [connection] { return status_line_of(connection->snapshot(), connection->newest()); },
+        [connection] { return arm_screen_if_wanted(connection); });
     terminal->reset();  // the screens are gone: what matters still is said to the shell
     for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;

@@ -106,7 +106,8 @@ Canvas picture_of(const Screen& screen, const std::string& path, const StatusLin
   return canvas;
 }
 
-int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now) {
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now,
+                const ScreenInFront& in_front) {
   catch_signals();
   Stack stack(std::move(first));
   StatusLine status;
@@ -118,7 +119,9 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusL
   while (!stack.empty() && interrupting_signal() == 0) {
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
-    if (auto next = screen.opens_by_itself()) {
+    auto next = screen.opens_by_itself();
+    if (!next && in_front) next = in_front();
+    if (next) {
       stack.take(opened(std::move(next)));
       changed = urgent = true;
       continue;

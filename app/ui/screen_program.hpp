@@ -26,7 +26,11 @@ using StatusLineNow = std::function<StatusLine()>;
 /// Where the screen itself is drawn on a canvas of that size.
 [[nodiscard]] Area screen_area(const Canvas& canvas);
 
+/// A screen that is to be opened in front of whichever is there; null: none.
+using ScreenInFront = std::function<std::unique_ptr<Screen>()>;
+
 /// Until the last screen is left or a signal comes. @return exit code
-[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now);
+[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now,
+                              const ScreenInFront& in_front = {});
 
 }  // namespace ecs::app

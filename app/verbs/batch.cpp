@@ -66,7 +66,7 @@ extern const VerbDefinition kBatch = verb<BatchArguments>(
     "batch", "parameters and maps for many units, by a plan",
     "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
     "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
-    "\"mill3.toml\"\n              map = \"mill3_map.csv\"",
+    "\"mill3.toml\"\n              map = \"mill3_map.csv\"\n              arm_code = \"271828\"",
     batch);
 
 }  // namespace ecs::app

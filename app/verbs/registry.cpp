@@ -10,6 +10,7 @@ extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
 extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
+extern const VerbDefinition kUnitArm, kUnitDisarm, kUnitEvents;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
     kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
@@ -29,6 +30,7 @@ const std::vector<MenuDefinition>& menus() {
       {"map", "PROCESS LASER DATA: error maps"},
       {"utility", "ECS UTILITY"},
       {"utility datum", "datum sequences: record, show, test"},
+      {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
       {"memory", "MEMORY ACCESS"},
       {"model", "MODEL: the error model against measurements"},
       {"export", "the error map as compensation tables of other controls, and back"}};
@@ -71,6 +73,9 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kUtilityDatumShow,
       &kUtilityDatumTest,
       &kUtilityStatus,
+      &kUnitArm,
+      &kUnitDisarm,
+      &kUnitEvents,
       &kMemoryRead,
       &kMemoryWrite,
       &kMemoryDump,

@@ -71,12 +71,17 @@ Verb& Verb::uses_link() {
 
 Verb& Verb::writes_to_unit() {
   writes_ = true;
-  return uses_link();
+  return uses_link().takes_arm_code();
+}
+
+Verb& Verb::takes_arm_code() {
+  return add({"--arm-code", arm_code_, "the code that the unit shows; without it $ECS_ARM_CODE"});
 }
 
 Verb& Verb::add_all(const Verb& other) {
   for (VerbArgument argument : other.arguments_) {
     if (argument.name == "--link") argument.into = link_;
+    if (argument.name == "--arm-code") argument.into = arm_code_;
     add(std::move(argument));
   }
   writes_ = writes_ || other.writes_;

@@ -72,22 +72,25 @@ class Verb {
                Need need = Need::optional);
   Verb& flag(const std::string& name, bool& into, const std::string& help);
   Verb& add(VerbArgument argument);
-  /// Those of another verb, except that the value of --link goes where this one takes it.
+  /// Those of another verb, except that the values of --link and --arm-code go where this one takes them.
   Verb& add_all(const Verb& other);
   /// The verb talks to a unit: it takes --link.
   Verb& uses_link();
-  /// The same, and it writes, moves or runs: every message says EMULATOR where that is the unit, refusals included.
+  /// The same, and it writes, moves or runs: every message says EMULATOR where that is the unit, refusals included. It
+  /// takes --arm-code.
   Verb& writes_to_unit();
+  Verb& takes_arm_code();
 
   [[nodiscard]] const std::vector<VerbArgument>& arguments() const { return arguments_; }
   [[nodiscard]] bool writes() const { return writes_; }
 
   Verb() = default;
-  /// @param link  takes the value of --link
-  explicit Verb(std::string& link) : link_(&link) {}
+  /// @param link, arm_code  take the values of --link and --arm-code
+  Verb(std::string& link, std::string& arm_code) : link_(&link), arm_code_(&arm_code) {}
 
  private:
   std::string* link_ = nullptr;
+  std::string* arm_code_ = nullptr;
   bool writes_ = false;
   std::vector<VerbArgument> arguments_;
 };

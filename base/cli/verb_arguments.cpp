@@ -56,6 +56,12 @@ Access VerbArguments::uses_link() {
   return Access::reads;
 }
 
+Access VerbArguments::may_write_to_unit() {
+  uses_link();
+  takes_arm_code();
+  return Access::reads;
+}
+
 Access VerbArguments::writes_to_unit() {
   Verb::writes_to_unit();
   return Access::writes;

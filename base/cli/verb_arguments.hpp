@@ -45,6 +45,8 @@ class VerbArguments : public Verb {
   const bool& flag(std::string name, std::string help);
   Access uses_link();
   Access writes_to_unit();
+  /// It may write, but its messages do not say what the unit is.
+  Access may_write_to_unit();
 
  private:
   template <class Value>

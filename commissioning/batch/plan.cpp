@@ -24,7 +24,7 @@ std::string link_from_folder(const fs::path& folder, const std::string& link) {
 }
 
 void take_unit(TomlReader& reader, const toml::table& table, const fs::path& folder, std::vector<PlannedUnit>& units) {
-  reader.only(table, {"name", "link", "serial_number", "params", "map"}, "unit");
+  reader.only(table, {"name", "link", "serial_number", "params", "map", "arm_code"}, "unit");
   const auto link = reader.word(table, "link");
   const auto params = reader.word(table, "params");
   if (!table.contains("link")) reader.complain(table, "unit: expected `link`: a batch has no default link");
@@ -36,10 +36,12 @@ void take_unit(TomlReader& reader, const toml::table& table, const fs::path& fol
                    from_folder(folder, reader.word(table, "map").value_or(""))};
   if (link) {
     auto parsed = parsed_link(link_from_folder(folder, *link), "plan");
-    if (parsed)
+    if (parsed) {
       unit.link = std::move(*parsed);
-    else
+      unit.link.arm_code = reader.word(table, "arm_code").value_or("");
+    } else {
       reader.complain(*table.get("link"), parsed.error().message);
+    }
   }
   units.push_back(std::move(unit));
 }

@@ -20,6 +20,7 @@ struct WorkshopChoice {
   std::string machine;  ///< file
   std::string params;   ///< file; empty: parameters.toml beside the machine, else those that fit it
   bool map_is_modelled = false;
+  std::string arm_code{};  ///< that the unit shows; empty: that which the workshop names, or $ECS_ARM_CODE
 };
 
 struct OpenedWorkshop {

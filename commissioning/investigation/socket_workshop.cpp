@@ -141,8 +141,13 @@ Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messag
 
 Result<UnitLink> SocketWorkshop::opened_link() const {
   if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
-  const auto choice = chosen_link(options_.link);
+  auto choice = chosen_link(options_.link);
   if (!choice) return tl::unexpected(choice.error());
+  choice->arm_code = options_.arm_code;
+  if (choice->arm_code.empty()) {
+    const auto shown = hands_->ask({{"action", "arm-code"}});
+    if (shown) choice->arm_code = shown->value("arm_code", "");
+  }
   return open_link(*choice, cancelled_);
 }
 

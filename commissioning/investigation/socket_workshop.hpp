@@ -23,6 +23,7 @@ struct SocketWorkshopOptions {
   MapSources sources;
   params::Machine machine;
   bool map_is_modelled = false;  ///< the model names the map that is active: it stays so
+  std::string arm_code{};        ///< that the unit shows; empty: the workshop is asked
 };
 
 class SocketWorkshop final : public Workshop {

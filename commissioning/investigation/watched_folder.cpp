@@ -289,8 +289,9 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
                     files->map, files->params));
     return {};
   }
-  const auto choice = chosen_link(options_.link);
+  auto choice = chosen_link(options_.link);
   if (!choice) return tl::unexpected(choice.error());
+  choice->arm_code = options_.arm_code;
   auto unit = open_link(*choice, cancelled_);
   if (!unit) return tl::unexpected(unit.error());
   const auto status = unit->client().status();

@@ -27,6 +27,7 @@ struct WatchedFolderOptions {
   params::Machine machine;
   /// Waits so long, or until it is to stop: false then. Tests put files into the folder meanwhile.
   std::function<bool(std::chrono::milliseconds)> pause;
+  std::string arm_code{};  ///< that the unit shows; empty: that of $ECS_ARM_CODE
 };
 
 /// One run that was given.

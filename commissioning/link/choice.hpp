@@ -19,7 +19,8 @@ struct EmulatorLink {
 
 struct LinkChoice {
   std::variant<protocol::LinkAddress, EmulatorLink> link;
-  std::string origin;  ///< "--link", "configuration", "default"
+  std::string origin;      ///< "--link", "configuration", "default"
+  std::string arm_code{};  ///< that the unit shows; empty: that of $ECS_ARM_CODE, of an emulator its own
   [[nodiscard]] bool is_emulator() const { return std::holds_alternative<EmulatorLink>(link); }
 };
 

@@ -126,6 +126,7 @@ Result<void> EmulatorProcess::read_greeting() {
   if (!greeting.is_object() || !greeting.contains("pty") || !greeting["pty"].is_string())
     return failed(fmt::format("expected one JSON object with \"pty\", got {}", trimmed(line)));
   pty_ = greeting["pty"].get<std::string>();
+  if (greeting.contains("arm_code") && greeting["arm_code"].is_string()) arm_code_ = greeting["arm_code"];
   if (greeting.contains("workshop") && greeting["workshop"].is_string()) workshop_ = greeting["workshop"];
   return {};
 }

@@ -28,6 +28,7 @@ class EmulatorProcess {
   /// Looks whether it still runs; the memory file of one that ended is free for the next.
   [[nodiscard]] bool running();
   [[nodiscard]] const std::string& pty() const { return pty_; }
+  [[nodiscard]] const std::string& arm_code() const { return arm_code_; }
   [[nodiscard]] const std::string& workshop() const { return workshop_; }  ///< socket of the workshop; may be empty
 
  private:
@@ -41,6 +42,7 @@ class EmulatorProcess {
   int lock_ = -1;
   std::string pty_;
   std::string workshop_;
+  std::string arm_code_;
 };
 
 /// The file of the battery-backed memory of the emulator with this machine, in state_folder().

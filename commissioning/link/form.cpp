@@ -34,6 +34,7 @@ LinkForm::LinkForm(const LinkChoice& choice) {
     kind_ = LinkKind::network;
     host_ = peer.host;
     port_ = fmt::format("{}", peer.port);
+    token_ = peer.token_file;
   }
 }
 
@@ -50,6 +51,7 @@ std::vector<LinkField> LinkForm::fields(const std::vector<std::string>& ports) c
       rows.push_back({"host", host_, {}, "name or address of the converter or the unit"});
       rows.push_back({"TCP port", port_, {}, "502 for Modbus"});
       rows.push_back({"unit", unit_, {}, kUnitHelp});
+      rows.push_back({"token", token_, {}, "file with the unit's token; needed beyond this computer"});
       break;
     case LinkKind::emulator:
       rows.push_back({"machine", machine_, {}, "machine file of the emulator; empty: the sample mill"});
@@ -67,7 +69,7 @@ void LinkForm::set(int row, const std::string& typed) {
   }
   std::vector<std::string*> values;
   if (kind_ == LinkKind::serial) values = {&device_, &baud_, &format_, &unit_};
-  if (kind_ == LinkKind::network) values = {&host_, &port_, &unit_};
+  if (kind_ == LinkKind::network) values = {&host_, &port_, &unit_, &token_};
   if (kind_ == LinkKind::emulator) values = {&machine_};
   if (row <= static_cast<int>(values.size())) *values[static_cast<std::size_t>(row - 1)] = value;
 }
@@ -87,7 +89,9 @@ std::string LinkForm::text() const {
   if (kind_ == LinkKind::emulator) return machine_.empty() ? "emulator" : "emulator:" + machine_;
   if (kind_ == LinkKind::serial) return fmt::format("rtu:{}:{}:{}:{}", device_, baud_, format_, unit_);
   const bool bare = host_.find(':') != std::string::npos && !host_.starts_with('[');  // IPv6
-  return bare ? fmt::format("tcp:[{}]:{}:{}", host_, port_, unit_) : fmt::format("tcp:{}:{}:{}", host_, port_, unit_);
+  const std::string token = token_.empty() ? "" : "?token=" + token_;
+  return bare ? fmt::format("tcp:[{}]:{}:{}{}", host_, port_, unit_, token)
+              : fmt::format("tcp:{}:{}:{}{}", host_, port_, unit_, token);
 }
 
 }  // namespace ecs::commissioning

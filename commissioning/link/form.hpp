@@ -41,6 +41,7 @@ class LinkForm {
   std::string device_ = "/dev/ttyUSB0";
   std::string baud_ = "115200";
   std::string format_ = "8N1";
+  std::string token_;
   std::string unit_ = "1";
   std::string host_ = "192.168.0.10";
   std::string port_ = "502";

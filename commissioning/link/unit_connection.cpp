@@ -59,6 +59,7 @@ WatchedUnit UnitConnection::snapshot() const {
   snapshot.open = state_.open;
   snapshot.emulator = state_.emulator;
   snapshot.lent = state_.lent;
+  snapshot.wants_code = state_.wants_code;
   snapshot.identity = state_.identity;
   snapshot.newest_at = state_.newest_at;
   snapshot.opened_at = state_.opened_at;
@@ -82,6 +83,13 @@ std::string UnitConnection::link() const {
   return link_;
 }
 
+void UnitConnection::know_code(const std::string& code) {
+  const std::lock_guard lock(mutex_);
+  arm_code_ = code;
+  state_.wants_code = false;
+  ++changes_;
+}
+
 void UnitConnection::choose(const std::string& link) {
   JobControl control;
   const Turn turn(*this, control);
@@ -90,6 +98,7 @@ void UnitConnection::choose(const std::string& link) {
   next_try_ = {};
   const std::lock_guard lock(mutex_);
   link_ = link;
+  arm_code_.clear();
   state_ = {};
   arrivals_.clear();
   ++changes_;
@@ -158,7 +167,11 @@ void UnitConnection::look() {
 /// Opens the link if there is none. @pre the link is ours
 Result<void> UnitConnection::opened() {
   if (unit_link_) return {};
-  const auto choice = chosen_link(link());
+  auto choice = chosen_link(link());
+  if (choice) {
+    const std::lock_guard lock(mutex_);
+    choice->arm_code = arm_code_;
+  }
   auto line = choice ? open_link(*choice, cancelled_) : tl::unexpected(choice.error());
   auto identity = line ? line->client().identity() : tl::unexpected(line.error());
   next_try_ = Clock::now() + kBeforeNextTry;
@@ -220,6 +233,10 @@ void UnitConnection::settle() {
   {
     const std::lock_guard lock(mutex_);
     state_.statistics = unit_link_->client().link().statistics();
+    if (unit_link_->client().take_wants_code()) {
+      state_.wants_code = true;
+      ++changes_;
+    }
     if (gone || failures_ >= kFailuresToLose) {
       ++state_.times_lost;
       ++changes_;

@@ -27,6 +27,7 @@ struct WatchedUnit {
   bool open = false;
   bool emulator = false;
   bool lent = false;                                  ///< a verb has the link
+  bool wants_code = false;                            ///< the unit has refused something: this host is not armed
   std::optional<protocol::Identity> identity;         ///< of the unit that answered last
   std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
   std::chrono::steady_clock::time_point newest_at{};  ///< when the newest sample came
@@ -60,6 +61,9 @@ class UnitConnection {
   [[nodiscard]] std::string link() const;
   /// From now on another link; the link that is open is closed.
   void choose(const std::string& link);
+
+  /// From now on this code is shown to the unit where something needs it; empty: none is known.
+  void know_code(const std::string& code);
 
   /// Does `work(UnitLink&)`, which returns a Result, with the link to itself; for the thread of a task, whose cancel
   /// ends what is under way. Opens the link first where there is none. Refused if another unit answers than the one
@@ -139,6 +143,7 @@ class UnitConnection {
   mutable std::mutex mutex_;  ///< of what is known
   WatchedUnit state_;
   std::string link_;
+  std::string arm_code_;  ///< as typed; empty: none
   std::deque<std::chrono::steady_clock::time_point> arrivals_;
   std::atomic<std::uint64_t> changes_{0};
 

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <utility>
 
+#include "commissioning/link/host.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -32,15 +34,19 @@ Result<std::shared_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
 Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled) {
   std::shared_ptr<EmulatorProcess> emulator;
   protocol::LinkAddress address;
+  protocol::Host host = this_host();
   if (const auto* link = std::get_if<EmulatorLink>(&choice.link)) {
     auto process = started(*link);
     if (!process) return tl::unexpected(process.error());
     emulator = std::move(*process);
     address.endpoint = protocol::SerialPort{emulator->pty()};
+    host.arm_code = emulator->arm_code();
   } else {
     address = std::get<protocol::LinkAddress>(choice.link);
+    host.arm_code = arm_code_in_environment();
   }
-  auto client = protocol::UnitClient::connect(address, {&cancelled, std::nullopt});
+  if (!choice.arm_code.empty()) host.arm_code = choice.arm_code;
+  auto client = protocol::UnitClient::connect(address, {&cancelled, std::nullopt}, host);
   if (!client) return tl::unexpected(client.error());
   return UnitLink(std::move(emulator), std::move(*client), to_text(choice));
 }

@@ -151,7 +151,7 @@ Json header_of(const MemoryDump& dump) {
 
 Result<MemoryDump> take_dump(protocol::UnitClient& client, const std::string& link, DumpScope scope,
                              const protocol::ProgressCallback& progress) {
-  auto snapshot = take_snapshot(client, link);
+  auto snapshot = take_snapshot(client, link, protocol::kKeptEvents);
   if (!snapshot) return tl::unexpected(snapshot.error());
   MemoryDump dump{now_utc(), link, snapshot->identity.serial_number, std::nullopt, {}, {}};
   const auto wanted = parts_of(*snapshot, scope);

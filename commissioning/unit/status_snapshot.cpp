@@ -28,6 +28,12 @@ Result<void> decode(StatusSnapshot& snapshot) {
   if (!status) return tl::unexpected(status.error());
   snapshot.identity = *identity;
   snapshot.status = *status;
+  for (const Registers& block : snapshot.event_blocks) {
+    const auto page = protocol::event_page_in(block);
+    if (!page) return tl::unexpected(page.error());
+    for (const protocol::HostEvent& event : page->events)
+      if (event.number != 0) snapshot.events.push_back(event);
+  }
   return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
 }
 
@@ -70,22 +76,39 @@ void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
   }
 }
 
+/// Empty: it is no list of so many registers.
+Registers registers_in(const Json& list, const Block& block) {
+  Registers registers;
+  if (!list.is_array() || list.size() != block.count) return registers;
+  for (const Json& word : list) {
+    if (!word.is_number_unsigned() || word.get<std::uint64_t>() > 0xFFFF) return {};
+    registers.push_back(word.get<std::uint16_t>());
+  }
+  return registers;
+}
+
 Result<Registers> registers_at(const Json& raw, const char* key, const Block& block, const std::string& name) {
   const auto found = raw.find(key);
-  const bool is_list =
-      found != raw.end() && found->is_array() &&
-      (found->size() == block.count || (block == protocol::kIdentity && found->size() == kIdentityOfProtocol1));
-  Registers registers;
-  for (std::size_t i = 0; is_list && i < found->size(); ++i) {
-    const Json& word = (*found)[i];
-    if (word.is_number_unsigned() && word.get<std::uint64_t>() <= 0xFFFF)
-      registers.push_back(word.get<std::uint16_t>());
-  }
-  if (is_list && registers.size() == found->size()) {
-    registers.resize(block.count, 0);
-    return registers;
-  }
+  Registers registers = found == raw.end() ? Registers() : registers_in(*found, block);
+  const bool is_older = registers.empty() && block == protocol::kIdentity && found != raw.end();
+  if (is_older) registers = registers_in(*found, {block.first, kIdentityOfProtocol1});
+  if (is_older && !registers.empty()) registers.resize(block.count, 0);
+  if (registers.size() == block.count) return registers;
   return problem_at(name, 0, 0, fmt::format("raw.{}: expected {} registers of 0 to 65535", key, block.count));
+}
+
+/// Files of before have no events.
+Result<std::vector<Registers>> event_blocks_in(const Json& raw, const std::string& name) {
+  std::vector<Registers> blocks;
+  const auto list = raw.find("events");
+  if (list == raw.end() || !list->is_array()) return blocks;
+  for (const Json& one : *list) {
+    blocks.push_back(registers_in(one, protocol::kEvents));
+    if (blocks.back().size() != protocol::kEvents.count)
+      return problem_at(
+          name, 0, 0, fmt::format("raw.events: expected lists of {} registers of 0 to 65535", protocol::kEvents.count));
+  }
+  return blocks;
 }
 
 void take_selected(const Json& raw, StatusSnapshot& snapshot) {
@@ -105,7 +128,8 @@ Json raw_json(const StatusSnapshot& snapshot) {
   return Json{{"identity", snapshot.identity_registers},
               {"status", snapshot.status_registers},
               {"pointers", snapshot.pointer_registers},
-              {"selected", selected}};
+              {"selected", selected},
+              {"events", snapshot.event_blocks}};
 }
 
 std::string text_at(const Json& object, const char* key) {
@@ -115,7 +139,7 @@ std::string text_at(const Json& object, const char* key) {
 
 }  // namespace
 
-Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link) {
+Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link, std::size_t events) {
   StatusSnapshot snapshot;
   snapshot.taken = now_utc();
   snapshot.link = link;
@@ -127,6 +151,9 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
     if (!registers) return tl::unexpected(registers.error());
     *into = std::move(*registers);
   }
+  auto blocks = client.event_blocks(events);
+  if (!blocks) return tl::unexpected(blocks.error());
+  snapshot.event_blocks = std::move(*blocks);
   if (const auto decoded = decode(snapshot); !decoded) return tl::unexpected(decoded.error());
   read_selected(client, snapshot);
   return snapshot;
@@ -164,6 +191,9 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
     if (!registers) return tl::unexpected(registers.error());
     *into = std::move(*registers);
   }
+  auto blocks = event_blocks_in(*raw, name);
+  if (!blocks) return tl::unexpected(blocks.error());
+  snapshot.event_blocks = std::move(*blocks);
   if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
   take_selected(*raw, snapshot);
   return snapshot;

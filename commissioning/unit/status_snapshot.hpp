@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.hpp"
 #include "protocol/client/client.hpp"
@@ -25,14 +26,17 @@ struct StatusSnapshot {
   protocol::Identity identity;
   protocol::UnitStatus status;
   std::array<std::optional<SelectedValue>, kCurves> selected{};  ///< of the pointers in use, where they could be read
+  std::vector<protocol::HostEvent> events;                       ///< the oldest first
   // as they came
   protocol::Registers identity_registers;
   protocol::Registers status_registers;
   protocol::Registers pointer_registers;
+  std::vector<protocol::Registers> event_blocks{};
 };
 
-/// Reads identity, status, pointers and what these point at. Writes nothing.
-[[nodiscard]] Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link);
+/// Reads identity, status, pointers and what these point at, and the newest events. Writes nothing.
+[[nodiscard]] Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link,
+                                                   std::size_t events = 0);
 
 /// One JSON object: the decoded values for readers, and under "raw" the registers, which alone are read back.
 [[nodiscard]] Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot);

@@ -137,6 +137,34 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
        {"configuration", id.configuration == 0 ? null_cell() : word_cell(fmt::format("{:08X}", id.configuration))}});
 }
 
+Cell event_cell(const protocol::HostEvent& event) {
+  const bool writes = event.code == protocol::CommandCode::none;
+  const std::string_view what = writes ? "write memory" : protocol::name_of(event.code);
+  const bool failed = event.error != protocol::UnitError::none;
+  const std::string_view why = failed ? protocol::text_of(event.error) : std::string_view();
+  return record_cell(
+      "{number:>4}  {time:<20}  {unit_time_s:>7} s  {host:<16}  {what} {arguments}: {result}{times}\n{error}",
+      {{"number", count_cell(event.number)},
+       {"time", event.unix_time_s == 0 ? null_cell("unknown") : word_cell(utc_of(event.unix_time_s))},
+       {"unit_time_s", count_cell(event.unit_time_s)},
+       {"starts", count_cell(event.starts)},
+       {"host", text_cell(event.host)},
+       {"what", word_cell(what)},
+       {"arguments", text_cell(event.text)},
+       {"result", word_cell(protocol::name_of(event.state))},
+       {"times", {event.times, event.times > 1 ? fmt::format(", {} times", event.times) : ""}},
+       {"error", failed ? Cell{why, fmt::format("      {}\n", why)} : null_cell()}});
+}
+
+/// The three newest, where there are any.
+std::string newest_events_text(const std::vector<protocol::HostEvent>& events) {
+  constexpr std::size_t kShown = 3;
+  if (events.empty()) return {};
+  const std::size_t shown = std::min(kShown, events.size());
+  const std::vector<protocol::HostEvent> newest(events.end() - static_cast<std::ptrdiff_t>(shown), events.end());
+  return "\n" + events_cell(newest).text;
+}
+
 }  // namespace
 
 std::string_view name_of(Approach approach) {
@@ -151,13 +179,20 @@ std::string memory_text(const UnitStatus& status) {
   return ram_test_cell(status).text + block_check_cell(status).text + map_cell(status).text;
 }
 
+Cell events_cell(const std::vector<protocol::HostEvent>& events) {
+  if (events.empty()) return {Json::array(), "events       none\n"};
+  return list_cell(events, event_cell, "event  time of the host     unit clock  host              action\n");
+}
+
 Cell status_cell(const StatusSnapshot& snapshot) {
   const UnitStatus& s = snapshot.status;
   Cell fault = fault_cell(s);
   if (s.fault == Fault::none) fault.text = "no fault";
+  Cell events = events_cell(snapshot.events);
+  events.text = newest_events_text(snapshot.events);
   return record_cell(
       "{unit}status of {taken}\nmode         {mode}\n{fault}\n\n{ram_test}{block_check}{map}{loop}, watchdog trips "
-      "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}",
+      "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
       {{"taken", text_cell(snapshot.taken)},
        {"link", text_cell(snapshot.link)},
        {"unit", unit_cell(snapshot)},
@@ -174,7 +209,8 @@ Cell status_cell(const StatusSnapshot& snapshot) {
        {"watchdog_trips", count_cell(s.watchdog_trips)},
        {"axes", axes_cell(snapshot)},
        {"pointers_at_tick", count_cell(s.pointers_at_tick)},
-       {"pointers", pointers_cell(snapshot)}});
+       {"pointers", pointers_cell(snapshot)},
+       {"events", std::move(events)}});
 }
 
 }  // namespace ecs::commissioning

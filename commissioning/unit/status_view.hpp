@@ -13,6 +13,8 @@ namespace ecs::commissioning {
 
 /// All of it; lines of at most 80 columns.
 [[nodiscard]] Cell status_cell(const StatusSnapshot& snapshot);
+/// What hosts did to the unit, or tried, a line each.
+[[nodiscard]] Cell events_cell(const std::vector<protocol::HostEvent>& events);
 /// The same as a status file holds it: marked as one, with the registers under "raw".
 [[nodiscard]] Json json_with_registers(const StatusSnapshot& snapshot);
 // parts of its text

@@ -204,7 +204,7 @@ void StatusController::start_reading() {
   asked_at_ = Clock::now();
   const auto work = [connection = connection_](JobControl& control) {
     return connection->with_link(control, [](UnitLink& link) -> Result<Read> {
-      auto snapshot = take_snapshot(link.client(), link.name());
+      auto snapshot = take_snapshot(link.client(), link.name(), protocol::kEventsInBlock);
       if (!snapshot) return tl::unexpected(snapshot.error());
       return Read{std::move(*snapshot), link.workshop()};
     });

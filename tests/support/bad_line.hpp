@@ -19,8 +19,9 @@ namespace ecs::app::screen_test {
 class OwnEmulator {
  public:
   OwnEmulator(const StateFolder& one, std::vector<std::string> options) : pty((one.path / "line").string()) {
-    std::vector<std::string> words{kEmulator, "serve", "--machine",  "samples/mill/machine.toml",
-                                   "--pty",   pty,     "--workshop", workshop(one)};
+    std::vector<std::string> words{kEmulator,    "serve", "--machine",  "samples/mill/machine.toml",
+                                   "--pty",      pty,     "--workshop", workshop(one),
+                                   "--arm-code", kArmCode};
     words.insert(words.end(), options.begin(), options.end());
     child_ = started(words);
     for (int k = 0; k < 3000 && !std::filesystem::exists(workshop(one)); ++k)

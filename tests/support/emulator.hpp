@@ -3,6 +3,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,6 +15,10 @@
 #include <unistd.h>
 
 namespace ecs {
+
+/// Of the emulators that tests start; what tests run finds it in its environment.
+inline const std::string kArmCode = "271828";
+inline const int kArmCodeGiven = ::setenv("ECS_ARM_CODE", "271828", 1);
 
 inline const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
 

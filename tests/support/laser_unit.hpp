@@ -22,7 +22,7 @@ class PacedUnit {
     std::error_code error;
     std::filesystem::remove(pty, error);
     child_ = started({kEmulator, "serve", "--machine", "samples/mill/machine.toml", "--pty", pty, "--memory",
-                      *folder_ / "battery.bin", "--mode", "integrate", "--pace", baud_});
+                      *folder_ / "battery.bin", "--mode", "integrate", "--arm-code", kArmCode, "--pace", baud_});
     for (int k = 0; k < 1200 && !std::filesystem::exists(pty, error); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(25));
   }

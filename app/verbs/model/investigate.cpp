@@ -30,7 +30,7 @@ struct InvestigateArguments : VerbArguments {
   const double& minutes = number("--minutes", "that the runs may take, set-up and waiting included", 0.0,
                                  Need::required, 0.0, kMostMinutes);
   const std::string& output = text("-o,--output", "the model with the causes found; may be MODEL itself");
-  const Access access = uses_link();
+  const Access access = may_write_to_unit();
 };
 
 /// Lines of the ledger as they come; on a terminal the whole ledger, drawn anew with every change.
@@ -82,6 +82,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   choice.machine = arguments.machine;
   choice.params = arguments.params;
   choice.map_is_modelled = model->map.has_value();
+  choice.arm_code = context.arm_code;
   const auto opened = commissioning::open_workshop(context.console, choice, **machine, interrupted());
   if (!opened) return tl::unexpected(opened.error());
   if (!opened->link.empty()) context.link_name = opened->link;

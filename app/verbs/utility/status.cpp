@@ -20,7 +20,7 @@ struct StatusArguments : VerbArguments {
 Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
   auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
-  return take_snapshot(unit->client(), unit->name());
+  return take_snapshot(unit->client(), unit->name(), protocol::kKeptEvents);
 }
 
 Result<Outcome> show_status(VerbContext& context, const StatusArguments& arguments) {

@@ -1,0 +1,63 @@
+#include "commissioning/link/host.hpp"
+
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <random>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+std::uint64_t key_in(const std::string& text) {
+  std::uint64_t key = 0;
+  const std::string_view digits = trimmed(text);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), key, 16);
+  return error == std::errc() && end == digits.data() + digits.size() ? key : 0;
+}
+
+/// The file's key; a new file where there is none. Of two programs that make it at once, both take the one kept.
+std::uint64_t kept_key() {
+  const auto folder = state_folder();
+  if (!folder) return 0;
+  const std::filesystem::path path = *folder / "host.key";
+  std::random_device chance;
+  const std::string made = fmt::format("{:08x}{:08x}\n", chance(), chance());
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file >= 0) {
+    const ssize_t written = ::write(file, made.data(), made.size());
+    ::close(file);
+    if (written != static_cast<ssize_t>(made.size())) return 0;
+  }
+  const auto text = read_file(path);
+  return text ? key_in(*text) : 0;
+}
+
+/// "user@computer", cut by the unit to what it keeps.
+std::string own_name() {
+  std::array<char, 65> computer{};
+  if (::gethostname(computer.data(), computer.size() - 1) != 0) computer = {};
+  const passwd* user = ::getpwuid(::geteuid());
+  std::string name = fmt::format("{}@{}", user != nullptr ? user->pw_name : "user", computer.data());
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E) c = '?';
+  return name;
+}
+
+}  // namespace
+
+protocol::Host this_host() { return {kept_key(), own_name(), {}}; }
+
+std::string arm_code_in_environment() {
+  const char* code = std::getenv("ECS_ARM_CODE");
+  return code == nullptr ? std::string() : std::string(code);
+}
+
+}  // namespace ecs::commissioning
