@@ -63,7 +63,8 @@ class Served {
     return Json::parse(*answer);
   }
   protocol::UnitClient client() const {
-    auto connected = protocol::UnitClient::connect(*protocol::link_address_of(about["link"].get<std::string>()));
+    auto connected = protocol::UnitClient::connect(*protocol::link_address_of(about["link"].get<std::string>()), {},
+                                                   {0, "test", about["arm_code"].get<std::string>()});
     REQUIRE_MESSAGE(connected.has_value(), (connected ? "" : to_text(connected.error())));
     return std::move(*connected);
   }

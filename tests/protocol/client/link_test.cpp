@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/folder.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -387,4 +388,41 @@ TEST_CASE("answers to another host's requests do not count as late ones") {
   CHECK(sample.has_value());
   CHECK(unit.link().statistics().foreign_replies == 1);
   CHECK(unit.link().statistics().stale_replies == 0);
+}
+
+TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
+  const Folder folder;
+  const std::string right = folder.with("right", "four words of chance\n");
+  const std::string wrong = folder.with("wrong", "four other words\n");
+  TcpOptions asking;
+  asking.token_file = right;
+  Workshop shop(ModbusServer::on_tcp(asking).value());
+  auto address = shop.address();
+  CHECK(UnitClient::connect(address, shop.options()).has_value());
+  auto& peer = std::get<TcpPeer>(address.endpoint);
+  peer.token_file = wrong;
+  const auto refused = UnitClient::connect(address, shop.options());
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(says(refused.error(), "does not take the token"));
+  peer.token_file.clear();
+  CHECK_FALSE(UnitClient::connect(address, shop.options()).has_value());
+  peer.token_file = folder / "none";
+  CHECK_FALSE(UnitClient::connect(address, shop.options()).has_value());
+  auto open_shop = Workshop::on_tcp();
+  address = open_shop.address();
+  std::get<TcpPeer>(address.endpoint).token_file = right;
+  const auto superfluous = UnitClient::connect(address, open_shop.options());
+  REQUIRE_FALSE(superfluous.has_value());
+  CHECK(says(superfluous.error(), "asks for no token"));
+}
+
+TEST_CASE("TCP beyond this computer needs a token at both ends") {
+  TcpOptions everywhere;
+  everywhere.host = "0.0.0.0";
+  const auto server = ModbusServer::on_tcp(everywhere);
+  REQUIRE_FALSE(server.has_value());
+  CHECK(says(server.error(), "a token is needed"));
+  const auto client = UnitClient::connect({TcpPeer{"192.0.2.1", 502}, 1});
+  REQUIRE_FALSE(client.has_value());
+  CHECK(says(client.error(), "?token=FILE"));
 }

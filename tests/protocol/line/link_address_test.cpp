@@ -24,7 +24,7 @@ TEST_CASE("a TCP address names host, port and unit") {
 
 TEST_CASE("the full text of an address reads back as the same address") {
   for (const char* text :
-       {"rtu:/dev/ttyUSB0:115200:8N1:1", "rtu:/dev/a:b:9600:8E2:247", "tcp:host:502:3", "tcp:[::1]:502:1"})
+       {"rtu:/dev/ttyUSB0:115200:8N1:1", "rtu:/dev/a:b:9600:8E2:247", "tcp:host:502:3", "tcp:[::1]:502:1", "tcp:host:502:1?token=a/b.token"})
     CHECK(to_text(link_address_of(text).value()) == text);
 }
 
@@ -44,6 +44,8 @@ TEST_CASE("a wrong address is a usage problem that says what was expected") {
   says("rtu:/dev/ttyUSB0:9600:8N1:248", "1 to 247");
   says("rtu:/dev/ttyUSB0:9600:8N1:0", "1 to 247");
   says("tcp:host", "port");
+  says("tcp:host:502?tok=x", "?token=FILE");
+  says("tcp:host:502?token=", "?token=FILE");
   says("tcp:host:99999", "99999");
   says("tcp:host:502:x", "unit");
   says("tcp::502", "host");

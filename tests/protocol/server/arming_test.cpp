@@ -10,7 +10,7 @@ using namespace ecs::protocol;
 
 namespace {
 
-const std::string kCode = "271828";
+const std::string kShownCode = "271828";
 
 Command arming(const RegisterHost& host, std::string_view code, std::uint16_t minutes = 30) {
   Command command{.code = CommandCode::arm};
@@ -32,7 +32,7 @@ std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1
 
 TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, what stops does not") {
   UnitModel model;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server);
   const auto last = static_cast<std::uint16_t>(CommandCode::stop);
   for (std::uint16_t number = 1; number <= last; ++number) {
@@ -41,16 +41,16 @@ TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, 
     const bool is_free = switches_off(code) || code == CommandCode::abandon_staged || code == CommandCode::check_memory;
     CHECK((host.give({.code = code, .address = kBankA.first, .length = 10}).error == UnitError::not_armed) != is_free);
   }
-  CHECK(host.give(arming(host, kCode)).value == 1800);
+  CHECK(host.give(arming(host, kShownCode)).value == 1800);
   CHECK(host.look().armed_s == 1800);
   CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
 }
 
 TEST_CASE("memory takes no window, and no block of an open one, from a host that is not armed") {
   UnitModel model;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server);
-  (void)host.give(arming(host, kCode, 1));
+  (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   WindowOpen window{5, kBankA.first, 4, token, host.session()};
   const auto opened = [&] {
@@ -68,10 +68,10 @@ TEST_CASE("memory takes no window, and no block of an open one, from a host that
 
 TEST_CASE("a host is armed with all its programs, for its minutes; another host and another start are not") {
   UnitModel model;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server, 1);
   RegisterHost other(server, 2);
-  (void)host.give(arming(host, kCode, 2));
+  (void)host.give(arming(host, kShownCode, 2));
   CHECK(other.look().armed_s == 0);
   RegisterHost same(server, 1, 77);
   CHECK(same.session() != host.session());
@@ -80,46 +80,46 @@ TEST_CASE("a host is armed with all its programs, for its minutes; another host 
   CHECK(host.look().armed_s == 1);
   model.unit_clock.ms += 1;
   CHECK(host.look().armed_s == 0);
-  (void)host.give(arming(host, kCode, 2));
+  (void)host.give(arming(host, kShownCode, 2));
   CHECK(host.give(arming(host, "", 0)).state == CommandState::done);
   CHECK(host.look().armed_s == 0);
-  (void)host.give(arming(host, kCode, 2));
+  (void)host.give(arming(host, kShownCode, 2));
   ++model.unit_clock.starts;
   CHECK(host.look().armed_s == 0);
 }
 
 TEST_CASE("after a wrong code no code is looked at for a while, twice as long with each one, at most a minute") {
   UnitModel model;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server);
   for (const std::uint16_t wait : {1, 2, 4, 8, 16, 32, 60, 60}) {
     CHECK(host.give(arming(host, "314159")).error == UnitError::wrong_code);
     CHECK(host.look().wait_s == wait);
-    CHECK(host.give(arming(host, kCode)).error == UnitError::too_many_codes);
+    CHECK(host.give(arming(host, kShownCode)).error == UnitError::too_many_codes);
     CHECK(host.look().armed_s == 0);
     model.unit_clock.ms += 1000u * wait;
   }
-  CHECK(host.give(arming(host, kCode)).state == CommandState::done);
+  CHECK(host.give(arming(host, kShownCode)).state == CommandState::done);
 }
 
 TEST_CASE("the proof of one session arms no other") {
   UnitModel model;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server, 1);
   RegisterHost thief(server, 2);
-  CHECK(thief.give(arming(host, kCode)).error == UnitError::wrong_code);
+  CHECK(thief.give(arming(host, kShownCode)).error == UnitError::wrong_code);
 }
 
 TEST_CASE("the unit keeps what hosts did and tried, with host, time and result") {
   UnitModel model;
   model.unit_clock.ms = 61'500;
-  RegisterServer server(model, kCode);
+  RegisterServer server(model, kShownCode);
   RegisterHost host(server, 7);
   Command output{.code = CommandCode::output_compensation};
   output.output_um = 5.0;
   output.relay_on = true;
   (void)host.give(output);
-  (void)host.give(arming(host, kCode));
+  (void)host.give(arming(host, kShownCode));
   (void)host.give(output);
   (void)host.give(output);
   (void)host.give({.code = CommandCode::check_memory, .address = kBankA.first, .length = 10});

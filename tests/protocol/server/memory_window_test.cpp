@@ -15,7 +15,7 @@ using namespace ecs::protocol;
 
 namespace {
 
-constexpr std::uint32_t kToken = 0xA1B2C3D4;
+constexpr std::uint32_t kStagingToken = 0xA1B2C3D4;
 
 Registers block_of(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& image) {
   const auto part = std::span(image).subspan(number * kBlockBytes, bytes_in_block(window.length, number));
@@ -33,8 +33,8 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
     const auto image = noise_image(length, length);
     UnitModel model;
     MemoryWindow window(model);
-    window.stage_under(kToken);
-    const WindowOpen open{5, kBankA.first + 100, length, kToken};
+    window.stage_under(kStagingToken);
+    const WindowOpen open{5, kBankA.first + 100, length, kStagingToken};
     window.open(open);
     std::vector<std::uint16_t> order;
     for (std::uint16_t n = 0; n < blocks_in(length); ++n) order.insert(order.end(), n % 3 == 0 ? 2 : 1, n);
@@ -53,9 +53,9 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
 TEST_CASE("a block that is not intact, of another window or beyond its end is not taken") {
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
+  window.stage_under(kStagingToken);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, kToken};
+  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
   auto flipped = block_of(open, 0, image);
   flipped[50] ^= 0x0100;
@@ -63,7 +63,7 @@ TEST_CASE("a block that is not intact, of another window or beyond its end is no
   auto moved = block_of(open, 0, image);
   moved[1] = 1;
   CHECK_FALSE(window.take(moved));
-  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kToken}, 0, image)));
+  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kStagingToken}, 0, image)));
   auto cut = block_of(open, 0, image);
   cut.pop_back();
   CHECK_FALSE(window.take(cut));
@@ -76,30 +76,30 @@ TEST_CASE("a block that is not intact, of another window or beyond its end is no
 TEST_CASE("the same tag again keeps what has arrived, a new tag starts afresh") {
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
+  window.stage_under(kStagingToken);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, kToken};
+  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
   CHECK(window.take(block_of(open, 2, image)));
   window.open(open);
   CHECK(window.ack().received == 0b100);
-  window.open({6, kBankA.first, 1000, kToken});
+  window.open({6, kBankA.first, 1000, kStagingToken});
   CHECK(window.ack().received == 0);
 }
 
 TEST_CASE("a window onto memory that may not be written stays closed and says why") {
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
+  window.stage_under(kStagingToken);
   const auto image = noise_image(1000);
   window.open({5, 0x900000, 1000});
   CHECK(window.ack().error == UnitError::address_unknown);
   CHECK_FALSE(window.take(block_of({5, 0x900000, 1000}, 0, image)));
   model.mode = UnitMode::compensating;
-  window.open({6, kBankA.first, 1000, kToken});
+  window.open({6, kBankA.first, 1000, kStagingToken});
   CHECK(window.ack().error == UnitError::not_in_integration_mode);
   model.mode = UnitMode::integration;
-  window.open({7, kBankA.first, kWindowBytes + 1, kToken});
+  window.open({7, kBankA.first, kWindowBytes + 1, kStagingToken});
   CHECK(window.ack().error == UnitError::bad_argument);
 }
 
@@ -107,14 +107,14 @@ TEST_CASE("axis memory takes a block only under the token of the staging that go
   UnitModel model;
   MemoryWindow window(model);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, kToken};
+  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
   CHECK(window.ack().error == UnitError::token_expired);
-  window.stage_under(kToken);
+  window.stage_under(kStagingToken);
   window.open(open);
   CHECK(window.take(block_of(open, 0, image)));
-  CHECK_FALSE(window.take(block_of({5, kBankA.first, 1000, kToken + 1}, 1, image)));
-  window.stage_under(kToken + 1);
+  CHECK_FALSE(window.take(block_of({5, kBankA.first, 1000, kStagingToken + 1}, 1, image)));
+  window.stage_under(kStagingToken + 1);
   CHECK_FALSE(window.take(block_of(open, 1, image)));
   CHECK(window.ack().error == UnitError::token_expired);
   CHECK(window.ack().received == 0);

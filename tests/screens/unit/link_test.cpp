@@ -14,7 +14,8 @@ using namespace screen_test;
 std::string form_text(const std::string& link) { return LinkForm(*parsed_link(link, "test")).text(); }
 
 TEST_CASE("every kind of link goes into the form and comes out the same") {
-  for (const char* link : {"rtu:/dev/ttyUSB0:9600:8E1:17", "tcp:mill:502:2", "tcp:[::1]:502:1"}) {
+  for (const char* link :
+       {"rtu:/dev/ttyUSB0:9600:8E1:17", "tcp:mill:502:2", "tcp:[::1]:502:1", "tcp:mill:502:2?token=unit.token"}) {
     CAPTURE(link);
     CHECK(form_text(link) == link);
   }
