@@ -1,8 +1,11 @@
 #include "commissioning/unit/status_view.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
+#include "base/clock.hpp"
 #include "core/fault.hpp"
 #include "laser/map/error_map.hpp"
 
@@ -137,23 +140,48 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
        {"configuration", id.configuration == 0 ? null_cell() : word_cell(fmt::format("{:08X}", id.configuration))}});
 }
 
+/// In the order of protocol::UnitError, short enough for a row.
+constexpr std::array<std::string_view, protocol::kUnitErrorCount> kErrorNames{"none",
+                                                                              "not in integration mode",
+                                                                              "address unknown",
+                                                                              "address protected",
+                                                                              "bad argument",
+                                                                              "unknown command",
+                                                                              "nothing staged",
+                                                                              "check mismatch",
+                                                                              "image refused",
+                                                                              "busy",
+                                                                              "axis absent",
+                                                                              "not referenced",
+                                                                              "unit fault",
+                                                                              "stopped",
+                                                                              "time out",
+                                                                              "token expired",
+                                                                              "session unknown",
+                                                                              "late",
+                                                                              "overtaken",
+                                                                              "other version",
+                                                                              "not armed",
+                                                                              "wrong code",
+                                                                              "too many codes"};
+
 Cell event_cell(const protocol::HostEvent& event) {
   const bool writes = event.code == protocol::CommandCode::none;
-  const std::string_view what = writes ? "write memory" : protocol::name_of(event.code);
   const bool failed = event.error != protocol::UnitError::none;
-  const std::string_view why = failed ? protocol::text_of(event.error) : std::string_view();
+  const std::string_view why = kErrorNames[static_cast<std::size_t>(event.error)];
   return record_cell(
-      "{number:>4}  {time:<20}  {unit_time_s:>7} s  {host:<16}  {what} {arguments}: {result}{times}\n{error}",
+      "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      {what}{arguments}: "
+      "{result}{error}\n",
       {{"number", count_cell(event.number)},
        {"time", event.unix_time_s == 0 ? null_cell("unknown") : word_cell(utc_of(event.unix_time_s))},
        {"unit_time_s", count_cell(event.unit_time_s)},
        {"starts", count_cell(event.starts)},
        {"host", text_cell(event.host)},
-       {"what", word_cell(what)},
-       {"arguments", text_cell(event.text)},
+       {"what", word_cell(writes ? "write memory" : protocol::name_of(event.code))},
+       {"arguments", event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}},
        {"result", word_cell(protocol::name_of(event.state))},
-       {"times", {event.times, event.times > 1 ? fmt::format(", {} times", event.times) : ""}},
-       {"error", failed ? Cell{why, fmt::format("      {}\n", why)} : null_cell()}});
+       {"times", {event.times, event.times > 1 ? fmt::format(", {} times in a row", event.times) : ""}},
+       {"error", failed ? Cell{why, fmt::format(", {}", why)} : null_cell()}});
 }
 
 /// The three newest, where there are any.
@@ -181,7 +209,7 @@ std::string memory_text(const UnitStatus& status) {
 
 Cell events_cell(const std::vector<protocol::HostEvent>& events) {
   if (events.empty()) return {Json::array(), "events       none\n"};
-  return list_cell(events, event_cell, "event  time of the host     unit clock  host              action\n");
+  return list_cell(events, event_cell, "event by a host\n");
 }
 
 Cell status_cell(const StatusSnapshot& snapshot) {

@@ -92,12 +92,12 @@ TEST_CASE("after a wrong code no code is looked at for a while, twice as long wi
   UnitModel model;
   RegisterServer server(model, kShownCode);
   RegisterHost host(server);
-  for (const std::uint16_t wait : {1, 2, 4, 8, 16, 32, 60, 60}) {
+  for (const unsigned wait : {1U, 2U, 4U, 8U, 16U, 32U, 60U, 60U}) {
     CHECK(host.give(arming(host, "314159")).error == UnitError::wrong_code);
     CHECK(host.look().wait_s == wait);
     CHECK(host.give(arming(host, kShownCode)).error == UnitError::too_many_codes);
     CHECK(host.look().armed_s == 0);
-    model.unit_clock.ms += 1000u * wait;
+    model.unit_clock.ms += std::uint64_t{1000} * wait;
   }
   CHECK(host.give(arming(host, kShownCode)).state == CommandState::done);
 }

@@ -91,7 +91,7 @@ TEST_CASE("the events of a unit name host, time and result, live, in a saved sta
   CHECK(events[1]["host"].get<std::string>().find('@') != std::string::npos);
   CHECK(events[1]["time"].get<std::string>().size() == 20);
   CHECK(events[2]["result"] == "refused");
-  CHECK(events[2]["error"] == "an argument is out of its range");
+  CHECK(events[2]["error"] == "bad argument");
   const std::string saved = bench.folder / "status.json";
   REQUIRE(bench.run({"utility", "status", "--save", saved}).code == 0);
   CHECK(ran({"utility", "status", "--from", saved, "--json"}).json()["events"] == events);
