@@ -78,11 +78,11 @@ tl::expected<void, PortProblem> ModbusLink::connect_serial(const SerialPort& por
 }
 
 tl::expected<void, PortProblem> ModbusLink::connect_tcp(const TcpPeer& peer) {
+  if (!host_is_known(peer)) return failed(LinkFailure::no_such_port, fmt::format("{}: no such host", peer.host));
   if (peer.token_file.empty() && !is_loopback(peer.host))
     return failed(LinkFailure::no_permission,
                   fmt::format("{}: TCP beyond this computer needs the token of the unit: tcp:{}:{}:{}?token=FILE",
                               peer.host, peer.host, peer.port, address_.unit));
-  if (!host_is_known(peer)) return failed(LinkFailure::no_such_port, fmt::format("{}: no such host", peer.host));
   context_ = modbus_new_tcp_pi(peer.host.c_str(), std::to_string(peer.port).c_str());
   if (prepare()) return peer.token_file.empty() ? tl::expected<void, PortProblem>() : show_token(peer);
   const int error = errno;

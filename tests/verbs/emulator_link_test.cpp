@@ -192,7 +192,9 @@ TEST_CASE("asking again for compensation follows the datuming that is under way"
   const auto unit = EmulatorProcess::start({kEmulator, "samples/mill/machine.toml", workspace.folder / "memory"});
   REQUIRE(unit);
   const std::string link = "rtu:" + (*unit)->pty() + ":115200";
-  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params, "--link", link}).code == 0);
+  const std::string code = (*unit)->arm_code();
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params, "--link", link, "--arm-code", code}).code ==
+          0);
   for (int i = 0; i < 2; ++i) {
     const Ran r = ran({"utility", "mode", "compensate", "--wait", "0.3", "--link", link, "--json"});
     CHECK(r.code == 1);

@@ -138,6 +138,7 @@ TEST_CASE("the unit keeps what hosts did and tried, with host, time and result")
 
 TEST_CASE("a command that takes time ends in the list of events as it ended, and the oldest of 64 give way") {
   UnitModel model;
+  model.busy_polls_left = 100;
   RegisterServer server(model);
   RegisterHost host(server);
   (void)host.give({.code = CommandCode::test_datum});
