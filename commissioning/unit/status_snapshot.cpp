@@ -19,7 +19,7 @@ using protocol::Block;
 using protocol::Registers;
 
 constexpr int kFormat = 1;
-constexpr std::size_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
+constexpr std::uint16_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
 
 Result<void> decode(StatusSnapshot& snapshot) {
   const auto identity = protocol::identity_in(snapshot.identity_registers);

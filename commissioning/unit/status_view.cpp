@@ -157,6 +157,7 @@ constexpr std::array<std::string_view, protocol::kUnitErrorCount> kErrorNames{"n
                                                                               "stopped",
                                                                               "time out",
                                                                               "token expired",
+                                                                              "other machine",
                                                                               "session unknown",
                                                                               "late",
                                                                               "overtaken",

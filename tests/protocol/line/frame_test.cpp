@@ -145,12 +145,12 @@ TEST_CASE("a broadcast acts on nothing and gets no reply") {
   RegisterHost host(server);
   const Registers words = registers_of(host.next({.code = CommandCode::begin_staging}), 0);
   FrameBytes frame{0x00,
-              0x10,
-              0x00,
-              0x30,
-              0x00,
-              static_cast<std::uint8_t>(words.size()),
-              static_cast<std::uint8_t>(2 * words.size())};
+                   0x10,
+                   0x00,
+                   0x30,
+                   0x00,
+                   static_cast<std::uint8_t>(words.size()),
+                   static_cast<std::uint8_t>(2 * words.size())};
   for (const auto word : words) {
     frame.push_back(static_cast<std::uint8_t>(word >> 8));
     frame.push_back(static_cast<std::uint8_t>(word & 0xFF));

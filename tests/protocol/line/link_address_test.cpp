@@ -23,8 +23,8 @@ TEST_CASE("a TCP address names host, port and unit") {
 }
 
 TEST_CASE("the full text of an address reads back as the same address") {
-  for (const char* text :
-       {"rtu:/dev/ttyUSB0:115200:8N1:1", "rtu:/dev/a:b:9600:8E2:247", "tcp:host:502:3", "tcp:[::1]:502:1", "tcp:host:502:1?token=a/b.token"})
+  for (const char* text : {"rtu:/dev/ttyUSB0:115200:8N1:1", "rtu:/dev/a:b:9600:8E2:247", "tcp:host:502:3",
+                           "tcp:[::1]:502:1", "tcp:host:502:1?token=a/b.token"})
     CHECK(to_text(link_address_of(text).value()) == text);
 }
 

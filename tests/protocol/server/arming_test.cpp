@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "protocol/registers/window_block.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
