@@ -58,7 +58,8 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      return command.copy_active ? "copy of the active map" : "";
+      if (command.staging_from == StagingFrom::kept) return "over what the bank holds";
+      return command.staging_from == StagingFrom::active ? "copy of the active map" : "";
     case CommandCode::commit_staged:
       return fmt::format("{} bytes, {:08X}", command.length, command.crc);
     case CommandCode::test_datum:

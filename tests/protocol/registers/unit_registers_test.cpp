@@ -100,7 +100,8 @@ TEST_CASE("every block has the length that the register map gives it") {
 }
 
 TEST_CASE("answer blocks do not overlap and fit one read") {
-  const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kSession};
+  const std::array blocks{kIdentity,  kStatus, kMonitor, kPointers, kCommandResult,
+                          kWindowAck, kMemory, kChecks,  kEvents,   kSession};
   for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
     CHECK(blocks[i].end() <= blocks[i + 1].first);
     CHECK(blocks[i].count <= kMostRead);
@@ -145,8 +146,8 @@ TEST_CASE("typed values survive the way through registers") {
                         any<std::uint32_t>(), any<std::uint32_t>(),
                         any<std::uint64_t>(), any<std::uint32_t>()};
     RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
-    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
-                          any<bool>(), any<std::uint32_t>()};
+    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
+                          any<std::uint32_t>(), any<bool>(),          any<std::uint32_t>()};
     RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
     const CheckSelect select{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
     RC_ASSERT(check_select_in(registers_of(select, 1)).value() == select);

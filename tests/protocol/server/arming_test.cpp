@@ -53,7 +53,7 @@ TEST_CASE("memory takes no window, and no block of an open one, from a host that
   RegisterHost host(server);
   (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
-  WindowOpen window{5, kBankA.first, 4, token, host.session()};
+  WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
   const auto opened = [&] {
     REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
     return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;

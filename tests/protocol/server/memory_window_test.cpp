@@ -148,7 +148,7 @@ TEST_CASE("a window belongs to a session that the unit knows") {
   RegisterHost host(server);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   const auto error_of = [&](std::uint32_t session) {
-    const WindowOpen open{5, kBankA.first, 1000, token, session};
+    const WindowOpen open{5, kBankA.first, 1000, token, false, session};
     REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
     return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
   };
@@ -179,8 +179,8 @@ TEST_CASE("coded frames give the memory that was sent, in their order only") {
   const auto image = smooth_image();
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
-  const WindowOpen open{5, kBankA.first, 1000, kToken, true};
+  window.stage_under(kStagingToken);
+  const WindowOpen open{5, kBankA.first, 1000, kStagingToken, true};
   window.open(open);
   BitWriter first = coded_block(image, 0, 120);
   first.append(coded_block(image, 120, 240));
@@ -202,8 +202,8 @@ TEST_CASE("a coded frame that makes no sense is refused without a write") {
   const auto image = smooth_image();
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
-  const WindowOpen open{5, kBankA.first, 240, kToken, true};
+  window.stage_under(kStagingToken);
+  const WindowOpen open{5, kBankA.first, 240, kStagingToken, true};
   window.open(open);
   const auto code = coded_block(image, 0, 120).bytes();
   CHECK_FALSE(window.take(coded_frame(open, 0 | 1 << 8, code)));   // two blocks announced, one there
@@ -221,11 +221,11 @@ TEST_CASE("a coded frame that makes no sense is refused without a write") {
 TEST_CASE("a coded window lies in axis memory and holds at most 64 short blocks") {
   UnitModel model;
   MemoryWindow window(model);
-  window.stage_under(kToken);
-  window.open({5, kBankA.first, 64 * 120 + 1, kToken, true});
+  window.stage_under(kStagingToken);
+  window.open({5, kBankA.first, 64 * 120 + 1, kStagingToken, true});
   CHECK(window.ack().error == UnitError::bad_argument);
   window.open({6, kSystemRam.first, 120, 0, true});
   CHECK(window.ack().error == UnitError::bad_argument);
-  window.open({7, kBankB.first, 64 * 120, kToken, true});
+  window.open({7, kBankB.first, 64 * 120, kStagingToken, true});
   CHECK(window.ack().error == UnitError::none);
 }
