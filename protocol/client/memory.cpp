@@ -116,8 +116,12 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
 Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCallback& sent) {
   if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
   if (++window_tag_ == 0) ++window_tag_;
-  const WindowOpen window{window_tag_, frames.address, static_cast<std::uint32_t>(frames.bytes.size()),
-                          in_axis_memory(frames.address) ? token_ : 0, frames.coded, session_};
+  const WindowOpen window{window_tag_,
+                          frames.address,
+                          static_cast<std::uint32_t>(frames.bytes.size()),
+                          in_axis_memory(frames.address) ? token_ : 0,
+                          frames.coded,
+                          session_};
   const std::size_t blocks = blocks_in(window.length, window.block_bytes());
   auto ack = ask_ack(window, true);
   int fruitless = 0;

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::array kAnswers{kIdentity,  kStatus, kMonitor, kPointers, kCommandResult,
                               kWindowAck, kMemory, kChecks,  kSession,  kEvents};
-constexpr std::array kEchoed{kEcho,         kReadSelect,  kCheckSelect, kWindowOpen, kCommand,
-                             kResultSelect, kSessionOpen, kEventSelect};
+constexpr std::array kEchoed{kEcho,    kReadSelect,   kCheckSelect, kWindowOpen,
+                             kCommand, kResultSelect, kSessionOpen, kEventSelect};
 constexpr std::array kWithCheck{kWindowOpen, kCommand, kSessionOpen};
 constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
 

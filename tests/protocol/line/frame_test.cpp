@@ -51,9 +51,9 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   CHECK(document->find(hex_of(kAskIdentity)) != std::string::npos);
   CHECK(document->find(hex_of(kIdentityReply)) != std::string::npos);
   for (const Block& block :
-       {kEcho, kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen, kEventSelect, kToken,
-        kBlockWrite, kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kChecks, kSession,
-        kEvents}) {
+       {kEcho,          kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen,
+        kEventSelect,   kToken,      kBlockWrite,  kIdentity,   kStatus,  kMonitor,      kPointers,
+        kCommandResult, kWindowAck,  kMemory,      kChecks,     kSession, kEvents}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
     CHECK_MESSAGE(document->find(row) != std::string::npos, row);
   }

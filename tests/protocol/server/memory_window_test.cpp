@@ -37,7 +37,8 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
     const WindowOpen open{5, kBankA.first + 100, length, kStagingToken};
     window.open(open);
     std::vector<std::uint16_t> order;
-    for (std::uint16_t n = 0; n < blocks_in(length); ++n) order.insert(order.end(), n % 3 == 0 ? 2 : 1, n);
+    for (std::size_t n = 0; n < blocks_in(length); ++n)
+      order.insert(order.end(), n % 3 == 0 ? 2 : 1, static_cast<std::uint16_t>(n));
     std::shuffle(order.begin(), order.end(), std::mt19937(length));
     for (const auto n : order) {
       RC_ASSERT(window.ack().crc == 0 || window.ack().crc == crc32_of(image));
