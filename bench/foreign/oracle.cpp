@@ -71,7 +71,7 @@ std::map<std::string, double> parameter_sigmas(const Case& drawn, std::size_t in
     double variance = 0.0;
     for (std::size_t i = 0; i < own; ++i)
       for (std::size_t j = 0; j < own; ++j) variance += gradient[i] * covariance[i][j] * gradient[j];
-    sigmas[name] = std::sqrt(std::max(0.0, variance));
+    if (variance > 0.0) sigmas[name] = std::sqrt(variance);  // else rounding: these readings do not determine it
   }
   return sigmas;
 }

@@ -32,8 +32,10 @@ struct Verdict {
   bool right = false;
   bool named = false;  // anything
   double seconds = 0.0;
-  int parameters_right = 0;
-  int parameters = 0;
+  int parameters = 0;  // stated with a set or a standard deviation
+  int in_stated_set = 0;
+  int near = 0;  // within three Cramér–Rao standard deviations, or of a member of the set
+  int unstated = 0;
   std::string line;  // truth → answer
   std::string parameter_line;
 };
@@ -90,8 +92,8 @@ bool same_details(const Json& hidden, const Json& candidate) {
 
 struct Answer {
   std::string verdict;
+  std::vector<Json> candidates;
   std::vector<Json> named;
-  Json first;
   Names where;
 };
 
@@ -99,7 +101,7 @@ Answer answer_in(const Json& json) {
   Answer answer;
   answer.verdict = word(json, "verdict");
   for (const Json& candidate : json.value("candidates", Json::array())) {
-    if (answer.first.is_null()) answer.first = candidate;
+    answer.candidates.push_back(candidate);
     if (candidate.value("named", false)) answer.named.push_back(candidate);
   }
   for (const Json& place : json.value("where", Json::array())) answer.where.insert(word(place, "variable"));
@@ -133,35 +135,47 @@ bool right_names(const Json& truth, const Answer& answer, const Names& rivals) {
 }
 
 bool right_group(const Json& truth, const Answer& answer, const Names& required, const Names& allowed) {
-  if (answer.first.is_null() || (answer.verdict != "missing_effect" && answer.verdict != "partly_explained"))
+  if (answer.candidates.empty() || (answer.verdict != "missing_effect" && answer.verdict != "partly_explained"))
     return false;
   Names must = required;
   must.insert(comparable(word(truth.at("hidden").front(), "name")));
-  const Names group = group_of(answer.first);
+  const Names group = group_of(answer.candidates.front());
   return std::includes(group.begin(), group.end(), must.begin(), must.end()) &&
          std::all_of(group.begin(), group.end(),
                      [&](const std::string& name) { return must.contains(name) || allowed.contains(name); });
 }
 
-// One parameter: in the stated set, or near enough. Nothing where the answer does not state it.
-std::optional<bool> right_parameter(const Json& hidden, const std::string& name, const Json& truth,
-                                    const Json& candidate) {
+struct ParameterVerdict {
+  bool stated = true;
+  bool in_stated_set = false;
+  bool near = false;
+};
+
+// One parameter. Nothing where the answer does not have it or the readings do not determine it.
+std::optional<ParameterVerdict> right_parameter(const Json& hidden, const std::string& name, const Json& truth,
+                                                const Json& candidate) {
   const double value = truth.at("value").get<double>();
-  const Json stated = candidate.value("parameters", Json::object());
-  if (!stated.contains(name) || !stated[name].is_number()) return std::nullopt;
-  double answer = stated[name].get<double>();
-  if (name == "position_mm" && hidden.contains("interval_mm"))
-    return answer >= hidden["interval_mm"][0].get<double>() - 1e-6 &&
-           answer <= hidden["interval_mm"][1].get<double>() + 1e-6;
+  const Json values = candidate.value("parameters", Json::object());
+  if (!values.contains(name) || !values[name].is_number()) return std::nullopt;
+  double answer = values[name].get<double>();
+  if (name == "position_mm" && hidden.contains("interval_mm")) {
+    const bool right = answer >= hidden["interval_mm"][0].get<double>() - 1e-6 &&
+                       answer <= hidden["interval_mm"][1].get<double>() + 1e-6;
+    return ParameterVerdict{true, right, right};
+  }
   if (truth.at("sigma").is_null()) return std::nullopt;
   if (word(hidden, "effect") == "thermal_bend" && word(hidden, "sensor") != word(candidate, "sensor")) answer = -answer;
   const double reach = 3.0 * truth.at("sigma").get<double>();
   const Json sets = candidate.value("parameters_set", Json::object());
   if (sets.is_object() && sets.contains(name) && sets[name].is_array())
     for (const Json& member : sets[name])
-      if (member.is_number() && std::abs(member.get<double>() - value) <= reach) return true;
+      if (member.is_number() && std::abs(member.get<double>() - value) <= reach)
+        return ParameterVerdict{true, true, true};
   if (name.starts_with("phase")) answer = value + std::remainder(answer - value, 2.0 * std::numbers::pi);
-  return std::abs(answer - value) <= reach;
+  const Json sigmas = candidate.value("sigma", Json::object());
+  const bool stated = sigmas.is_object() && sigmas.contains(name) && sigmas[name].is_number();
+  const double off = std::abs(answer - value);
+  return ParameterVerdict{stated, stated && off <= 3.0 * sigmas[name].get<double>(), off <= reach};
 }
 
 void score_parameters(const Json& truth, const Answer& answer, Verdict& verdict) {
@@ -170,15 +184,19 @@ void score_parameters(const Json& truth, const Answer& answer, Verdict& verdict)
     if (candidate == nullptr) continue;
     for (const auto& [name, value] : hidden.at("parameters").items()) {
       if (name == "amplitude2_um" || name == "phase2_rad" || name == "phase_rad") continue;  // follow the period
-      const auto right = right_parameter(hidden, name, value, *candidate);
-      if (!right) continue;
-      ++verdict.parameters;
-      verdict.parameters_right += *right ? 1 : 0;
-      if (*right) continue;
-      verdict.parameter_line += fmt::format("  {} {} {}: {:.5g} ± {:.2g} → {}\n", verdict.name, word(hidden, "name"),
-                                            name, value.at("value").get<double>(),
+      const auto parameter = right_parameter(hidden, name, value, *candidate);
+      if (!parameter) continue;
+      (parameter->stated ? verdict.parameters : verdict.unstated) += 1;
+      if (parameter->stated) {
+        verdict.in_stated_set += parameter->in_stated_set ? 1 : 0;
+        verdict.near += parameter->near ? 1 : 0;
+      }
+      if (parameter->stated ? parameter->in_stated_set : parameter->near) continue;
+      verdict.parameter_line += fmt::format("  {} {} {}: {:.5g} ± {:.2g} → {} ± {}\n", verdict.name,
+                                            word(hidden, "name"), name, value.at("value").get<double>(),
                                             value.at("sigma").is_null() ? 0.0 : value.at("sigma").get<double>(),
-                                            candidate->at("parameters").at(name).dump());
+                                            candidate->at("parameters").at(name).dump(),
+                                            candidate->value("sigma", Json::object()).value(name, Json()).dump());
     }
   }
 }
@@ -205,9 +223,9 @@ std::string in_words(const Answer& answer) {
     text += " " + name_in(candidate);
     if (word(candidate, "effect") == "cyclic") text += " " + candidate.at("parameters").dump();
   }
-  if (!answer.first.is_null()) {
-    if (answer.named.empty()) text += " (first " + name_in(answer.first) + ")";
-    for (const std::string& rival : names_in(answer.first.value("indistinguishable_from", Json::array())))
+  if (!answer.candidates.empty()) {
+    if (answer.named.empty()) text += " (first " + name_in(answer.candidates.front()) + ")";
+    for (const std::string& rival : names_in(answer.candidates.front().value("indistinguishable_from", Json::array())))
       text += " = " + rival;
   }
   for (const std::string& place : answer.where) text += " @" + place;
@@ -280,11 +298,13 @@ std::string kinds_line(const std::string& row, const std::vector<Verdict>& cases
 std::string report(std::vector<Verdict> verdicts) {
   std::map<std::string, std::vector<Verdict>> by_row;
   for (Verdict& verdict : verdicts) by_row[verdict.row].push_back(std::move(verdict));
-  std::string table = fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>14}{:>10}{:>9}\n", "row", "right", "%",
-                                  "95 % interval", "named", "parameters", "median s", "worst s");
+  std::string table = fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}\n", "row", "right", "%",
+                                  "95 % interval", "named", "in their set", "near", "unstated", "median s", "worst s");
   std::string wrong;
   std::string kinds;
-  for (const auto& [row, cases] : by_row) {
+  for (const auto& each : by_row) {
+    const std::string& row = each.first;
+    const std::vector<Verdict>& cases = each.second;
     const auto count = [&](auto&& f) {
       int sum = 0;
       for (const Verdict& verdict : cases) sum += f(verdict);
@@ -296,13 +316,14 @@ std::string report(std::vector<Verdict> verdicts) {
     std::vector<double> seconds;
     for (const Verdict& verdict : cases) seconds.push_back(verdict.seconds);
     std::sort(seconds.begin(), seconds.end());
-    table +=
-        fmt::format("{:<18}{:>12}{:>8.1f}{:>18}{:>8}{:>14}{:>10.2f}{:>9.2f}\n", row, fmt::format("{}/{}", right, total),
-                    100.0 * right / total, fmt::format("{:.1f} to {:.1f}", 100.0 * low, 100.0 * high),
-                    count([](const Verdict& v) { return v.named ? 1 : 0; }),
-                    fmt::format("{}/{}", count([](const Verdict& v) { return v.parameters_right; }),
-                                count([](const Verdict& v) { return v.parameters; })),
-                    seconds[seconds.size() / 2], seconds.back());
+    table += fmt::format(
+        "{:<18}{:>12}{:>8.1f}{:>18}{:>8}{:>14}{:>8}{:>10}{:>10.2f}{:>9.2f}\n", row, fmt::format("{}/{}", right, total),
+        100.0 * right / total, fmt::format("{:.1f} to {:.1f}", 100.0 * low, 100.0 * high),
+        count([](const Verdict& v) { return v.named ? 1 : 0; }),
+        fmt::format("{}/{}", count([](const Verdict& v) { return v.in_stated_set; }),
+                    count([](const Verdict& v) { return v.parameters; })),
+        count([](const Verdict& v) { return v.near; }), count([](const Verdict& v) { return v.unstated; }),
+        seconds[seconds.size() / 2], seconds.back());
     kinds += kinds_line(row, cases);
     for (const Verdict& verdict : cases)
       if (!verdict.right) wrong += fmt::format("{}: {}\n", verdict.name, verdict.line);

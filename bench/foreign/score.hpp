@@ -8,8 +8,10 @@
 //    and nothing that is neither required nor allowed.
 //  - outside: right if unexplained_structure. bad_run: the same with `run` in `where`.
 //  - blank: right if adequate with nothing named.
-//  - Parameters (where the answer is right and names the truth itself): in `parameters_set` where it lists the
-//    parameter, else within three Cramér–Rao standard deviations; the place of a step between the same two targets.
+//  - Parameters (where the answer is right and names the truth itself): the truth is in `parameters_set`, a member of
+//    which is at most three Cramér–Rao standard deviations away, or within three of the stated standard deviations; the
+//    place of a step between the same two targets. `near` counts, whatever is stated, answers within three Cramér–Rao
+//    standard deviations; `unstated` those with neither a set nor a standard deviation (undetermined, or held).
 #pragma once
 
 #include <filesystem>

@@ -57,14 +57,12 @@ void draw_shape(Random& random, const Setup& setup, Term& term) {
     term.coefficients = {random.normal(), random.normal() / span_m};
   } else if (term.id == "load") {
     term.coefficients = {random.normal(), random.normal() / span_m};
-  } else if (term.id == "cosine") {
-    term.coefficients = {1.0};
   } else if (term.id == "map_gain") {
     term.coefficients = {random.signed_between(0.08, 0.5)};
   } else if (term.id == "map_shift") {
     term.nonlinear = std::round(10.0 * random.signed_between(3.0, 40.0)) / 10.0;
     term.coefficients = {1.0};
-  } else if (term.id.starts_with("map_") || term.id == "air_refraction") {
+  } else if (term.id.starts_with("map_") || term.id == "air_refraction" || term.id == "cosine") {
     term.coefficients = {1.0};
   } else {
     term.coefficients = {random.sign()};
@@ -198,8 +196,9 @@ bool add_free_base(Random& random, Case& drawn, const std::string& id) {
   std::optional<Term> term = draw_term(random, drawn.setup, id);
   if (!term) return false;
   term->approach = 0;
-  const double before = free_rms(drawn.setup, drawn.base, contribution(drawn.setup, *term));
-  if (!(before > 0.0)) return false;
+  const Column um = contribution(drawn.setup, *term);
+  const double before = free_rms(drawn.setup, drawn.base, um);
+  if (!(before > kLeastFreeShare * rms(um))) return false;  // a wave that these targets do not see, for one
   scale_size(*term, drawn.noise.sigma_um * random.between(3.0, 15.0) / before);
   if (!Projector(drawn.setup, drawn.noise, drawn.base).parameters_of(*term)) return false;
   const Rivals rivals =
