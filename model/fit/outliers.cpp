@@ -32,6 +32,8 @@ constexpr double kMargin = 2.5;
 /// √(2 ln n) holds for many; below this n it is taken at this n.
 constexpr std::size_t kFewestForLimit = 10;
 
+using Rows = std::vector<std::size_t>;
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -45,6 +47,12 @@ double robust_scale(const std::vector<double>& values) {
   for (const double v : values)
     if (!std::isnan(v)) sizes.push_back(std::abs(v));
   return kSigmaPerMad * median(std::move(sizes));
+}
+
+std::vector<double> part(const std::vector<double>& all, const Rows& rows) {
+  std::vector<double> values;
+  for (const std::size_t k : rows) values.push_back(all[k]);
+  return values;
 }
 
 /// Distance of each reading from the median of its neighbours in the same pass; NaN where there are too few.
@@ -91,10 +99,11 @@ std::size_t isolated(const std::vector<std::pair<double, std::size_t>>& odd, std
   return 0;
 }
 
-/// Odd readings that follow each other in a pass are no isolated ones: something happened there.
-void keep_streaks(const Observations& data, std::vector<bool>& out) {
+/// Odd readings that follow each other in a pass are no isolated ones: something happened there. Two, one to each side,
+/// are a jump that the model has smoothed.
+void keep_streaks(const Observations& data, const std::vector<double>& oddness, std::vector<bool>& out) {
   const std::vector<std::size_t> pass = passes_of(data);
-  std::map<std::size_t, std::vector<std::size_t>> passes;
+  std::map<std::size_t, Rows> passes;
   for (std::size_t k = 0; k < pass.size(); ++k) passes[pass[k]].push_back(k);
   const std::vector<bool> odd = out;
   for (const auto& [number, rows] : passes)
@@ -103,42 +112,72 @@ void keep_streaks(const Observations& data, std::vector<bool>& out) {
       std::size_t count = 0;
       for (std::size_t i = from; i < to; ++i) count += odd[rows[i]] ? std::size_t{1} : std::size_t{0};
       for (std::size_t i = from; i < to && count >= kStreak; ++i) out[rows[i]] = false;
+      if (from + 1 == rows.size()) continue;
+      const std::size_t one = rows[from], next = rows[from + 1];
+      if (odd[one] && odd[next] && oddness[one] * oddness[next] < 0.0) out[one] = out[next] = false;
     }
 }
 
-}  // namespace
+/// Nor are the first ones after a reversal where every repeat shows it: the axis does that.
+void keep_after_reversal(const Observations& data, std::vector<bool>& out) {
+  if (data.travel_since_reversal_mm.empty()) return;
+  const Repeats repeats = places_of(data);
+  std::vector<std::size_t> readings(repeats.nodes), odd(repeats.nodes);
+  const std::vector<std::size_t> pass = passes_of(data);
+  std::map<std::size_t, double> shortest_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    ++readings[repeats.node_of[k]];
+    if (out[k]) ++odd[repeats.node_of[k]];
+    double& travel_mm = shortest_mm.try_emplace(pass[k], kBeyondAll).first->second;
+    travel_mm = std::min(travel_mm, data.travel_since_reversal_mm[k]);  // a missing one is not less
+  }
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::size_t node = repeats.node_of[k];
+    const bool is_first = data.travel_since_reversal_mm[k] <= shortest_mm[pass[k]];
+    if (is_first && readings[node] > 1 && odd[node] == readings[node]) out[k] = false;
+  }
+}
 
-std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
-  const std::size_t n = data.size();
-  std::vector<bool> out(n, false);
-  if (n < kFewestReadings) return out;
+/// How odd each reading is, in the scale of its sense and axis, and to which side; 0 where it is not.
+std::vector<double> oddness_of(const Observations& data, const Eigen::VectorXd& residual,
+                               const std::map<std::pair<Sense, Axis>, Rows>& groups) {
   const std::vector<double> near = from_neighbours(data, residual);
   const std::vector<double> repeats = from_repeats(data, residual);
-  std::map<std::pair<Sense, Axis>, std::vector<std::size_t>> groups;
-  for (std::size_t k = 0; k < n; ++k) groups[{data.sense[k], data.axis[k]}].push_back(k);
-  for (const auto& group : groups) {
-    const std::vector<std::size_t>& rows = group.second;
-    const auto part = [&](const std::vector<double>& all) {
-      std::vector<double> values;
-      for (const std::size_t k : rows) values.push_back(all[k]);
-      return values;
-    };
+  std::vector<double> oddness(data.size(), 0.0);
+  for (const auto& [place, rows] : groups) {
     const double limit =
         kMargin + std::sqrt(2.0 * std::log(static_cast<double>(std::max(rows.size(), kFewestForLimit))));
-    const double near_scale = robust_scale(part(near)), repeat_scale = robust_scale(part(repeats));
-    std::vector<std::pair<double, std::size_t>> found;
+    const double near_scale = robust_scale(part(near, rows)), repeat_scale = robust_scale(part(repeats, rows));
     for (const std::size_t k : rows) {
       const double by_near = std::isnan(near[k]) || near_scale <= 0.0 ? kNotMeasured : std::abs(near[k]) / near_scale;
       const double by_repeats =
           std::isnan(repeats[k]) || repeat_scale <= 0.0 ? kNotMeasured : std::abs(repeats[k]) / repeat_scale;
       if (std::isnan(by_near) && std::isnan(by_repeats)) continue;
-      const bool odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
-      if (odd) found.emplace_back(std::isnan(by_near) ? by_repeats : by_near, k);
+      const bool is_odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
+      if (is_odd)
+        oddness[k] = std::isnan(by_near) ? std::copysign(by_repeats, repeats[k]) : std::copysign(by_near, near[k]);
     }
+  }
+  return oddness;
+}
+
+}  // namespace
+
+std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
+  std::vector<bool> out(data.size(), false);
+  if (data.size() < kFewestReadings) return out;
+  std::map<std::pair<Sense, Axis>, Rows> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.sense[k], data.axis[k]}].push_back(k);
+  const std::vector<double> oddness = oddness_of(data, residual, groups);
+  for (const auto& [place, rows] : groups) {
+    std::vector<std::pair<double, std::size_t>> found;
+    for (const std::size_t k : rows)
+      if (oddness[k] != 0.0) found.emplace_back(std::abs(oddness[k]), k);
     std::sort(found.begin(), found.end(), std::greater<>());
     for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
-  keep_streaks(data, out);
+  keep_streaks(data, oddness, out);
+  keep_after_reversal(data, out);
   return out;
 }
 

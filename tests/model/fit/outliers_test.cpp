@@ -107,3 +107,27 @@ TEST_CASE("eleven readings know no scale to judge one of them by") {
   enough.raise(5, 1e6);
   CHECK(enough.outliers() == std::vector<std::size_t>{5});
 }
+
+TEST_CASE("two neighbours far off, one to each side, are a jump that the model has smoothed, no outliers") {
+  Spoiled set(3, {.runs = 1, .both_ways = false});
+  set.raise(20, 40.0);
+  set.raise(21, -40.0);
+  CHECK(set.outliers().empty());
+  Spoiled alone(3, {.runs = 1, .both_ways = false});
+  alone.raise(20, 40.0);
+  CHECK(alone.outliers() == std::vector<std::size_t>{20});
+}
+
+TEST_CASE("the first reading after a reversal is no outlier where every run is off there") {
+  Spoiled set(4, {.runs = 2});
+  const std::vector<std::size_t> first{0, 82};  // of either forward pass of 41 targets
+  for (const std::size_t k : first) set.raise(k, 40.0);
+  CHECK(set.outliers() == first);  // as long as nobody says how far the axis has moved since its reversal
+  for (std::size_t k = 0; k < set.data.size(); ++k) {
+    const double p_mm = set.data.p_mm(k, Axis::X);
+    set.data.travel_since_reversal_mm.push_back(set.data.approach[k] > 0 ? 10.0 + p_mm : 1010.0 - p_mm);
+  }
+  CHECK(set.outliers().empty());
+  set.raise(82, -40.0);  // one run only
+  CHECK(set.outliers() == std::vector<std::size_t>{0});
+}
