@@ -28,6 +28,8 @@ constexpr double kNoValue = 1.0;       ///< of a searched parameter that these d
 constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
 /// Weight in a unit direction from which a column takes part in it.
 constexpr double kPartOfDirection = 0.1;
+/// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
+constexpr double kSameFit = 0.05;
 /// Readings up to which a fitted value is sought anew: the search of one effect takes a few milliseconds there.
 constexpr std::size_t kMostSoughtAnew = 4000;
 
@@ -86,38 +88,6 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
 double first_tried(const Observations& data, const Slot& slot) {
   const TriedValues tried = tried_values(data, slot.effect, slot.acting, {kFewValues});
   return tried.values.empty() ? kNoValue : tried.values.front();
-}
-
-/// Sets the nonlinear parameters of library effects to where they do best together, over their whole ranges: those
-/// that have no value yet; where the readings are few enough also those of a former fit, which may be a lesser minimum.
-void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
-  const Observations& data = regressors.data();
-  const VectorXd y = readings_of(data);
-  MatrixXd others(y.size(), 0);
-  VectorXd rest = y;
-  std::vector<EffectInstance> sought;
-  std::vector<std::size_t> slots;
-  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
-    Slot& slot = assembly.slots[s];
-    const bool without_value = !slot.formulas && !slot.nonlinear.empty() && std::isnan(slot.nonlinear.front());
-    if (slot.is_sought(data) && (without_value || data.size() <= kMostSoughtAnew)) {
-      sought.push_back(slot.effect);
-      slots.push_back(s);
-      continue;
-    }
-    if (without_value) slot.nonlinear.front() = first_tried(data, slot);
-    assembly.renew(s, regressors);
-    others.conservativeResize(Eigen::NoChange, others.cols() + slot.columns.cols());
-    others.rightCols(slot.columns.cols()) = slot.columns;
-    rest -= slot.fixed;
-  }
-  if (sought.empty()) return;
-  const Search search(regressors, whitener, others, rest, {}, sought);
-  const std::vector<Choice>& found = search.alone().own;
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    assembly.slots[slots[i]].nonlinear.front() = found[i].nonlinear;
-    assembly.renew(slots[i], regressors);
-  }
 }
 
 /// How many functions each curve needs, by evidence, the others absorbed; two more than that are kept.
@@ -287,6 +257,54 @@ Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener&
     }
   }
   return now;
+}
+
+std::vector<double> first_values(const Assembly& assembly, const std::vector<std::size_t>& slots) {
+  std::vector<double> values;
+  for (const std::size_t s : slots) values.push_back(assembly.slots[s].nonlinear.front());
+  return values;
+}
+
+/// Sets the nonlinear parameters of library effects to where they do best together, over their whole ranges: those
+/// that have no value yet; where the readings are few enough also those of a former fit, which may be a lesser minimum
+/// and is kept where nothing better is found.
+void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+  const Observations& data = regressors.data();
+  const VectorXd y = readings_of(data);
+  MatrixXd others(y.size(), 0);
+  VectorXd rest = y;
+  std::vector<EffectInstance> sought;
+  std::vector<std::size_t> slots;
+  bool all_have_values = true;
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    Slot& slot = assembly.slots[s];
+    const bool without_value = !slot.formulas && !slot.nonlinear.empty() && std::isnan(slot.nonlinear.front());
+    if (slot.is_sought(data) && (without_value || data.size() <= kMostSoughtAnew)) {
+      all_have_values = all_have_values && !without_value;
+      sought.push_back(slot.effect);
+      slots.push_back(s);
+      continue;
+    }
+    if (without_value) slot.nonlinear.front() = first_tried(data, slot);
+    assembly.renew(s, regressors);
+    others.conservativeResize(Eigen::NoChange, others.cols() + slot.columns.cols());
+    others.rightCols(slot.columns.cols()) = slot.columns;
+    rest -= slot.fixed;
+  }
+  if (sought.empty()) return;
+  const Search search(regressors, whitener, others, rest, {}, sought);
+  std::vector<double> found;
+  for (const Choice& term : search.alone().own) found.push_back(term.nonlinear);
+  const auto take = [&](const std::vector<double>& values) {
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      assembly.slots[slots[i]].nonlinear.front() = values[i];
+      assembly.renew(slots[i], regressors);
+    }
+  };
+  const double former_chi2 = all_have_values ? refined(assembly, regressors, whitener).chi2 : kBeyondAll;
+  const std::vector<double> former = first_values(assembly, slots);
+  take(found);
+  if (all_have_values && refined(assembly, regressors, whitener).chi2 > former_chi2 - kSameFit) take(former);
 }
 
 /// Share of the information along the best seen direction below which a direction is not seen at all.

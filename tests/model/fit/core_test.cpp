@@ -133,3 +133,13 @@ TEST_CASE("a decay length lies between a third of the shortest travel since reve
       CHECK(u0_mm <= 0.5 * longest * (1.0 + 1e-9));
     }
 }
+
+TEST_CASE("of periods that even targets cannot tell apart a fit keeps the one that it has") {
+  auto set = measured({}, kNoise_um, nothing);
+  for (laser::Reading& r : set.readings) {  // every 25 mm: 8 and 200 mm are the same there
+    r.position_mm[0] = 25.0 * std::round(p(r) / 25.0);
+    r.error += 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 8.0);
+  }
+  CHECK(searched_value(cyclic, set, 8.0) == doctest::Approx(8.0).epsilon(0.001));
+  CHECK(searched_value(cyclic, set, 200.0) == doctest::Approx(200.0).epsilon(0.01));
+}
