@@ -164,9 +164,9 @@ Result<Check> checked(const Model& model, const Observations& data, const Claim&
     if (!members.empty()) check.objections.emplace_back("own_terms are not the free searched terms of the model");
     return check;
   }
-  std::vector<EffectInstance> named;
+  std::vector<FoundEffect> named;
   for (const Member& member : members)
-    if (member.claimed.named) named.push_back(effect_of(member.effect, member.choice));
+    if (member.claimed.named) named.push_back({member.effect, member.choice});
   const auto after = fitted_with(model, claim.own_terms, named, regressors, claim.plain);
   if (!after) return tl::unexpected(after.error());
   check_number(check, "rms_after_um", claim.rms_after_um, after->fit.rms_um);

@@ -53,7 +53,7 @@ struct RankedCandidate {
   std::vector<EffectInstance> rivals;
   double probability = 0.0;
   std::vector<SetMember> set{};
-  std::vector<double> values{};  ///< of the searched parameter that fit as well
+  std::vector<Choice> values{};  ///< of the searched parameter that fit as well
   std::optional<double> e_value{};
   bool denied = false;
 };
@@ -202,6 +202,7 @@ void take_parameters(Candidate& candidate, const EffectFit& after) {
   candidate.parameters = after.parameters;
   candidate.effect.curve = after.effect.curve;
   candidate.effect.fitted = after.effect.fitted;
+  candidate.effect.parameters = after.effect.parameters;
 }
 
 /// All values that fit as well: of a place its interval; of a period each with its sizes beside the other effects
@@ -212,16 +213,17 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
   const EffectDefinition& definition = ranked.effect.definition();
   if (ranked.values.empty()) return;
   if (!definition.search.has_slope) {
-    candidate.parameters_set[std::string(definition.searched_parameter())] = ranked.values;
+    for (const Choice& value : ranked.values)
+      candidate.parameters_set[std::string(definition.searched_parameter())].push_back(value.nonlinear);
     return;
   }
   LinearProblem others = in.problem;
   for (std::size_t j = 0; j < order.size(); ++j)
     if (j != i && order[j].named)
       others = joined_with(others, columns_on(in.regressors, order[j].effect, order[j].choice));
-  for (const double value : ranked.values) {
+  for (const Choice& value : ranked.values) {
     RankedCandidate at = ranked;
-    at.choice.nonlinear = value;
+    at.choice = value;
     const LinearProblem problem = joined_with(others, columns_on(in.regressors, at.effect, at.choice));
     for (const ParameterEstimate& parameter :
          quick_parameters(at, problem, whitener, in.regressors, others.columns.cols()))
@@ -414,9 +416,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
     order.front().named = true;
   }
   diagnosis.own_terms = in.own;
-  std::vector<EffectInstance> named;
+  std::vector<FoundEffect> named;
   for (const RankedCandidate& ranked : order)
-    if (ranked.named) named.push_back(ranked.effect);
+    if (ranked.named) named.push_back({ranked.effect, ranked.choice});
   const auto with = fitted_with(in.model, in.own, named, in.regressors, in.options.plain);
   if (!with) return tl::unexpected(with.error());
   const auto& [after, noise, left_out] = *with;

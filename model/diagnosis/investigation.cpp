@@ -219,6 +219,25 @@ std::vector<Choice> others(std::vector<Choice> chosen, std::size_t i) {
   return chosen;
 }
 
+/// Groups of the effects found, and the effects at their members; once more where a wave has turned out to be another.
+void settle_groups(const Search& search, Found& found) {
+  constexpr double kSamePeak = 0.01;
+  for (int round = 0; round < 2; ++round) {
+    found.groups = groups_of(search, found.solution, found.entry_score);
+    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
+    found.solution = search.refined(found.solution.chosen, found.solution.own);
+    const auto moved = [](const Choice& choice, const Group& group) {
+      return std::abs(choice.nonlinear - group.member.nonlinear) > kSamePeak * std::abs(choice.nonlinear);
+    };
+    bool same = true;
+    for (std::size_t i = 0; i < found.groups.size(); ++i) {
+      const bool periodic = found.families[found.groups[i].member.family].effect.traits().periodic;
+      same = same && !(periodic && moved(found.solution.chosen[i], found.groups[i]));
+    }
+    if (same) return;
+  }
+}
+
 /// Groups of the effects found, each with its e-value; those that readings they were not fitted to speak against are
 /// taken back, the worst first.
 void weigh(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
@@ -229,9 +248,7 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
                       found.families[found.groups[i].member.family].effect, null);
   };
   for (;;) {
-    found.groups = groups_of(search, found.solution, found.entry_score);
-    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
-    found.solution = search.refined(found.solution.chosen, found.solution.own);
+    settle_groups(search, found);
     std::optional<std::size_t> worst;
     for (std::size_t i = 0; i < found.groups.size(); ++i) {
       std::optional<double>& e_value = found.groups[i].e_value;

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
+#include <optional>
 
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 /// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
 constexpr double kIndistinguishable = 9.0;
+/// The same for a period together with the two sizes of a harmonic (three degrees of freedom).
+constexpr double kIndistinguishableHarmonic = 14.2;
 /// A rival that needs more parameters for the same fit stays one while its score is at most this much lower: about two
 /// coefficients at Schwarz's price for 1000 readings.
 constexpr double kRivalScoreMargin = 15.0;
@@ -27,6 +30,7 @@ constexpr double kSame = 0.05;
 constexpr std::size_t kFirstBranches = 24;
 constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
 constexpr std::size_t kLaterBranches = 5;
+constexpr std::size_t kBesideOwn = 8;  ///< of the first step, begun without a term of the model
 constexpr std::size_t kBeam = 12;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score
@@ -41,10 +45,10 @@ constexpr double kSimplerMargin = 3.0 * kIndistinguishable;
 /// Weaker explanations kept for the list of a group.
 constexpr std::size_t kMostWeaker = 6;
 /// Values of a searched parameter listed, at the utmost; a peak on the grid may be lower than itself refined by this
-/// share of its gain (three values tried a turn over the travel: a sixth of a turn off at the ends); a value is a fact
-/// of the machine within a percent.
+/// share of its gain (three values tried a turn over the travel: the second harmonic is a third of a turn off at the
+/// ends, and 1 - sinc²(π/3) of it is lost); a value is a fact of the machine within a percent.
 constexpr std::size_t kMostValues = 200;
-constexpr double kCoarse = 0.2, kSameFact = 0.01;
+constexpr double kCoarse = 0.32, kSameFact = 0.01;
 /// Free functions that shapes over one axis may have together: two, and this share of its targets. More follow any
 /// values at all.
 constexpr double kFreeFunctions = 2.0, kFunctionsATarget = 0.7;
@@ -126,34 +130,47 @@ bool is_fact(const Family& family, double value) {
                      [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
 }
 
+/// Whether a value of a wave fits as well as the member: with fewer harmonics it may fit a little worse, with more it
+/// is another wave's harmonic unless they are worth their price.
+bool fits_as_well(const Choice& choice, const Choice& member) {
+  const bool simpler = choice.parameters < member.parameters;
+  if (choice.parameters > member.parameters && choice.score() < member.score()) return false;
+  return choice.gain >= member.gain - (simpler ? kIndistinguishableHarmonic : kIndistinguishable);
+}
+
 /// Values of a searched parameter that fit within Δχ² 9 of the best (a profile likelihood), those of the machine first.
-std::vector<double> values_that_fit(const Search& search, const Space& space, const Choice& member) {
+std::vector<Choice> values_that_fit(const Search& search, const Space& space, const Choice& member) {
   const Family& family = search.families()[member.family];
   const EffectDefinition& definition = family.effect.definition();
-  if (!definition.traits.periodic && definition.search.has_slope) return {};
-  std::vector<double> values;
+  const bool periodic = definition.traits.periodic;
+  if (!periodic && definition.search.has_slope) return {};
+  std::vector<Choice> values{member};
   for (const Choice& peak : search.peaks_of(space, member.family)) {
     if (values.size() >= kMostValues) break;
-    if (peak.gain < member.gain - kIndistinguishable - (definition.traits.periodic ? kCoarse * member.gain : 0.0))
-      continue;
+    const double coarse = periodic ? kIndistinguishableHarmonic + kCoarse * member.gain : kIndistinguishable;
+    if (peak.gain < member.gain - coarse) continue;
     const Choice choice = search.refined_choice(space, member.family, peak.nonlinear);
-    if (choice.gain < member.gain - kIndistinguishable) continue;
-    const bool known = definition.traits.periodic && std::any_of(values.begin(), values.end(), [&](double value) {
+    if (!fits_as_well(choice, member)) continue;
+    const bool known = periodic && std::any_of(values.begin(), values.end(), [&](const Choice& value) {
                          const ValueRange peak_range =
-                             definition.search.limits(search.data(), family.effect, family.acting, value);
+                             definition.search.limits(search.data(), family.effect, family.acting, value.nonlinear);
                          return choice.nonlinear >= peak_range.least && choice.nonlinear <= peak_range.greatest;
                        });
-    if (!known) values.push_back(choice.nonlinear);
+    if (!known) values.push_back(choice);
   }
-  if (values.empty()) values.push_back(member.nonlinear);
   if (!definition.search.has_slope) {
-    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+    const auto [least, greatest] = std::minmax_element(
+        values.begin(), values.end(), [](const Choice& a, const Choice& b) { return a.nonlinear < b.nonlinear; });
     const std::vector<double> targets = acting_positions(search.data(), family.acting, *family.effect.axis);
-    const auto after = std::upper_bound(targets.begin(), targets.end(), *greatest);
-    const auto before = std::lower_bound(targets.begin(), targets.end(), *least);
-    return {before == targets.begin() ? *least : *(before - 1), after == targets.end() ? *greatest : *after};
+    const auto after = std::upper_bound(targets.begin(), targets.end(), greatest->nonlinear);
+    const auto before = std::lower_bound(targets.begin(), targets.end(), least->nonlinear);
+    Choice low = *least, high = *greatest;
+    if (before != targets.begin()) low.nonlinear = *(before - 1);
+    if (after != targets.end()) high.nonlinear = *after;
+    return {low, high};
   }
-  std::stable_partition(values.begin(), values.end(), [&](double value) { return is_fact(family, value); });
+  std::stable_partition(values.begin(), values.end(),
+                        [&](const Choice& value) { return is_fact(family, value.nonlinear); });
   return values;
 }
 
@@ -167,7 +184,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
       const Solution rest = search.refined(without_member(best.chosen, i), best.own);
-      if (worth(rest, entry_score) >= worth(best, entry_score)) {
+      if (best.score() - rest.score() < entry_score) {  // beside the others it would not have been added
         best = rest;
         changed = true;
         break;
@@ -224,30 +241,64 @@ double price_of_shape(const Choice& choice, const Family& family) {
 
 }  // namespace
 
+namespace {
+
+/// Sets of effects one larger than a state: the best solution of every set.
+class NextSets {
+ public:
+  NextSets(const Search& search, const StepwiseOptions& options, std::size_t depth)
+      : search_(search), options_(options), depth_(depth) {}
+
+  /// Tries the best of a list beside a state.
+  void follow(const Solution& state, const std::vector<Choice>& list, std::size_t branches, bool again) {
+    for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
+      if (list[i].score() < options_.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
+      if (list[i].gain < (depth_ < 2 ? options_.entry_gain : options_.late_gain)) continue;
+      const auto chosen = with(state.chosen, list[i]);
+      const auto [at, is_new] = best_.try_emplace(key_of(chosen));
+      if (!is_new && !again) continue;
+      Solution tried = search_.refined(chosen, state.own);
+      if (!plausible(search_, tried.chosen)) continue;
+      if (!at->second || tried.score() > at->second->score()) at->second = std::move(tried);
+    }
+  }
+
+  [[nodiscard]] std::vector<Solution> best_first() && {
+    std::vector<Solution> list;
+    for (auto& [key, solution] : best_)
+      if (solution) list.push_back(std::move(*solution));
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Solution& a, const Solution& b) { return a.score() > b.score(); });
+    if (list.size() > kBeam) list.resize(kBeam);
+    return list;
+  }
+
+ private:
+  const Search& search_;
+  const StepwiseOptions& options_;
+  std::size_t depth_;
+  std::map<std::vector<std::size_t>, std::optional<Solution>> best_;
+};
+
+}  // namespace
+
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
   Solution best = search.alone();
   std::vector<Solution> beam{best};
-  std::set<std::vector<std::size_t>> seen;
   for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
-    std::vector<Solution> next;
-    for (const Solution& state : beam) {
-      const auto list = search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1);
-      const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
-      for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
-        if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
-        if (list[i].gain < (depth < 2 ? options.entry_gain : options.late_gain)) continue;
-        const auto chosen = with(state.chosen, list[i]);
-        if (!seen.insert(key_of(chosen)).second) continue;
-        Solution tried = search.refined(chosen, state.own);
-        if (plausible(search, tried.chosen)) next.push_back(std::move(tried));
-      }
+    NextSets next(search, options, depth);
+    for (const Solution& state : beam)
+      next.follow(state, search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1),
+                  depth == 0 ? kFirstBranches : kLaterBranches, false);
+    // what is hidden may live in the freedom of a term of the model: begin without that term too
+    for (std::size_t i = 0; depth == 0 && i < best.own.size(); ++i) {
+      const Solution& alone = beam.front();
+      const Space without = search.solution({}, without_member(alone.own, i)).space;
+      next.follow(alone, search.expand(without, kBesideOwn), kBesideOwn, true);
     }
-    std::stable_sort(next.begin(), next.end(),
-                     [&](const Solution& a, const Solution& b) { return a.score() > b.score(); });
-    if (next.size() > kBeam) next.resize(kBeam);
-    for (const Solution& solution : next)
+    beam = std::move(next).best_first();
+    for (const Solution& solution : beam)
       if (worth(solution, options.entry_score) > worth(best, options.entry_score)) best = solution;
-    beam = std::move(next);
   }
   return merged(search, exchanged(search, std::move(best), options.entry_score), options.entry_score);
 }
@@ -298,8 +349,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
     group.values = values_that_fit(search, rest.space, group.member);
     if (search.families()[group.member.family].effect.traits().periodic && !group.values.empty() &&
-        group.values.front() != group.member.nonlinear) {  // one of the machine's pitches that fits as well
-      const Choice pitch = search.refined_choice(rest.space, group.member.family, group.values.front());
+        group.values.front().nonlinear != group.member.nonlinear) {  // one of the machine's pitches that fits as well
+      const Choice pitch = search.refined_choice(rest.space, group.member.family, group.values.front().nonlinear);
       if (is_fact(search.families()[group.member.family], pitch.nonlinear)) group.member = pitch;
     }
     groups.push_back(std::move(group));

@@ -24,9 +24,9 @@ struct Group {
   Choice member;
   std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more
   std::vector<Choice> weaker;  ///< the next best, best first
-  /// Of its searched parameter: all that fit within Δχ² 9 of the best, the facts of the machine first; of one without a
-  /// derivative (a place) the least and the greatest.
-  std::vector<double> values;
+  /// At all values of its searched parameter that fit within Δχ² 9 of the best (14.2 where they need one harmonic
+  /// less), the facts of the machine first; of one without a derivative (a place) at the least and the greatest.
+  std::vector<Choice> values;
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
 };

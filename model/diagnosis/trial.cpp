@@ -82,20 +82,41 @@ double explainable_share(double rms_um, double rms_after_um, double noise_um) {
   return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
 }
 
+namespace {
+
+Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>& effects, const Regressors& regressors,
+                                 bool plain) {
+  model.effects.insert(model.effects.end(), effects.begin(), effects.end());
+  FittedWith after;
+  const auto base = base_of(model, regressors, plain, &after.fit);
+  if (!base) return tl::unexpected(base.error());
+  after.left_out = base->core.left_out;
+  after.noise = noise_of(regressors.data(), base->residual, smooth_columns(regressors.data()), after.left_out);
+  return after;
+}
+
+}  // namespace
+
 Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
-                               const std::vector<EffectInstance>& effects, const Regressors& regressors, bool plain) {
+                               const std::vector<FoundEffect>& effects, const Regressors& regressors, bool plain) {
   Model with = model;
   for (const OwnTerm& term : own) {
     EffectInstance& effect = with.effects[term.effect];
     effect.fitted[std::string(effect.definition().searched_parameter())] = term.value;
   }
-  with.effects.insert(with.effects.end(), effects.begin(), effects.end());
-  FittedWith after;
-  const auto base = base_of(with, regressors, plain, &after.fit);
-  if (!base) return tl::unexpected(base.error());
-  after.left_out = base->core.left_out;
-  after.noise = noise_of(regressors.data(), base->residual, smooth_columns(regressors.data()), after.left_out);
-  return after;
+  std::vector<EffectInstance> complete, found;
+  bool all_used = true;
+  for (const FoundEffect& one : effects) {
+    found.push_back(effect_of(one.effect, one.choice));
+    complete.push_back(one.effect.traits().periodic ? found.back() : with_all_sizes(found.back(), one.choice));
+    all_used = all_used && complete.back().parameters == found.back().parameters;
+  }
+  auto after = fitted_beside(with, complete, regressors, plain);
+  if (!after || all_used) return after;
+  const auto is_lost = [](const EffectFit& effect) { return effect.effect.undetermined.has_value(); };
+  const auto first = after->fit.effects.begin() + static_cast<std::ptrdiff_t>(model.effects.size());
+  if (std::none_of(first, after->fit.effects.end(), is_lost)) return after;
+  return fitted_beside(with, found, regressors, plain);
 }
 
 TrialNumbers trial_numbers(const LinearProblem& problem, const Base& base, const FittedWith& after,

@@ -33,8 +33,16 @@ struct FittedWith {
   NoiseModel noise;
   std::vector<bool> left_out;
 };
+/// An effect and the values at which a search took it.
+struct FoundEffect {
+  EffectInstance effect;
+  Choice choice;
+};
+/// All sizes of an effect are fitted, those that the search did without too: what is left out because it is small makes
+/// the others look surer than they are (Leeb and Poetscher 2005). Harmonics of a wave stand by themselves; where the
+/// data do not determine all sizes, those of the search are fitted.
 [[nodiscard]] Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
-                                             const std::vector<EffectInstance>& effects, const Regressors& regressors,
+                                             const std::vector<FoundEffect>& effects, const Regressors& regressors,
                                              bool plain);
 
 /// How well one effect alone beside the model explains the readings.

@@ -159,6 +159,8 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     const bool searched = !definition.searched_parameter().empty();
     family.search_cost = searched ? 2.0 * std::log(std::max(2.0, tried.independent)) : 0.0;
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(tried.facts.size())) : 0.0;
+    if (const std::size_t shapes = definition.column_sets.size(); shapes > 1 && !definition.traits.periodic)
+      family.shape_cost = 2.0 * std::log(static_cast<double>(shapes));
     if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
     if (effect.is_user())
@@ -177,13 +179,13 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
 
 Price Search::price_of(const Family& family, double nonlinear) const {
   if (family.effect.is_user()) return {family.ln_readings, family.search_cost};
-  if (family.grid.size() + family.facts.size() <= 1) return {family.ln_readings, 0.0};
+  if (family.grid.size() + family.facts.size() <= 1) return {family.ln_readings, family.shape_cost};
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
   const double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
   const bool is_unseen = family.shortest_seen > 0.0 && nonlinear < family.shortest_seen;
-  return {family.ln_readings,
-          chosen + (is_unseen ? kUnseenPeriod + 2.0 * std::log(family.shortest_seen / nonlinear) : 0.0)};
+  return {family.ln_readings, chosen + family.shape_cost +
+                                  (is_unseen ? kUnseenPeriod + 2.0 * std::log(family.shortest_seen / nonlinear) : 0.0)};
 }
 
 Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
@@ -384,8 +386,9 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
       const std::vector<Choice> peaks = round == 0 && i + 1 < chosen.size() && families_[f].effect.traits().periodic
                                             ? peaks_of(rest.space, f)
                                             : std::vector<Choice>{};
-      const Choice again =
-          peaks.empty() ? refined_choice(rest.space, f, best.chosen[i].nonlinear) : best_period(rest.space, peaks);
+      const bool is_period = families_[f].effect.traits().periodic;
+      const Choice again = is_period ? best_period(rest.space, peaks.empty() ? std::vector{best.chosen[i]} : peaks)
+                                     : refined_choice(rest.space, f, best.chosen[i].nonlinear);
       if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;
@@ -393,14 +396,30 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
   return best;
 }
 
+namespace {
+
+/// Of the sizes that a choice does without.
+std::vector<std::string> unused_sizes(const EffectDefinition& definition, const Choice& choice) {
+  std::vector<std::string> names;
+  if (definition.column_sets.empty()) return names;
+  for (std::size_t j = 0; j < definition.column_count(); ++j)
+    if (std::find(choice.columns.begin(), choice.columns.end(), static_cast<Index>(j)) == choice.columns.end())
+      names.emplace_back(parameter_of_coefficient(definition, j));
+  return names;
+}
+
+}  // namespace
+
 EffectInstance effect_of(EffectInstance effect, const Choice& choice) {
   const EffectDefinition& definition = effect.definition();
   if (const std::string searched(definition.searched_parameter()); !searched.empty())
     effect.fitted[searched] = choice.nonlinear;
-  if (definition.column_sets.empty()) return effect;
-  for (std::size_t j = 0; j < definition.column_count(); ++j)
-    if (std::find(choice.columns.begin(), choice.columns.end(), static_cast<Index>(j)) == choice.columns.end())
-      effect.parameters[parameter_of_coefficient(definition, j)] = 0.0;
+  for (const std::string& name : unused_sizes(definition, choice)) effect.parameters[name] = 0.0;
+  return effect;
+}
+
+EffectInstance with_all_sizes(EffectInstance effect, const Choice& choice) {
+  for (const std::string& name : unused_sizes(effect.definition(), choice)) effect.parameters.erase(name);
   return effect;
 }
 

@@ -42,6 +42,7 @@ struct Family {
   std::vector<double> facts;              ///< of them those that the machine's facts suggest
   double search_cost = 0.0;               ///< price of the freedom to choose among the grid
   double fact_cost = 0.0;                 ///< price of choosing among the facts
+  double shape_cost = 0.0;                ///< price of choosing which of its sizes are used
   double ln_readings = 0.0;               ///< price of one free coefficient
   std::optional<double> far{};            ///< values below are far from likely
   double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
@@ -207,5 +208,7 @@ class Search {
 
 /// A choice as it enters a model: columns not used held at zero, the nonlinear value as a start.
 [[nodiscard]] EffectInstance effect_of(EffectInstance effect, const Choice& choice);
+/// The same with the columns not used free again.
+[[nodiscard]] EffectInstance with_all_sizes(EffectInstance effect, const Choice& choice);
 
 }  // namespace ecs::model

@@ -353,3 +353,43 @@ TEST_CASE("a diagnosis that is stopped says so") {
   REQUIRE(!found);
   CHECK(found.error().kind == ProblemKind::refused);
 }
+
+TEST_CASE("every size of a named effect is stated with its sigma, the small one too") {
+  const Candidate first =
+      first_for([](const laser::Reading& r) { return std::pow(p(r) / 1000.0, 2) + 20.0 * std::pow(p(r) / 1000.0, 3); });
+  REQUIRE(to_text(first.effect) == "sag:X:EX");
+  for (const ParameterEstimate& one : first.parameters) {
+    CAPTURE(one.name);
+    REQUIRE(one.sigma);
+    CHECK(std::abs(one.value - (one.name == "k2" ? 1.0 : 20.0)) < 3.0 * *one.sigma);
+  }
+}
+
+TEST_CASE("a slope is found beside a warming up of the model that could take it with a short time constant") {
+  Model model;
+  model.effects = {effect(offset, Axis::X, Sense::EX), effect(warm_up, Axis::X, Sense::EX)};
+  const auto set = measured({}, 0.3, [](const laser::Reading& r) {
+    return 60.0 * p(r) / 1000.0 - (6.0 + 8.0 * p(r) / 1000.0) * std::expm1(-*r.time_s / 900.0);
+  });
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(found.verdict == Verdict::missing_effect);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(is_rival(found.candidates.front(), "scale:X:EX"));
+}
+
+TEST_CASE("the set of periods holds the pitch and what looks like it at even targets, a strong second harmonic too") {
+  auto set = measured({}, 0.2, nothing);
+  for (laser::Reading& r : set.readings) {  // every 23 mm: 10 and 76.7 mm are the same there
+    r.position_mm[0] = 23.0 * std::round(p(r) / 25.0);
+    const double angle = 2.0 * std::numbers::pi * p(r) / 10.0;
+    r.error += 2.0 * std::sin(angle) + 1.5 * std::sin(2.0 * angle + 1.0);
+  }
+  const Diagnosis found = diagnosed(straight(), set);
+  REQUIRE(found.verdict == Verdict::missing_effect);
+  const auto& sets = found.candidates.front().parameters_set;
+  REQUIRE(sets.contains("period_mm"));
+  CHECK(sets.at("period_mm").front() == Approx(10.0).epsilon(0.001));
+  for (const double period : {10.0, 230.0 / 3.0})
+    CHECK(std::any_of(sets.at("period_mm").begin(), sets.at("period_mm").end(),
+                      [&](double one) { return std::abs(one / period - 1.0) < 0.01; }));
+}

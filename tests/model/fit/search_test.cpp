@@ -183,3 +183,32 @@ TEST_CASE("a model whose own wave has all there is needs nothing more") {
   CHECK(search.alone().own.front().nonlinear == Approx(87.3).epsilon(0.005));
   for (const Choice& choice : search.expand(search.alone().space)) CHECK(choice.score() < 8.0);
 }
+
+TEST_CASE("an effect pays for the choice of which of its sizes it uses") {
+  const Searching of(measured_line([](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }),
+                     kSigma_um, candidates_named({"sag:X:EX"}));
+  const Choice cube = of.search.choice_at(of.search.base(), 0, 0.0);
+  REQUIRE(cube.columns == std::vector<Index>{1});
+  CHECK(cube.cost == Approx(std::log(246.0) + 2.0 * std::log(3.0)));  // one of: square, cube, both
+}
+
+TEST_CASE("a wave begun at twice its period, as a second harmonic, is refined to its own period") {
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  Choice twice = of.search.choice_at(of.search.base(), 0, 2.0 * 87.3);
+  REQUIRE(twice.columns.size() == 4);
+  const Search& search = of.search;
+  const Choice other = search.choice_at(search.base(), 0, 411.0);
+  const Solution found = search.refined({twice, other});
+  REQUIRE(found.chosen.size() == 2);
+  CHECK(found.chosen.front().nonlinear == Approx(87.3).epsilon(0.005));
+  CHECK(found.chosen.front().columns.size() == 2);
+}
+
+TEST_CASE("all sizes of an effect are free again for its final fit") {
+  const Searching of(measured_line([](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }),
+                     kSigma_um, candidates_named({"sag:X:EX"}));
+  const Choice cube = of.search.choice_at(of.search.base(), 0, 0.0);
+  const EffectInstance held = effect_of(of.search.families()[0].effect, cube);
+  CHECK(held.parameters.contains("k2"));
+  CHECK_FALSE(with_all_sizes(held, cube).parameters.contains("k2"));
+}
