@@ -13,6 +13,7 @@ namespace {
 struct BatchArguments : VerbArguments {
   const std::string& plan = text("PLAN", "plan file (TOML)", Need::required);
   const bool& dry_run = flag("--dry-run", "check everything, write nothing");
+  const int& lines = integer("--lines", "lines that are served at the same time", kUsualLines, 1, kMostLines);
 };
 
 Cell report_cell(const BatchReport& r) {
@@ -40,14 +41,18 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
   const auto plan = read_batch_plan(arguments.plan);
   if (!plan) return tl::unexpected(plan.error());
+  BatchWatch watch;
+  watch.begun = [&context](const PlannedUnit& unit) {
+    context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
+    context.console.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
+    context.console.message_prefix.clear();
+  };
+  watch.progress = [&context](const BatchProgress& now) {
+    context.console.progress(fmt::format("{} of {} units", now.units_done, now.units), now.share, now.seconds_left);
+  };
   const auto reports =
-      run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, [&context](const PlannedUnit& unit) {
-        context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
-        context.console.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
-        return progress_bar(context, unit.name);
-      });
+      run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, arguments.lines, watch);
   context.console.end_progress();
-  context.console.message_prefix.clear();
   const int exit_code = exit_code_of(reports);
   const Cell units = reports_cell(reports);
   Json object{

@@ -1,4 +1,4 @@
-// Carrying out a plan, unit by unit: one that fails does not stop the others.
+// Carrying out a plan: units on one line after the other, lines side by side. One that fails does not stop the others.
 #pragma once
 
 #include <functional>
@@ -37,11 +37,29 @@ struct BatchReport {
   std::optional<Problem> problem;
 };
 
-/// Called before a unit's turn, and gives the progress callback for it.
-using BatchTurn = std::function<protocol::ProgressCallback(const PlannedUnit&)>;
+/// How far the whole plan is.
+struct BatchProgress {
+  std::size_t units_done = 0;
+  std::size_t units = 0;
+  double share = 0.0;         ///< 0 … 1, units under way counted by their bytes
+  double seconds_left = 0.0;  ///< from the mean speed so far
+};
 
-[[nodiscard]] std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMode mode,
-                                                 const BatchTurn& turn);
+/// Called by one line at a time.
+struct BatchWatch {
+  std::function<void(const PlannedUnit&)> begun;
+  std::function<void(const BatchProgress&)> progress;
+};
+
+/// Lines that are served at the same time.
+inline constexpr int kUsualLines = 16;
+inline constexpr int kMostLines = 256;
+
+/// Units on one serial port, at one TCP address or of the bundled emulator take turns in the order of the plan.
+/// @param lines  1 … kMostLines
+/// @return in the order of the plan
+[[nodiscard]] std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMode mode, int lines,
+                                                 const BatchWatch& watch = {});
 
 /// The one that makes the exit code: a lost link before the rest; null: there is none.
 [[nodiscard]] const Problem* first_problem(const std::vector<BatchReport>& reports);

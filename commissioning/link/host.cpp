@@ -23,18 +23,23 @@ std::uint64_t key_in(const std::string& text) {
   return error == std::errc() && end == digits.data() + digits.size() ? key : 0;
 }
 
-/// The file's key; a new file where there is none. Of two programs that make it at once, both take the one kept.
+/// The file's key; a new file where there is none. Of two programs that make it at once, both take the one kept: it
+/// gets its name when it is whole.
 std::uint64_t kept_key() {
   const auto folder = state_folder();
   if (!folder) return 0;
   const std::filesystem::path path = *folder / "host.key";
   std::random_device chance;
   const std::string made = fmt::format("{:08x}{:08x}\n", chance(), chance());
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file >= 0) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    const std::filesystem::path draft = fmt::format("{}.{:08x}", path.string(), chance());
+    const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file < 0) return 0;
     const ssize_t written = ::write(file, made.data(), made.size());
     ::close(file);
-    if (written != static_cast<ssize_t>(made.size())) return 0;
+    if (written == static_cast<ssize_t>(made.size())) std::filesystem::create_hard_link(draft, path, ignored);
+    std::filesystem::remove(draft, ignored);
   }
   const auto text = read_file(path);
   return text ? key_in(*text) : 0;
@@ -44,7 +49,10 @@ std::uint64_t kept_key() {
 std::string own_name() {
   std::array<char, 65> computer{};
   if (::gethostname(computer.data(), computer.size() - 1) != 0) computer = {};
-  const passwd* user = ::getpwuid(::geteuid());
+  passwd entry{};
+  passwd* user = nullptr;
+  std::array<char, 4096> text{};
+  static_cast<void>(::getpwuid_r(::geteuid(), &entry, text.data(), text.size(), &user));
   std::string name = fmt::format("{}@{}", user != nullptr ? user->pw_name : "user", computer.data());
   for (char& c : name)
     if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E) c = '?';

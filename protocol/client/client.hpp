@@ -68,6 +68,7 @@ class UnitClient {
 
   /// From now on this code is shown where something needs an armed host.
   void know_code(std::string code) { arm_code_ = std::move(code); }
+  [[nodiscard]] bool knows_code() const { return !arm_code_.empty(); }
   /// Since this was last asked, the unit has refused something because this host is not armed.
   [[nodiscard]] bool take_wants_code() { return std::exchange(wants_code_, false); }
   /// How long this host is armed yet, s; 0: it is not.

@@ -78,6 +78,19 @@ TEST_CASE("a unit is read-only until the host is armed with its code, and switch
   CHECK(bench.run({"utility", "position", "X", "2", "--arm-code", kArmCode}).code == 0);
 }
 
+TEST_CASE("a batch says before it sends that a unit would refuse") {
+  const AccessBench bench;
+  static_cast<void>(bench.folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  const std::string unit =
+      fmt::format("[[unit]]\nlink = \"rtu:{}:115200\"\nparams = \"p.toml\"\n", bench.folder / "line");
+  const std::string coded = bench.folder.with("coded.toml", unit + fmt::format("arm_code = \"{}\"\n", kArmCode));
+  const std::string plain = bench.folder.with("plain.toml", unit);
+  const NoCodeKnown none;
+  constexpr const char* kWarning = "not armed and no arm_code is given";
+  CHECK(ran({"batch", plain, "--dry-run"}).all().find(kWarning) != std::string::npos);
+  CHECK(ran({"batch", coded, "--dry-run"}).all().find(kWarning) == std::string::npos);
+}
+
 TEST_CASE("the events of a unit name host, time and result, live, in a saved status and in a dump") {
   const AccessBench bench;
   REQUIRE(bench.run({"utility", "position", "X", "1"}).code == 0);
