@@ -171,6 +171,7 @@ class UnitClient {
   std::string serial_number_;  ///< of the unit that answered first: no other one is sent a map
   SessionOpen self_;
   std::string arm_code_;
+  std::string code_in_proof_;  ///< that the command arm proves for the session it is given in
   bool wants_code_ = false;
   std::uint32_t session_ = 0;   ///< 0: none is open
   std::uint16_t sequence_ = 0;  ///< of the last command

@@ -94,7 +94,7 @@ Result<SessionState> UnitClient::armed_session() {
   return session_now();
 }
 
-/// Session, number and, where the command acts at once, the unit's clock as it is now.
+/// Session, number, proof and, where the command acts at once, the unit's clock as it is now.
 Result<void> UnitClient::make_ready(Command& command) {
   if (session_ == 0 || needs_arming(command.code)) {
     const auto now = needs_arming(command.code) ? armed_session() : session_now();
@@ -104,6 +104,7 @@ Result<void> UnitClient::make_ready(Command& command) {
   }
   command.session = session_;
   command.sequence = ++sequence_;
+  if (command.code == CommandCode::arm) command.proof = arm_proof(code_in_proof_, session_);
   return {};
 }
 
@@ -239,10 +240,9 @@ Result<std::uint32_t> UnitClient::armed_s() {
 }
 
 Result<void> UnitClient::arm(const std::string& code, std::uint16_t minutes) {
-  if (const auto now = session_now(); !now) return tl::unexpected(now.error());
+  code_in_proof_ = code;
   Command command = command_of(CommandCode::arm);
   command.minutes = minutes;
-  command.proof = arm_proof(code, session_);
   return run_plain(command, kShortLimit);
 }
 

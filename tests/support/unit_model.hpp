@@ -221,7 +221,7 @@ class RegisterHost {
 /// Serves the registers of a model that may lose its replies from a certain command on.
 class LosingServer : public RegisterServer {
  public:
-  explicit LosingServer(UnitModel& model) : RegisterServer(model), model_(&model) {}
+  LosingServer(UnitModel& model, const std::string& code) : RegisterServer(model, code), model_(&model) {}
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     auto block = RegisterServer::read(first, count);
     if (block && first == kMonitor.first && model_->foreign_echo >= 0) {
@@ -242,7 +242,9 @@ class LosingServer : public RegisterServer {
 /// Serves a model from a thread of its own. What tests change goes through `in_server`.
 class Workshop {
  public:
-  explicit Workshop(ModbusServer made) : server_(std::move(made)), address_(server_.address()) {
+  /// @param arm_code  that the unit shows; empty: no host needs one
+  explicit Workshop(ModbusServer made, std::string arm_code = {})
+      : server_(std::move(made)), address_(server_.address()), arm_code_(std::move(arm_code)) {
     thread_ = std::thread([this] { run(); });
   }
   static Workshop on_pty(bool paced = false, int baud = 115'200) {
@@ -293,7 +295,7 @@ class Workshop {
 
  private:
   void run() {
-    LosingServer losing(model_);
+    LosingServer losing(model_, arm_code_);
     while (!ended_) {
       std::function<void()> job;
       {
@@ -306,6 +308,7 @@ class Workshop {
   }
   ModbusServer server_;
   LinkAddress address_;
+  std::string arm_code_;
   UnitModel model_;
   std::mutex mutex_;
   std::function<void()> job_;

@@ -426,3 +426,12 @@ TEST_CASE("TCP beyond this computer needs a token at both ends") {
   REQUIRE_FALSE(client.has_value());
   CHECK(says(client.error(), "?token=FILE"));
 }
+
+TEST_CASE("a host arms a unit that was restarted since the host opened its session") {
+  Workshop shop(ModbusServer::on_pty({}).value(), "271828");
+  auto unit = shop.client();
+  REQUIRE(unit.armed_s().value() == 0);
+  shop.in_server([](ModbusServer&, UnitModel& model) { return ++model.unit_clock.starts; });
+  CHECK(unit.arm("271828", 30).has_value());
+  CHECK(unit.armed_s().value() == 1800);
+}
