@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 
 namespace ecs::app {
 namespace {
@@ -14,16 +14,12 @@ struct DoctorArguments : VerbArguments {
   const Access access = uses_link();
 };
 
-Json finding_json(const DoctorFinding& finding) {
-  return Json{{"check", finding.check},
-              {"state", name_of(finding.state)},
-              {"message", finding.message},
-              {"action", text_or_null(finding.action)}};
-}
-
-std::string finding_text(const DoctorFinding& finding) {
+Cell finding_cell(const DoctorFinding& finding) {
   const std::string action = finding.action.empty() ? "" : fmt::format("\n         -> {}", finding.action);
-  return fmt::format("{:<8} {}: {}{}\n", name_of(finding.state), finding.check, finding.message, action);
+  return record_cell("{state:<8} {check}: {message}{action}\n", {{"check", word_cell(finding.check)},
+                                                                 {"state", word_cell(name_of(finding.state))},
+                                                                 {"message", word_cell(finding.message)},
+                                                                 {"action", {text_or_null(finding.action), action}}});
 }
 
 Json statistics_json(const protocol::LinkStatistics& s) {
@@ -48,24 +44,20 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
     diagnosis.findings.push_back(
         {"stored", FindingState::ok, fmt::format("stored in {}", configuration_file().string()), {}});
   }
-  std::string text = fmt::format("link {} ({})\n", context.link_name, choice->origin);
-  Json findings = Json::array();
-  for (const auto& list : {diagnosis.findings, surroundings()}) {
-    for (const DoctorFinding& finding : list) {
-      findings.push_back(finding_json(finding));
-      text += finding_text(finding);
-    }
-  }
-  text += diagnosis.works ? "the link works\n" : "the link does not work\n";
-  Json object{{"link", context.link_name},
-              {"origin", choice->origin},
-              {"works", diagnosis.works},
-              {"working_link", text_or_null(diagnosis.working_link)},
-              {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
-              {"statistics", statistics_json(diagnosis.statistics)},
-              {"findings", findings}};
-  if (!diagnosis.works) object["error"] = problem_json(why_not(diagnosis));
-  return Outcome{text, one_line(object), diagnosis.works ? kDone : exit_code_of(ProblemKind::link)};
+  std::vector<DoctorFinding> findings = diagnosis.findings;
+  for (DoctorFinding& finding : surroundings()) findings.push_back(std::move(finding));
+  const bool works = diagnosis.works;
+  return outcome_of(
+      record_cell("link {link} ({origin})\n{findings}{works}",
+                  {{"link", word_cell(context.link_name)},
+                   {"origin", word_cell(choice->origin)},
+                   {"works", yes_cell(works, "the link works\n", "the link does not work\n")},
+                   {"working_link", text_cell(diagnosis.working_link)},
+                   {"serial_number", diagnosis.identity ? text_cell(diagnosis.identity->serial_number) : null_cell()},
+                   {"statistics", {statistics_json(diagnosis.statistics), {}}},
+                   {"findings", list_cell(findings, finding_cell)},
+                   {"error", works ? shown_cell({}) : Cell{problem_json(why_not(diagnosis)), {}}}}),
+      works ? kDone : exit_code_of(ProblemKind::link));
 }
 
 }  // namespace

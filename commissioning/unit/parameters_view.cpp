@@ -22,13 +22,9 @@ bool is_shown(const params::Field& field, const UnitParameters& parameters) {
 
 }  // namespace
 
-Json json_of(const UnitParameters& parameters) {
-  Json out = Json::object();
-  for (const params::Field& field : params::fields()) out[field.key] = value_of(field, parameters);
-  return out;
-}
-
-std::string table_of(const UnitParameters& parameters) {
+Cell parameters_cell(const UnitParameters& parameters) {
+  Json object = Json::object();
+  for (const params::Field& field : params::fields()) object[field.key] = value_of(field, parameters);
   std::string text;
   for (const params::Group group :
        {params::Group::configuration, params::Group::compensation, params::Group::datuming}) {
@@ -38,7 +34,7 @@ std::string table_of(const UnitParameters& parameters) {
         text += fmt::format("  {:<40} {:>14}{}{}\n", field.key, params::text_of(field, parameters),
                             field.unit.empty() ? "" : " ", field.unit);
   }
-  return text;
+  return {std::move(object), std::move(text)};
 }
 
 Cell differences_cell(const std::vector<params::Difference>& differences, std::string_view key_a,

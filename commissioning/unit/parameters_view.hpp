@@ -11,11 +11,9 @@
 
 namespace ecs::commissioning {
 
-/// Every field by its key: numbers as numbers, choices and texts as text, truth as true or false.
-[[nodiscard]] Json json_of(const UnitParameters& parameters);
-
-/// One line for each field of a present axis or of no axis: key, value, unit; grouped as in thesis 5.3.
-[[nodiscard]] std::string table_of(const UnitParameters& parameters);
+/// In JSON every field by its key: a number, true or false, or text. In the text a line for each field of a present
+/// axis or of no axis: key, value, unit; grouped as in thesis 5.3.
+[[nodiscard]] Cell parameters_cell(const UnitParameters& parameters);
 
 /// Key, unit and both values of each. @param key_a, key_b  of the values in JSON  @param name_a, name_b  in the text
 [[nodiscard]] Cell differences_cell(const std::vector<params::Difference>& differences, std::string_view key_a,

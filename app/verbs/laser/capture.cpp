@@ -4,40 +4,39 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 
 namespace ecs::app {
 namespace {
 
-Json end_json(const CaptureEnd& end) {
+Cell end_cell(const CaptureEnd& end) {
   const auto& readings = end.result.readings;
-  int doubts = 0;
-  for (const laser::MetadataEntry& entry : end.result.metadata) doubts += entry.key == "in doubt" ? 1 : 0;
-  return Json{{"complete", end.complete},
-              {"output", text_or_null(end.file)},
-              {"part", end.complete || readings.empty() ? Json(nullptr) : Json(end.part)},
-              {"targets", end.targets},
-              {"readings", readings.size()},
-              {"left_out", end.skipped},
-              {"in_doubt", doubts},
-              {"runs", end.runs},
-              {"duration_s", readings.empty() ? Json(nullptr) : number_or_null(readings.back().time_s)},
-              {"unplugged", end.unplugged}};
-}
-
-std::string end_text(const CaptureEnd& end) {
-  if (!end.complete) return "left before the end: " + end.kept + "\n";
-  std::string text =
-      fmt::format("{} readings of {} targets written to {}\n", end.result.readings.size(), end.targets, end.file);
-  for (const laser::MetadataEntry& entry : end.result.metadata)
-    if (entry.key == "left out" || entry.key == "in doubt") text += fmt::format("  {}: {}\n", entry.key, entry.value);
-  return text;
+  std::size_t doubts = 0;
+  std::string remarks;
+  for (const auto& [key, value] : end.result.metadata) {
+    doubts += key == "in doubt" ? 1 : 0;
+    if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
+  }
+  return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
+                                  : "left before the end: {kept}\n",
+                     {{"complete", yes_cell(end.complete, "", "")},
+                      {"output", text_cell(end.file)},
+                      {"part", end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}},
+                      {"targets", {end.targets, fmt::format("{}", end.targets)}},
+                      {"readings", count_cell(readings.size())},
+                      {"left_out", {end.skipped, {}}},
+                      {"in_doubt", count_cell(doubts)},
+                      {"runs", {end.runs, {}}},
+                      {"duration_s", readings.empty() ? null_cell() : Cell{number_or_null(readings.back().time_s), {}}},
+                      {"unplugged", {end.unplugged, {}}},
+                      {"remarks", shown_cell(remarks)},
+                      {"kept", shown_cell(end.kept)}});
 }
 
 Result<Outcome> capture_verb(VerbContext& context, const CaptureChoice& choice) {
   const auto end = capture(context.console, context.console.keyboard(), choice);
   if (!end) return tl::unexpected(end.error());
-  return Outcome{end_text(*end), one_line(end_json(*end)), end->complete ? kDone : kDoesNotHold};
+  return outcome_of(end_cell(*end), end->complete ? kDone : kDoesNotHold);
 }
 
 void take_target_options(Verb& verb, CaptureTargets& arguments) {

@@ -5,7 +5,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "laser/analysis/refraction.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
@@ -37,10 +37,10 @@ Result<Outcome> taken_back(const NormaliseArguments& arguments, const laser::Mea
   const auto back = laser::denormalised(set);
   if (!back) return tl::unexpected(back.error());
   if (const auto done = written(arguments.output, *back); !done) return tl::unexpected(done.error());
-  const Json object{
-      {"file", arguments.file}, {"readings", back->readings.size()}, {"output", text_or_null(arguments.output)}};
-  return Outcome{fmt::format("{} readings as they were before they were referred to 20 degC\n", back->readings.size()),
-                 one_line(object), kDone};
+  return outcome_of(record_cell("{readings} readings as they were before they were referred to 20 degC\n",
+                                {{"file", word_cell(arguments.file)},
+                                 {"readings", count_cell(back->readings.size())},
+                                 {"output", text_cell(arguments.output)}}));
 }
 
 Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& arguments) {
@@ -66,24 +66,22 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& argume
     return tl::unexpected(why);
   }
   if (const auto kept = written(arguments.output, done->set); !kept) return tl::unexpected(kept.error());
-  std::string text = fmt::format("{} of {} readings referred to 20 degC, changed by up to {:.3f} um\n", done->changed,
-                                 done->set.readings.size(), done->largest_um);
-  for (const std::string& note : done->notes) text += fmt::format("  {}\n", note);
-  text += arguments.output.empty() ? "nothing written: give -o OUT.csv to keep it\n"
-                                   : fmt::format("written to {}; --back takes it back\n", arguments.output);
-  const Json object{{"file", arguments.file},
-                    {"coefficient_um_per_m_degC", how.coefficient_um_per_m_degC},
-                    {"instrument_um_per_m_degC", done->instrument_um_per_m_degC},
-                    {"least_degC", done->least_degC},
-                    {"most_degC", done->most_degC},
-                    {"fixed_mm", how.fixed_mm},
-                    {"changed", done->changed},
-                    {"readings", done->set.readings.size()},
-                    {"largest_um", number_or_null(done->largest_um)},
-                    {"per_coefficient_um", number_or_null(done->per_coefficient_um)},
-                    {"notes", done->notes},
-                    {"output", text_or_null(arguments.output)}};
-  return Outcome{text, one_line(object), kDone};
+  return outcome_of(record_cell(
+      "{changed} of {readings} readings referred to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
+      {{"file", word_cell(arguments.file)},
+       {"coefficient_um_per_m_degC", plain_cell(how.coefficient_um_per_m_degC)},
+       {"instrument_um_per_m_degC", plain_cell(done->instrument_um_per_m_degC)},
+       {"least_degC", plain_cell(done->least_degC)},
+       {"most_degC", plain_cell(done->most_degC)},
+       {"fixed_mm", plain_cell(how.fixed_mm)},
+       {"changed", count_cell(done->changed)},
+       {"readings", count_cell(done->set.readings.size())},
+       {"largest_um", number_cell(done->largest_um, 3)},
+       {"per_coefficient_um", {number_or_null(done->per_coefficient_um), {}}},
+       {"notes", lines_cell(done->notes, "  ")},
+       {"output", arguments.output.empty() ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                                           : Cell{arguments.output, fmt::format("written to {}; --back takes it back\n",
+                                                                                arguments.output)}}}));
 }
 
 struct AirArguments : VerbArguments {
@@ -103,15 +101,15 @@ Result<Outcome> air(VerbContext&, const AirArguments& arguments) {
   const auto standard = laser::refractive_index({}, arguments.wavelength_nm);
   if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
   const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
-  const Json object{{"ciddor", *ciddor},
-                    {"modified_edlen", *edlen},
-                    {"wavelength_in_air_nm", arguments.wavelength_nm / *ciddor},
-                    {"against_standard_um_per_m", against_standard_um_per_m}};
-  return Outcome{fmt::format("refractive index    {:.9f} (Ciddor)   {:.9f} (modified Edlen)\n"
-                             "wavelength in air   {:.6f} nm\n"
-                             "against 20 degC, 1013.25 hPa, 50 %: {:+.3f} um per metre\n",
-                             *ciddor, *edlen, arguments.wavelength_nm / *ciddor, against_standard_um_per_m),
-                 one_line(object), kDone};
+  return outcome_of(
+      record_cell("refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
+                  "wavelength in air   {wavelength_in_air_nm} nm\n"
+                  "against 20 degC, 1013.25 hPa, 50 %: {against_standard_um_per_m} um per metre\n",
+                  {{"ciddor", number_cell(*ciddor, 9)},
+                   {"modified_edlen", number_cell(*edlen, 9)},
+                   {"wavelength_in_air_nm", number_cell(arguments.wavelength_nm / *ciddor, 6)},
+                   {"against_standard_um_per_m",
+                    {number_or_null(against_standard_um_per_m), fmt::format("{:+.3f}", against_standard_um_per_m)}}}));
 }
 
 }  // namespace

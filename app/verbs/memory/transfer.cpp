@@ -60,15 +60,18 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadArguments& arguments)
     return tl::unexpected(there.error());
   const auto bytes = unit->client().read_memory(*address, *length, progress_bar(context, "memory"));
   if (!bytes) return tl::unexpected(bytes.error());
-  Json object{{"address", hex_address(*address)}, {"length", *length}, {"file", text_or_null(arguments.output)}};
-  if (!arguments.output.empty()) {
+  const bool to_stdout = arguments.output.empty();
+  if (!to_stdout)
     if (auto written = write_file(arguments.output, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
         !written)
       return tl::unexpected(written.error());
-    return Outcome{fmt::format("{} bytes written to {}", bytes->size(), arguments.output), one_line(object), kDone};
-  }
-  object["bytes"] = plain_hex(*bytes);
-  return Outcome{arguments.hex ? plain_hex(*bytes) : listing(*address, *bytes), one_line(object), kDone};
+  const std::string digits = plain_hex(*bytes);
+  return outcome_of(record_cell(
+      to_stdout ? "{bytes}" : "{length} bytes written to {file}",
+      {{"address", word_cell(hex_address(*address))},
+       {"length", integer_cell(*length)},
+       {"file", text_cell(arguments.output)},
+       {"bytes", to_stdout ? Cell{digits, arguments.hex ? digits : listing(*address, *bytes)} : shown_cell({})}}));
 }
 
 // --- write

@@ -40,7 +40,7 @@ struct ShowArguments : VerbArguments {
 Result<Outcome> show_unit(VerbContext& context) {
   const auto parameters = parameters_in_unit(context);
   if (!parameters) return tl::unexpected(parameters.error());
-  return Outcome{table_of(*parameters), one_line(Json{{"parameters", json_of(*parameters)}}), kDone};
+  return outcome_of(record_cell("{parameters}", {{"parameters", parameters_cell(*parameters)}}));
 }
 
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
@@ -53,11 +53,10 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   const bool named = !machine.empty() || !serial_number.empty();
   const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
                                     {{"machine", text_cell(machine)}, {"serial_number", text_cell(serial_number)}});
-  return outcome_of(
-      record_cell("{identity}{parameters}", {{"file", word_cell(arguments.file)},
-                                             {"identity", identity},
-                                             {"parameters", {json_of(file->parameters), table_of(file->parameters)}},
-                                             {"defaulted", {file->defaulted, {}}}}));
+  return outcome_of(record_cell("{identity}{parameters}", {{"file", word_cell(arguments.file)},
+                                                           {"identity", identity},
+                                                           {"parameters", parameters_cell(file->parameters)},
+                                                           {"defaulted", {file->defaulted, {}}}}));
 }
 
 // --- set
@@ -157,10 +156,10 @@ Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
   const UnitParameters parameters = params::default_parameters_for(machine->machine);
   if (auto written = params::write_parameters(arguments.output, parameters, {machine->machine.name, {}}); !written)
     return tl::unexpected(written.error());
-  return Outcome{fmt::format("{}: parameters to start from; set the datum type, output scaling and polarity of the "
-                             "control, then `ecs params check {}`",
-                             arguments.output, arguments.output),
-                 one_line(Json{{"file", arguments.output}, {"parameters", json_of(parameters)}}), kDone};
+  return outcome_of(record_cell(
+      "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
+      "`ecs params check {file}`",
+      {{"file", word_cell(arguments.output)}, {"parameters", parameters_cell(parameters)}}));
 }
 
 }  // namespace

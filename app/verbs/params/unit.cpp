@@ -70,14 +70,15 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
   const auto parameters = receive_parameters(unit->client());
   if (!parameters) return tl::unexpected(parameters.error());
   const params::Identity owner{{}, identity->serial_number};
-  const Json object{{"file", text_or_null(arguments.output)},
-                    {"serial_number", text_or_null(identity->serial_number)},
-                    {"parameters", json_of(*parameters)}};
-  if (arguments.output.empty()) return Outcome{params::parameters_toml(*parameters, owner), one_line(object), kDone};
-  if (auto written = params::write_parameters(arguments.output, *parameters, owner); !written)
-    return tl::unexpected(written.error());
-  return Outcome{fmt::format("parameters of unit {} written to {}", identity->serial_number, arguments.output),
-                 one_line(object), kDone};
+  if (!arguments.output.empty())
+    if (auto written = params::write_parameters(arguments.output, *parameters, owner); !written)
+      return tl::unexpected(written.error());
+  return outcome_of(
+      record_cell(arguments.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
+                  {{"file", text_cell(arguments.output)},
+                   {"serial_number", text_cell(identity->serial_number)},
+                   {"parameters", parameters_cell(*parameters)},
+                   {"toml", shown_cell(params::parameters_toml(*parameters, owner))}}));
 }
 
 }  // namespace
