@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "commissioning/measurements/summary.hpp"
 #include "laser/map/recipe.hpp"
 
@@ -94,15 +95,46 @@ std::string cut(const std::string& text, std::size_t width) {
   return text.size() <= width ? text : text.substr(0, width - 1) + "~";
 }
 
-std::string row_text(const TableRow& row) {
+/// One phase has no text: the row shows both.
+Cell phase_cell(const std::optional<MeasuredPhase>& phase) {
+  if (!phase) return null_cell();
+  return {object_of({{"file", word_cell(phase->file.string())},
+                     {"readings", count_cell(phase->readings.before.readings.size())},
+                     {"band", {number_or_null(phase->readings.band), {}}},
+                     {"band_as_measured", {number_or_null(phase->readings.band_before), {}}},
+                     {"slope_removed_per_m", {number_or_null(phase->readings.level.removed.slope_per_m), {}}},
+                     {"A", {number_or_null(phase->iso.A), {}}},
+                     {"E", {number_or_null(phase->iso.E), {}}},
+                     {"R", {number_or_null(phase->iso.R), {}}},
+                     {"B", {number_or_null(phase->iso.B), {}}}}),
+          {}};
+}
+
+Cell row_cell(const TableRow& row) {
   const PlannedMeasurement& p = row.planned;
   const MeasuredPhase* shown = row.after ? &*row.after : row.before ? &*row.before : nullptr;
   const std::string ours = !row.before && !row.after ? "no readings" : arrow(band(row.before), band(row.after));
-  return fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}{}\n", cut(p.name, 10), cut(p.title, 20),
-                     laser::unit_of(p.sense), arrow(p.published_before, p.published_after), ours,
-                     number(shown != nullptr ? shown->iso.A : std::nullopt),
-                     number(shown != nullptr ? shown->iso.E : std::nullopt), number(row.ratio()),
-                     row.exceeds_published() ? "!" : "");
+  Json problems = Json::array();
+  for (const Problem& one : row.problems) problems.push_back(problem_json(one));
+  return record_cell(
+      "{name:<10} {title:<20} {unit:<4} {published:<12} {measured:<12} {A:>5} {E:>5} {ratio:>4}{exceeds_published}\n",
+      {{"name", {p.name, cut(p.name, 10)}},
+       {"title", {p.title, cut(p.title, 20)}},
+       {"axis", word_cell(std::string(1, letter_of(p.axis)))},
+       {"sense", word_cell(name_of(p.sense))},
+       {"unit", word_cell(laser::unit_of(p.sense))},
+       {"slope", word_cell(laser::name_of(p.slope))},
+       {"published_before", {number_or_null(p.published_before), {}}},
+       {"published_after", {number_or_null(p.published_after), {}}},
+       {"published", shown_cell(arrow(p.published_before, p.published_after))},
+       {"before", phase_cell(row.before)},
+       {"after", phase_cell(row.after)},
+       {"measured", shown_cell(ours)},
+       {"A", shown_cell(number(shown != nullptr ? shown->iso.A : std::nullopt))},
+       {"E", shown_cell(number(shown != nullptr ? shown->iso.E : std::nullopt))},
+       {"ratio", {number_or_null(row.ratio()), number(row.ratio())}},
+       {"exceeds_published", yes_cell(row.exceeds_published(), "!", "")},
+       {"problems", {std::move(problems), {}}}});
 }
 
 /// Which rows lost their slope by which method, within 80 columns.
@@ -142,17 +174,17 @@ std::vector<TableRow> table_of(const std::vector<PlannedMeasurement>& plan, cons
   return rows;
 }
 
-std::string table_text(const std::vector<TableRow>& rows) {
-  std::string text = fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement", "unit",
-                                 " published", "  measured", "A", "E", "x");
-  for (const TableRow& row : rows) text += row_text(row);
-  text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
-  text +=
+Cell table_cell(const std::vector<TableRow>& rows) {
+  Cell table = list_cell(rows, row_cell,
+                         fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement",
+                                     "unit", " published", "  measured", "A", "E", "x"));
+  table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
+  table.text +=
       "A, E: ISO 230-2 of the same readings, after compensation (before, where only\n"
       "that was measured); x: measured band before over after; ! more than published.\n";
   for (const TableRow& row : rows)
-    for (const Problem& p : row.problems) text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
-  return text;
+    for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
+  return table;
 }
 
 }  // namespace ecs::commissioning

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "commissioning/measurements/plan.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
@@ -36,7 +37,7 @@ struct TableRow {
 [[nodiscard]] std::vector<TableRow> table_of(const std::vector<PlannedMeasurement>& plan,
                                              const std::filesystem::path& before, const std::filesystem::path& after);
 
-/// 80 columns; the definition of the band and every problem stand under it.
-[[nodiscard]] std::string table_text(const std::vector<TableRow>& rows);
+/// In JSON a list of the rows. The text has 80 columns; the definition of the band and every problem stand under it.
+[[nodiscard]] Cell table_cell(const std::vector<TableRow>& rows);
 
 }  // namespace ecs::commissioning

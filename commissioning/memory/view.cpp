@@ -105,6 +105,11 @@ Cell identity_cell(const DecodedImage& image) {
                       {"configuration", hex_cell(image.identity->configuration)}});
 }
 
+Cell below_a_gap(Cell cell) {
+  cell.text.insert(0, "\n");
+  return cell;
+}
+
 Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
   const ImageVerdict& verdict = image.verdict;
   const Cell block_check =
@@ -125,8 +130,7 @@ Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_byt
        {"identity", identity_cell(image)},
        {"block_check", block_check},
        {"fields", shown_cell(with_bytes ? "\n" + bytes_text(image, dump) : "")},
-       {"parameters",
-        image.parameters ? Cell{json_of(*image.parameters), "\n" + table_of(*image.parameters)} : null_cell()},
+       {"parameters", image.parameters ? below_a_gap(parameters_cell(*image.parameters)) : null_cell()},
        {"tables", tables_cell(image)},
        {"header", image.header.empty() ? null_cell() : Cell{image.header, "\nheader\n" + image.header + "\n"}}});
 }

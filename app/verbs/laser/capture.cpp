@@ -14,7 +14,7 @@ Cell end_cell(const CaptureEnd& end) {
   std::size_t doubts = 0;
   std::string remarks;
   for (const auto& [key, value] : end.result.metadata) {
-    doubts += key == "in doubt" ? 1 : 0;
+    doubts += key == "in doubt" ? 1U : 0U;
     if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
   }
   return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"

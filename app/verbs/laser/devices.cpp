@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
-#include "base/json.hpp"
 #include "commissioning/measurements/capture_view.hpp"
 #include "commissioning/measurements/device_choice.hpp"
 #include "commissioning/measurements/learn_trigger.hpp"
@@ -53,48 +53,38 @@ Json lengths(const std::map<std::uint8_t, std::size_t>& reports) {
   return out;
 }
 
-Json device_json(const devices::HidIdentity& one) {
+Cell device_cell(const devices::HidIdentity& one) {
   const auto opened = devices::HidDevice::open(one);
-  return Json{{"path", one.path},
-              {"vendor_id", hex(one.vendor_id)},
-              {"product_id", hex(one.product_id)},
-              {"serial", text_or_null(one.serial)},
-              {"manufacturer", text_or_null(one.manufacturer)},
-              {"product", text_or_null(one.product)},
-              {"interface", one.interface >= 0 ? Json(one.interface) : Json(nullptr)},
-              {"usage_page", hex(one.usage_page)},
-              {"usage", hex(one.usage)},
-              {"input_reports", lengths(one.reports.input)},
-              {"feature_reports", lengths(one.reports.feature)},
-              {"described_by", text_or_null(builtin_for(one))},
-              {"usable", opened.has_value()},
-              {"hindrance", opened ? Json(nullptr) : Json(opened.error().message)}};
-}
-
-std::string device_text(const devices::HidIdentity& one) {
-  std::string text =
-      fmt::format("{}\n  usage page 0x{:04x}, usage 0x{:04x}", devices::to_text(one), one.usage_page, one.usage);
+  const std::string known = builtin_for(one);
+  std::string inputs;
   for (const auto& [number, bytes] : one.reports.input)
-    text += number == 0 ? fmt::format(", input reports of {} bytes", bytes)
-                        : fmt::format(", input report {} of {} bytes", number, bytes);
-  text += '\n';
-  if (const std::string name = builtin_for(one); !name.empty())
-    text += fmt::format("  known: --environment {}\n", name);
-  if (const auto opened = devices::HidDevice::open(one); !opened) text += fmt::format("  {}\n", opened.error().message);
-  return text;
+    inputs += number == 0 ? fmt::format(", input reports of {} bytes", bytes)
+                          : fmt::format(", input report {} of {} bytes", number, bytes);
+  return record_cell(
+      "{path}\n  usage page {usage_page}, usage {usage}{input_reports}\n{described_by}{hindrance}",
+      {{"path", {one.path, devices::to_text(one)}},
+       {"vendor_id", word_cell(hex(one.vendor_id))},
+       {"product_id", word_cell(hex(one.product_id))},
+       {"serial", text_cell(one.serial)},
+       {"manufacturer", text_cell(one.manufacturer)},
+       {"product", text_cell(one.product)},
+       {"interface", one.interface >= 0 ? integer_cell(one.interface) : null_cell()},
+       {"usage_page", word_cell(hex(one.usage_page))},
+       {"usage", word_cell(hex(one.usage))},
+       {"input_reports", {lengths(one.reports.input), inputs}},
+       {"feature_reports", {lengths(one.reports.feature), {}}},
+       {"described_by", {text_or_null(known), known.empty() ? "" : fmt::format("  known: --environment {}\n", known)}},
+       {"usable", yes_cell(opened.has_value(), "", "")},
+       {"hindrance",
+        opened ? null_cell() : Cell{opened.error().message, fmt::format("  {}\n", opened.error().message)}}});
 }
 
 Result<Outcome> list() {
   const auto present = devices::hid_devices();
   if (!present) return tl::unexpected(present.error());
-  Json devices = Json::array();
-  std::string text;
-  for (const devices::HidIdentity& one : *present) {
-    devices.push_back(device_json(one));
-    text += device_text(one);
-  }
-  if (text.empty()) text = "no HID device is plugged in (or the kernel has no hidraw)\n";
-  return Outcome{text, one_line(Json{{"devices", devices}}), kDone};
+  Cell list = list_cell(*present, device_cell);
+  if (present->empty()) list.text = "no HID device is plugged in (or the kernel has no hidraw)\n";
+  return outcome_of(record_cell("{devices}", {{"devices", list}}));
 }
 
 Result<Outcome> rules(const DevicesArguments& arguments) {
@@ -121,16 +111,15 @@ Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   const std::string toml = devices::to_toml(found->description);
   if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
   const devices::TriggerLayout& trigger = found->description.trigger;
-  return Outcome{
-      fmt::format("{}\nwritten to {}; longest bounce seen {:.0f} ms\n", toml, arguments.output, found->bounce_ms),
-      one_line(Json{{"output", arguments.output},
-                    {"name", found->description.name},
-                    {"byte", trigger.byte},
-                    {"mask", trigger.mask},
-                    {"active", trigger.active_high ? "high" : "low"},
-                    {"debounce_ms", trigger.debounce_ms},
-                    {"bounce_ms", number_or_null(found->bounce_ms)}}),
-      kDone};
+  return outcome_of(record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n",
+                                {{"toml", shown_cell(toml)},
+                                 {"output", word_cell(arguments.output)},
+                                 {"name", word_cell(found->description.name)},
+                                 {"byte", {trigger.byte, {}}},
+                                 {"mask", {trigger.mask, {}}},
+                                 {"active", word_cell(trigger.active_high ? "high" : "low")},
+                                 {"debounce_ms", {trigger.debounce_ms, {}}},
+                                 {"bounce_ms", number_cell(found->bounce_ms, 0)}}));
 }
 
 Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& arguments, devices::DevicePort port) {
@@ -150,7 +139,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& argume
         ProblemKind::refused,
         fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
                     seen, arguments.count, arguments.timeout_s));
-  return Outcome{fmt::format("{} presses\n", seen), one_line(Json{{"presses", seen}}), kDone};
+  return outcome_of(record_cell("{presses} presses\n", {{"presses", integer_cell(seen)}}));
 }
 
 Json values_json(const devices::Values& values) {

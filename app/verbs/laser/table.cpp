@@ -7,7 +7,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 
@@ -23,38 +23,6 @@ struct TableArguments : VerbArguments {
   const std::string& plots = text("--plots", "folder for a plot NAME.svg of each row");
   const bool& png = flag("--png", "with --plots: NAME.png as well");
 };
-
-Json phase_json(const std::optional<MeasuredPhase>& phase) {
-  if (!phase) return nullptr;
-  return {{"file", phase->file.string()},
-          {"readings", phase->readings.before.readings.size()},
-          {"band", number_or_null(phase->readings.band)},
-          {"band_as_measured", number_or_null(phase->readings.band_before)},
-          {"slope_removed_per_m", number_or_null(phase->readings.level.removed.slope_per_m)},
-          {"A", number_or_null(phase->iso.A)},
-          {"E", number_or_null(phase->iso.E)},
-          {"R", number_or_null(phase->iso.R)},
-          {"B", number_or_null(phase->iso.B)}};
-}
-
-Json row_json(const TableRow& row) {
-  const PlannedMeasurement& p = row.planned;
-  Json problems = Json::array();
-  for (const Problem& one : row.problems) problems.push_back(problem_json(one));
-  return {{"name", p.name},
-          {"title", p.title},
-          {"axis", std::string(1, letter_of(p.axis))},
-          {"sense", name_of(p.sense)},
-          {"unit", laser::unit_of(p.sense)},
-          {"slope", laser::name_of(p.slope)},
-          {"published_before", number_or_null(p.published_before)},
-          {"published_after", number_or_null(p.published_after)},
-          {"before", phase_json(row.before)},
-          {"after", phase_json(row.after)},
-          {"ratio", number_or_null(row.ratio())},
-          {"exceeds_published", row.exceeds_published()},
-          {"problems", std::move(problems)}};
-}
 
 PlotFigure figure_of(const TableRow& row) {
   PlotFigure figure{fmt::format("{}  {}", row.planned.name, row.planned.title), {}, 1, true};
@@ -112,14 +80,15 @@ Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
   const auto rows = table_of(*plan, arguments.before, arguments.after);
   const auto plots = write_plots(rows, arguments);
   if (!plots) return tl::unexpected(plots.error());
-  std::string text = table_text(rows);
-  if (!plots->empty()) text += "\nplots:\n";
-  for (const std::string& path : *plots) text += "  " + path + "\n";
-  Json object{{"plan", arguments.plan}, {"band", laser::kBandDefinition}, {"rows", Json::array()}};
-  for (const TableRow& row : rows) object["rows"].push_back(row_json(row));
-  object["plots"] = *plots;
-  if (const auto unfit = unfit_files(rows)) object["error"] = problem_json(*unfit);
-  return Outcome{text, one_line(object), exit_code_of(rows)};
+  Cell drawn = lines_cell(*plots, "  ");
+  if (!plots->empty()) drawn.text.insert(0, "\nplots:\n");
+  const auto unfit = unfit_files(rows);
+  return outcome_of(record_cell("{rows}{plots}", {{"plan", word_cell(arguments.plan)},
+                                                  {"band", word_cell(laser::kBandDefinition)},
+                                                  {"rows", table_cell(rows)},
+                                                  {"plots", drawn},
+                                                  {"error", unfit ? Cell{problem_json(*unfit), {}} : shown_cell({})}}),
+                    exit_code_of(rows));
 }
 
 }  // namespace

@@ -4,8 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
-#include "base/json.hpp"
-#include "commissioning/models/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/models/view.hpp"
 
 namespace ecs::app {
@@ -19,14 +18,14 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   const ModelArguments& arguments = given.common;
   const auto work = begun_model(context.console, arguments);
   if (!work) return tl::unexpected(work.error());
-  std::string text = fmt::format("begun in {}: offset, slope and backlash of what was measured\n", arguments.model);
-  Json effects = Json::array();
-  for (const model::EffectInstance& effect : work->model.effects) {
-    text += "  " + place_text(effect) + "\n";
-    effects.push_back(place_text(effect));
-  }
-  text += fmt::format("next: ecs model diagnose {} {}\n", arguments.model, work->data_name);
-  return Outcome{text, one_line(Json{{"model", arguments.model}, {"effects", std::move(effects)}}), kDone};
+  std::vector<std::string> effects;
+  for (const model::EffectInstance& effect : work->model.effects) effects.push_back(place_text(effect));
+  return outcome_of(record_cell(
+      "begun in {model}: offset, slope and backlash of what was measured\n{effects}next: ecs model diagnose {model} "
+      "{data}\n",
+      {{"model", word_cell(arguments.model)},
+       {"effects", lines_cell(effects, "  ")},
+       {"data", shown_cell(work->data_name)}}));
 }
 
 }  // namespace
