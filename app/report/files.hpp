@@ -18,7 +18,7 @@ struct ReportArguments : VerbArguments {
       texts("PLACE",
             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
             "model.toml, diagnosis.json, status.json");
-  const std::string& output = text("-o,--output", "the page", Need::required);
+  const std::string& output = output_file("-o,--output", "the page", Need::required);
   const std::string& before = text("--before", "folder of NAME.csv, measured without compensation");
   const std::string& after = text("--after", "folder of NAME.csv, measured with compensation");
   const std::string& machine = text("--machine", "the machine (.toml)");

@@ -1,9 +1,11 @@
 #include "base/cli/verb.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/overwriting.hpp"
 #include "base/text.hpp"
 
 namespace ecs::cli {
@@ -19,6 +21,12 @@ std::string VerbArgument::preset() const {
 Verb& Verb::text(const std::string& name, std::string& into, const std::string& help, Need need) {
   arguments_.push_back({name, &into, help, need});
   return *this;
+}
+
+Verb& Verb::output_file(const std::string& name, std::string& into, const std::string& help, Need need) {
+  VerbArgument argument{name, &into, help, need};
+  argument.is_output = true;
+  return add(std::move(argument));
 }
 
 Verb& Verb::texts(const std::string& name, std::vector<std::string>& into, const std::string& help, Need need) {
@@ -86,6 +94,39 @@ Verb& Verb::add_all(const Verb& other) {
   }
   writes_ = writes_ || other.writes_;
   return *this;
+}
+
+OutputGuard::OutputGuard(Verb& verb) {
+  const auto& declared = verb.arguments();
+  if (std::none_of(declared.begin(), declared.end(), [](const VerbArgument& one) { return one.is_output; })) return;
+  for (const VerbArgument& argument : declared)
+    if (argument.name == "--force" && std::holds_alternative<bool*>(argument.into))
+      force_ = std::get<bool*>(argument.into);
+  if (force_ == nullptr) {
+    own_force_ = std::make_shared<bool>(false);
+    force_ = own_force_.get();
+    verb.flag("--force", *own_force_, "overwrites an output file that is there");
+  }
+  arguments_ = declared;
+}
+
+Result<void> OutputGuard::check() const {
+  if (force_ == nullptr || *force_) return {};
+  // Changed in place: the file that the verb takes first; by --params-out that of --params.
+  const auto text_of = [&](auto&& is_it) {
+    const auto found = std::find_if(arguments_.begin(), arguments_.end(), [&](const VerbArgument& one) {
+      return !one.is_output && std::holds_alternative<std::string*>(one.into) && is_it(one);
+    });
+    return found == arguments_.end() ? std::string() : *std::get<std::string*>(found->into);
+  };
+  const std::string first = text_of([](const VerbArgument& one) { return one.by_place(); });
+  for (const VerbArgument& argument : arguments_)
+    if (argument.is_output)
+      if (const std::string& file = *std::get<std::string*>(argument.into);
+          would_overwrite(file, {first, text_of([&](const auto& one) { return one.name + "-out" == argument.name; })}))
+        return problem(ProblemKind::usage,
+                       fmt::format("{} exists already: give another name, or --force to overwrite it", file));
+  return {};
 }
 
 std::vector<std::string> words_of(const std::string& path) {

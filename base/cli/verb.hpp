@@ -40,6 +40,7 @@ struct VerbArgument {
   double most = std::numeric_limits<double>::max();
   std::vector<std::string> choices{};  ///< the words that are allowed, whatever their case; empty: any text
   bool by_commas = false;              ///< of many values: one word holds them, parted by commas
+  bool is_output = false;              ///< names a file that the verb writes
 
   [[nodiscard]] bool by_place() const { return !name.starts_with('-'); }
   [[nodiscard]] bool is_flag() const {
@@ -57,6 +58,8 @@ struct VerbArgument {
 class Verb {
  public:
   Verb& text(const std::string& name, std::string& into, const std::string& help, Need need = Need::optional);
+  /// A file that the verb writes: see OutputGuard.
+  Verb& output_file(const std::string& name, std::string& into, const std::string& help, Need need = Need::optional);
   /// Takes all that follow.
   Verb& texts(const std::string& name, std::vector<std::string>& into, const std::string& help,
               Need need = Need::optional);
@@ -93,6 +96,22 @@ class Verb {
   std::string* arm_code_ = nullptr;
   bool writes_ = false;
   std::vector<VerbArgument> arguments_;
+};
+
+/// What a verb writes replaces nothing: an output file that is there is refused unless --force is given. The file
+/// that the verb takes first is changed in place, unless the verb refuses that itself; so is that of --NAME by
+/// --NAME-out.
+class OutputGuard {
+ public:
+  /// Adds --force where an argument is an output file and no flag of that name is there.
+  explicit OutputGuard(Verb& verb);
+  /// A `usage` problem for the first file that would be overwritten.
+  [[nodiscard]] Result<void> check() const;
+
+ private:
+  std::vector<VerbArgument> arguments_;
+  std::shared_ptr<bool> own_force_;
+  const bool* force_ = nullptr;
 };
 
 /// The words of a path: {"utility", "datum", "record"} of "utility datum record".
@@ -142,7 +161,10 @@ template <class Context, class Arguments>
           [declare, run](Verb& options) -> typename VerbDefinition<Context>::Action {
             const auto arguments = std::make_shared<Arguments>();
             declare(options, *arguments);
-            return [arguments, run](Context& context) { return run(context, *arguments); };
+            return [arguments, run, guard = OutputGuard(options)](Context& context) -> Result<Outcome> {
+              if (auto spared = guard.check(); !spared) return tl::unexpected(spared.error());
+              return run(context, *arguments);
+            };
           }};
 }
 

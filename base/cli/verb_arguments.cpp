@@ -13,6 +13,12 @@ const std::string& VerbArguments::text(std::string name, std::string help, Need 
   return value;
 }
 
+const std::string& VerbArguments::output_file(std::string name, std::string help, Need need) {
+  std::string& value = own(std::string());
+  Verb::output_file(name, value, help, need);
+  return value;
+}
+
 const std::vector<std::string>& VerbArguments::texts(std::string name, std::string help, Need need) {
   auto& values = own(std::vector<std::string>());
   add({std::move(name), &values, std::move(help), need});

@@ -32,6 +32,8 @@ class VerbArguments : public Verb {
 
  protected:
   const std::string& text(std::string name, std::string help, Need need = Need::optional, std::string preset = {});
+  /// A file that the verb writes: see OutputGuard.
+  const std::string& output_file(std::string name, std::string help, Need need = Need::optional);
   /// Takes all that follow.
   const std::vector<std::string>& texts(std::string name, std::string help, Need need = Need::optional);
   /// A finite number within least … most.
@@ -63,7 +65,10 @@ template <class Context, class Arguments>
           [run](Verb& options) -> typename VerbDefinition<Context>::Action {
             const auto arguments = std::make_shared<Arguments>();
             options.add_all(*arguments);
-            return [arguments, run](Context& context) { return run(context, *arguments); };
+            return [arguments, run, guard = OutputGuard(options)](Context& context) -> Result<Outcome> {
+              if (auto spared = guard.check(); !spared) return tl::unexpected(spared.error());
+              return run(context, *arguments);
+            };
           }};
 }
 

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "base/overwriting.hpp"
 #include "base/text.hpp"
 
 namespace ecs::commissioning {
@@ -239,13 +240,13 @@ std::string LaserController::unsaved() const {
 // --- disc and unit --------------------------------------------------------------------------------------------------
 
 bool LaserController::would_overwrite() const {
-  std::error_code error;
   const MapFiles files = files_of_map(choices_.map_file);
-  const auto there = [&](const std::filesystem::path& file) { return std::filesystem::exists(file, error); };
   if (saved_file_ == choices_.map_file) return false;
-  if (choices_.opened_map == files.map)  // a change in place, if its parameters are those beside it
-    return choices_.params_file != files.parameters && there(files.parameters);
-  return there(files.map) || there(files.parameters) || there(files.recipe);
+  const bool opened = choices_.opened_map == files.map;  // with it the parameters beside it are changed in place
+  const std::vector<std::string> own =
+      opened ? std::vector{files.map, choices_.params_file} : std::vector<std::string>{};
+  return ecs::would_overwrite(files.map, own) || ecs::would_overwrite(files.parameters, own) ||
+         (!opened && ecs::would_overwrite(files.recipe));
 }
 
 bool LaserController::idle() {

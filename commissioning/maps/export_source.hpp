@@ -23,6 +23,7 @@ struct ExportArguments {
   std::string machine;
   std::string model;
   std::string output;
+  bool force = false;          ///< files that are there are overwritten
   bool other_machine = false;  ///< although map and parameters name different machines
 };
 

@@ -53,7 +53,7 @@ Result<void> output_is_free(const CaptureChoice& choice, const std::string& outp
                     part));
   if (exists(output) && !choice.force)
     return problem(ProblemKind::usage,
-                   fmt::format("{} is there already: give another -o, or --force to replace it", output));
+                   fmt::format("{} exists already: give another name, or --force to overwrite it", output));
   const auto folder = std::filesystem::absolute(part).parent_path();
   if (::access(folder.c_str(), W_OK) != 0)
     return problem(ProblemKind::output, fmt::format("{} cannot be written: {} is no folder that you may write into",

@@ -59,7 +59,7 @@ struct Commissioning {
     (void)folder.with("map.csv", head + "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1000,-36\n");
   }
   [[nodiscard]] Ran report(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"report", folder / "", "-o", page};
+    std::vector<std::string> words{"report", folder / "", "-o", page, "--force"};
     words.insert(words.end(), more.begin(), more.end());
     return ran(words);
   }

@@ -117,7 +117,7 @@ TEST_CASE("a dump of another unit, or with the map of another machine, is loaded
 
   const std::string map = workspace.folder.with("other.csv", "# serial_number: CH-0005\n" + content_of(workspace.map));
   REQUIRE(ran({"map", "send", map, "--params", workspace.params, "--other-machine"}).code == 0);
-  REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
+  REQUIRE(ran({"memory", "dump", "--active", "-o", file, "--force"}).code == 0);
   CHECK(ran({"memory", "load", file, "--yes"}).code == 1);
   CHECK(ran({"memory", "load", file, "--yes", "--other-machine"}).code == 0);
 }
@@ -375,7 +375,7 @@ TEST_CASE("a killed monitor leaves its record in FILE.part, and the former file 
   const EmulatorWorkspace workspace;
   const std::string output = workspace.folder / "out";
   const std::string record = workspace.folder.with("m.csv", "former\n");
-  const pid_t child = ecs_started({"monitor", "--json", "--interval", "20", "--record", record}, output);
+  const pid_t child = ecs_started({"monitor", "--json", "--interval", "20", "--record", record, "--force"}, output);
   wait_for_bytes(record + ".part");
   for (int i = 0; i < 200 && std::filesystem::file_size(record + ".part") < 1000; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -386,12 +386,12 @@ TEST_CASE("a killed monitor leaves its record in FILE.part, and the former file 
   CHECK(part.starts_with("time_s,"));
   CHECK(part.size() >= 1000);
   // the next one does not write over it
-  const Ran again = ran({"monitor", "--count", "1", "--record", record});
+  const Ran again = ran({"monitor", "--count", "1", "--record", record, "--force"});
   CHECK(again.code == 5);
   CHECK(again.messages.find("m.csv.part") != std::string::npos);
   CHECK(content_of(record + ".part") == part);
   std::filesystem::remove(record + ".part");
-  CHECK(ran({"monitor", "--count", "2", "--interval", "5", "--record", record}).code == 0);
+  CHECK(ran({"monitor", "--count", "2", "--interval", "5", "--record", record, "--force"}).code == 0);
   const std::string replaced = content_of(record);
   CHECK(std::count(replaced.begin(), replaced.end(), '\n') == 7);
   CHECK_FALSE(std::filesystem::exists(record + ".part"));

@@ -12,6 +12,7 @@ void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::st
       .text("--model", arguments.model, "predict what is left from this model instead of from the map; needs --machine")
       .flag("--other-machine", arguments.other_machine, "export although map and parameters name different machines")
       .text("-o,--output", arguments.output, output_help)
+      .flag("--force", arguments.force, "overwrites output files that are there")
       .uses_link();
 }
 

@@ -9,7 +9,7 @@
 
 namespace ecs::app {
 
-/// Adds FILE, --unit, --params, --machine, --model, --other-machine and -o.
+/// Adds FILE, --unit, --params, --machine, --model, --other-machine, -o and --force.
 void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
 
 /// Reads the map, from the unit with --unit, and everything it goes with. A `usage` problem for --model without

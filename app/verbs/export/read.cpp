@@ -47,11 +47,11 @@ ReadOptions::ReadOptions(Verb& verb) {
 
 struct ReadArguments : VerbArguments {
   const std::vector<std::string>& files = texts("FILE", "files of one control", Need::required);
-  const std::string& output = text("-o,--output", "map CSV to write");
+  const std::string& output = output_file("-o,--output", "map CSV to write");
   const std::string& format = choice("--format", format_names(), "default: by its content", Need::optional, "auto");
   ReadOptions options{*this};
   const std::string& params = text("--params", "parameters of the machine: identity, measurement lines");
-  const std::string& params_out = text("--params-out", "the same with the squareness that was read");
+  const std::string& params_out = output_file("--params-out", "the same with the squareness that was read");
 };
 
 struct ReadFiles {

@@ -10,6 +10,7 @@
 #include "app/verbs/export/export_arguments.hpp"
 #include "app/verbs/export/format_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "base/overwriting.hpp"
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_view.hpp"
 #include "commissioning/measurements/files.hpp"
@@ -28,7 +29,7 @@ Result<void> make_folder(const std::string& folder) {
 
 /// Into a folder, or the only file under the name given.
 Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& made, const std::string& output,
-                                           bool folder, const std::vector<std::string>& inputs) {
+                                           bool folder, const std::vector<std::string>& inputs, bool force) {
   std::vector<OutputFile> files;
   if (output.empty()) return std::vector<WrittenFile>();
   for (const controllers::ExportFile& file : made.files)
@@ -36,6 +37,10 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   for (const OutputFile& file : files)
     if (const auto distinct = check_output_not_input(file.path, inputs); !distinct)
       return tl::unexpected(distinct.error());
+  for (const OutputFile& file : files)
+    if (!force && would_overwrite(file.path))
+      return problem(ProblemKind::usage,
+                     fmt::format("{} exists already: give another name, or --force to overwrite it", file.path));
   if (folder)
     if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
   return write_together(files);
@@ -78,7 +83,7 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   if (!residuals) return tl::unexpected(residuals.error());
   note_silent_directions(*work, *residuals);
   const bool folder = format.is_file != nullptr;
-  auto written = write_all(*made, arguments.output, folder, work->inputs);
+  auto written = write_all(*made, arguments.output, folder, work->inputs, arguments.force);
   if (!written) return tl::unexpected(written.error());
   if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, format);
   const ExportReport report{std::string(format.title),       *work, *made, *residuals, std::move(*written),

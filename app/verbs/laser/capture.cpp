@@ -67,7 +67,8 @@ extern const VerbDefinition kLaserCapture = verb<CaptureChoice>(
     "-o EXX.csv\n"
     "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
     [](Verb& verb, CaptureChoice& arguments) {
-      verb.text("-o,--output", arguments.output, "the measurement CSV to write; OUT.csv.part until it is complete")
+      verb.output_file("-o,--output", arguments.output,
+                       "the measurement CSV to write; OUT.csv.part until it is complete")
           .text("--resume", arguments.resume, "goes on with an unfinished FILE.part");
       take_target_options(verb, arguments.target);
       verb.text("--trigger", arguments.trigger,
@@ -86,7 +87,7 @@ extern const VerbDefinition kLaserCapture = verb<CaptureChoice>(
                   0.1, 3600.0)
           .number("--min-interval", arguments.min_interval_s,
                   "a trigger sooner after a reading is a doubled one [s] (0.5)")
-          .flag("--force", arguments.force, "replaces an output file that is there");
+          .flag("--force", arguments.force, "overwrites an output file that is there");
     },
     capture_verb);
 

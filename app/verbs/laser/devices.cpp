@@ -27,7 +27,7 @@ struct DevicesArguments : VerbArguments {
   const std::vector<std::string>& descriptions =
       texts("DESCRIPTION", "with --udev: device descriptions to make rules for as well");
   const bool& learn = flag("--learn", "finds the bit that changes while a trigger is pressed");
-  const std::string& output = text("-o,--output", "with --learn: the description to write");
+  const std::string& output = output_file("-o,--output", "with --learn: the description to write");
   const std::string& device = text("--device", "with --learn: only this path, serial number or vendor:product");
   const std::string& name = text("--name", "with --learn: what the device is called");
   const int& presses = integer("--presses", "with --learn: presses to learn from", 3, 2, 20);
@@ -36,7 +36,6 @@ struct DevicesArguments : VerbArguments {
   const double& timeout_s = number("--timeout", "with --learn and --try: seconds", 60.0, Need::optional, 0.1, 86400.0);
   const std::string& describe = text("--describe", "a description that comes with the program, as TOML");
   const bool& udev = flag("--udev", "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules");
-  const bool& force = flag("--force", "replaces an output file that is there");
 };
 
 std::string hex(std::uint16_t value) { return fmt::format("0x{:04x}", value); }
@@ -101,10 +100,6 @@ Result<Outcome> rules(const DevicesArguments& arguments) {
 Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (arguments.output.empty())
     return problem(ProblemKind::usage, "-o FILE.toml is missing: the file for the description");
-  std::error_code error;
-  if (std::filesystem::exists(arguments.output, error) && !arguments.force)
-    return problem(ProblemKind::usage,
-                   fmt::format("{} is there already: give another -o, or --force", arguments.output));
   const auto found = learn_device(context.console, context.console.keyboard(),
                                   {arguments.device, arguments.name, arguments.presses, arguments.timeout_s});
   if (!found) return tl::unexpected(found.error());

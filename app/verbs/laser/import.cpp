@@ -27,7 +27,7 @@ std::string output_help() {
 
 struct FileImportArguments : VerbArguments {
   const std::vector<std::string>& files = texts("FILE", "measurement files; several are joined", Need::required);
-  const std::string& output = text("-o,--output", output_help());
+  const std::string& output = output_file("-o,--output", output_help());
   const std::string& save_profile = text("--save-profile", "keep the import options given, under this name or path");
   ImportOptions import{*this};
 };

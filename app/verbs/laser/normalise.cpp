@@ -24,7 +24,7 @@ struct NormaliseArguments : VerbArguments {
       optional_number("--material", "one material temperature for all readings [degC]");
   const double& fixed_mm = number("--fixed", "position that expansion leaves where it is [mm]", 0.0);
   const bool& back = flag("--back", "take it back, to the last digit");
-  const std::string& output = text("-o,--output", "the CSV to write");
+  const std::string& output = output_file("-o,--output", "the CSV to write");
   ImportOptions import{*this};
 };
 

@@ -26,8 +26,8 @@ struct ProcessArguments : VerbArguments {
       number("--smooth", "window of the local quadratic [mm]; 0: none", 0.0, Need::optional, 0.0, 1e6);
   const std::vector<std::string>& exclude_runs = texts("--exclude-run", "runs to leave out: 3 or 3,5");
   const std::vector<std::string>& exclude_rows = texts("--exclude-row", "data rows to leave out, from 1");
-  const std::string& output = text("-o,--output", "CSV of the processed means");
-  const std::string& plot = text("--plot", "before and after on the same scale: OUT.svg or OUT.png");
+  const std::string& output = output_file("-o,--output", "CSV of the processed means");
+  const std::string& plot = output_file("--plot", "before and after on the same scale: OUT.svg or OUT.png");
   ImportOptions import{*this};
 };
 

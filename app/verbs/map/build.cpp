@@ -33,8 +33,9 @@ struct BuildArguments : VerbArguments {
                                     "by default machine.toml beside the parameters");
   const std::optional<double>& increment_mm =
       optional_number("--increment", "of the tables of --from-model [mm]; fine enough if not given");
-  const std::string& output = text("-o,--output", "map CSV to write");
-  const std::string& params_out = text("--params-out", "parameters to write, with the squareness that was measured");
+  const std::string& output = output_file("-o,--output", "map CSV to write");
+  const std::string& params_out =
+      output_file("--params-out", "parameters to write, with the squareness that was measured");
   const std::vector<std::string>& zero = texts("--zero", "declare a component zero: EBY=\"too small to measure\"");
   const std::string& zero_missing =
       text("--zero-missing", "with --from-model: declare every component that the model lacks zero, for this reason");

@@ -21,7 +21,7 @@ struct ShowArguments : VerbArguments {
   const std::string& params = text("--params", "parameters to judge the map by; with --unit the unit's own");
   const std::string& machine =
       text("--machine", "the machine (.toml): the travels to cover; by default machine.toml beside the parameters");
-  const std::string& plot = text("--plot", "OUT.svg or OUT.png");
+  const std::string& plot = output_file("--plot", "OUT.svg or OUT.png");
   const Access access = uses_link();
 };
 

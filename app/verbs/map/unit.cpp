@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostShown = 20;
 
 struct ReceiveArguments : VerbArguments {
-  const std::string& output = text("-o,--output", "file to write; without it the CSV goes to stdout");
+  const std::string& output = output_file("-o,--output", "file to write; without it the CSV goes to stdout");
   const Access access = uses_link();
 };
 

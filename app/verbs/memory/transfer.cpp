@@ -22,7 +22,7 @@ namespace {
 struct ReadArguments : VerbArguments {
   const std::string& address = text("ADDRESS", "first address, decimal or 0x…", Need::required);
   const std::string& length = text("LENGTH", "bytes, decimal or 0x…", Need::required);
-  const std::string& output = text("-o,--output", "file for the bytes as they are");
+  const std::string& output = output_file("-o,--output", "file for the bytes as they are");
   const bool& hex = flag("--hex", "hexadecimal digits only");
   const Access access = uses_link();
 };
@@ -116,7 +116,7 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
 
 // --- dump
 struct DumpArguments : VerbArguments {
-  const std::string& output = text("-o,--output", "file to write", Need::required);
+  const std::string& output = output_file("-o,--output", "file to write", Need::required);
   const bool& active = flag("--active", "only the commit records and the active image");
   const Access access = uses_link();
 };

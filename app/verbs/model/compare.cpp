@@ -24,8 +24,8 @@ struct CompareArguments : VerbArguments {
   const int& worst = integer("--worst", "so many of the worst places", 10, 0, 10'000);
   const std::string& at = text("--at", "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1");
   const int& volume = integer("--volume", "predicted error over the volume, so many places along each axis", 0, 2, 60);
-  const std::string& output = text("-o,--output", "CSV of the volume to write");
-  const std::string& plot = text("--plot", "measured against model, as .svg or .png");
+  const std::string& output = output_file("-o,--output", "CSV of the volume to write");
+  const std::string& plot = output_file("--plot", "measured against model, as .svg or .png");
 };
 
 Result<void> sound(const CompareArguments& arguments) {

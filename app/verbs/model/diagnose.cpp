@@ -17,7 +17,7 @@ struct DiagnoseArguments : VerbArguments {
   const int& blanks = integer("--blanks", "simulated data sets of noise alone that a finding must beat",
                               static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
   const bool& plain = flag("--plain", "ordinary least squares: no reading counts as an outlier");
-  const std::string& plot = text("--plot", "measured against model, and what is left, as .svg or .png");
+  const std::string& plot = output_file("--plot", "measured against model, and what is left, as .svg or .png");
 };
 
 Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseArguments& arguments) {

@@ -22,8 +22,8 @@ constexpr double kStrongCorrelation = 0.9;
 struct FitArguments : VerbArguments {
   ModelOptions common{*this};
   const bool& plain = flag("--plain", "ordinary least squares: every reading counts the same");
-  const std::string& output = text("-o,--output", "the model with its values; may be MODEL itself");
-  const std::string& plot = text("--plot", "measured against model, as .svg or .png");
+  const std::string& output = output_file("-o,--output", "the model with its values; may be MODEL itself");
+  const std::string& plot = output_file("--plot", "measured against model, as .svg or .png");
 };
 
 Cell effect_cell(const EffectFit& effect) {
@@ -113,8 +113,8 @@ Cell fit_cell(const Fit& fit, std::size_t readings, const std::string& output) {
 
 Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
   if (!arguments.output.empty())
-    if (auto kept = keep_model(arguments.output, model_to_keep(work.model, fit, work.data, work.data_name),
-                               arguments.common.model);
+    if (auto kept = model::write_model(arguments.output, model_to_keep(work.model, fit, work.data, work.data_name),
+                                       arguments.common.model);
         !kept)
       return kept;
   if (arguments.plot.empty()) return {};
@@ -126,6 +126,9 @@ Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& ar
 Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  for (const std::string& output : {arguments.output, arguments.plot})
+    if (const auto distinct = check_output_not_input(output, arguments.common.data); !distinct)
+      return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto result = model::fit(work->model, work->data, {arguments.plain});

@@ -29,7 +29,7 @@ struct InvestigateArguments : VerbArguments {
       text("--watch", "folder into which a person puts the readings; what was given is kept in its ledger.json");
   const double& minutes = number("--minutes", "that the runs may take, set-up and waiting included", 0.0,
                                  Need::required, 0.0, kMostMinutes);
-  const std::string& output = text("-o,--output", "the model with the causes found; may be MODEL itself");
+  const std::string& output = output_file("-o,--output", "the model with the causes found; may be MODEL itself");
   const Access access = may_write_to_unit();
 };
 
@@ -98,7 +98,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   if (!investigation) return tl::unexpected(in_file(investigation.error(), arguments.model));
   Cell answer = commissioning::investigation_cell(*investigation);
   if (!arguments.output.empty())
-    if (const auto kept = keep_model(arguments.output, investigation->model, arguments.model); !kept)
+    if (const auto kept = model::write_model(arguments.output, investigation->model, arguments.model); !kept)
       return tl::unexpected(kept.error());
   answer.text += written_cell("model", arguments.output).text;
   return outcome_of(answer);

@@ -25,9 +25,9 @@ struct NextArguments : VerbArguments {
   const std::string& check =
       text("--check", "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL");
   const int& proposal = integer("--proposal", "which of the proposals --program and --targets are for", 1, 1, 100);
-  const std::string& program = text("--program", "part program of the proposal to write");
+  const std::string& program = output_file("--program", "part program of the proposal to write");
   const std::string& targets =
-      text("--targets", "target list of the proposal to write, a measurement set without readings");
+      output_file("--targets", "target list of the proposal to write, a measurement set without readings");
   const double& noise_um =
       number("--noise", "of one reading, for --check without DATA [um]", 0.5, Need::optional, 1e-6, 1e6);
 };

@@ -22,7 +22,7 @@ struct PredictArguments : VerbArguments {
       text("MODEL", "model file (.toml) with values: given, or from `model fit -o`", Need::required);
   const std::string& points =
       text("POINTS", "measurement set; the column reading does not count and may be absent", Need::required);
-  const std::string& output = text("-o,--output", "measurement set to write, predictions in the column reading");
+  const std::string& output = output_file("-o,--output", "measurement set to write, predictions in the column reading");
   const std::string& machine = text("--machine", kMachineHelp);
   ImportOptions import{*this};
 };

@@ -64,7 +64,7 @@ struct SetArguments : VerbArguments {
   const std::string& file = text("FILE", "parameter file", Need::required);
   const std::vector<std::string>& words =
       texts("KEY=VALUE", "KEY=VALUE or KEY VALUE, as many as wanted", Need::required);
-  const std::string& output = text("-o,--output", "write here in place of FILE");
+  const std::string& output = output_file("-o,--output", "write here in place of FILE");
   const bool& accept_incomplete =
       flag("--accept-incomplete",
            "although FILE does not end with its closing line: what it leaves out is written "
@@ -146,7 +146,7 @@ Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
 // --- new
 struct NewArguments : VerbArguments {
   const std::string& machine = text("--machine", "machine file", Need::required);
-  const std::string& output = text("-o,--output", "parameter file to write", Need::required);
+  const std::string& output = output_file("-o,--output", "parameter file to write", Need::required);
 };
 
 Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {

@@ -58,7 +58,7 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
 }
 
 struct ReceiveArguments : VerbArguments {
-  const std::string& output = text("-o,--output", "file to write; without it the text goes to stdout");
+  const std::string& output = output_file("-o,--output", "file to write; without it the text goes to stdout");
   const Access access = uses_link();
 };
 

@@ -61,7 +61,7 @@ Cell recording_cell(const DatumRecording& recording) {
 // --- record
 struct RecordArguments : VerbArguments {
   const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis", Need::required);
-  const std::string& output = text("-o,--output", "CSV file to write");
+  const std::string& output = output_file("-o,--output", "CSV file to write");
   const Access access = writes_to_unit();
 };
 

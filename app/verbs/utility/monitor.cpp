@@ -25,8 +25,8 @@ struct MonitorArguments : VerbArguments {
   const int& interval_ms = integer("--interval", "milliseconds between samples", 500, 1, 3'600'000);
   const std::string& environment = text(
       "--environment", "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes");  ///< a device; empty: none
-  const std::string& record =
-      text("--record", "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves");
+  const std::string& record = output_file(
+      "--record", "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves");
   const Access access = uses_link();
 };
 

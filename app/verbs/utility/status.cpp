@@ -12,7 +12,7 @@ namespace ecs::app {
 namespace {
 
 struct StatusArguments : VerbArguments {
-  const std::string& save = text("--save", "write decoded values and raw registers to this file");
+  const std::string& save = output_file("--save", "write decoded values and raw registers to this file");
   const std::vector<std::string>& from = texts("--from", "decode such a file; no unit is asked");
   const Access access = uses_link();
 };

@@ -125,7 +125,7 @@ TEST_CASE("a record that cannot be written is reported before the link is opened
 TEST_CASE("a monitor without a unit leaves the former record as it was, and nothing beside it") {
   const Folder folder;
   const std::string record = folder.with("m.csv", "former\n");
-  CHECK(ran({"monitor", "--record", record, "--link", "rtu:/dev/no-such-port:9600"}).code == 4);
+  CHECK(ran({"monitor", "--record", record, "--force", "--link", "rtu:/dev/no-such-port:9600"}).code == 4);
   CHECK(content_of(record) == "former\n");
   CHECK_FALSE(std::filesystem::exists(record + ".part"));
 }

@@ -232,7 +232,7 @@ struct ModelCommissioning {
     (void)folder.with("model.toml", kStraightModel);
   }
   [[nodiscard]] Ran report(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"report", folder / "", "-o", page};
+    std::vector<std::string> words{"report", folder / "", "-o", page, "--force"};
     words.insert(words.end(), more.begin(), more.end());
     return ran(words);
   }

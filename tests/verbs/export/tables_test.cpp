@@ -51,7 +51,7 @@ struct ExportWorkspace {
   std::string machine = folder.with("m.toml", kMachine);
   [[nodiscard]] Ran exported(std::vector<std::string> words, std::vector<std::string> more = {}) const {
     words.insert(words.begin(), "export");
-    words.insert(words.end(), {map, "--params", params, "--machine", machine, "--json"});
+    words.insert(words.end(), {map, "--params", params, "--machine", machine, "--json", "--force"});
     words.insert(words.end(), more.begin(), more.end());
     return ran(words);
   }
@@ -133,7 +133,7 @@ TEST_CASE(
   for (const std::string levers : {"zero", "lines"}) {
     CAPTURE(levers);
     REQUIRE(workspace.exported({"etalon", "--levers", levers}, {"-o", errors}).code == 0);
-    const Ran r = ran({"export", "read", errors, "--params", workspace.params, "-o", back, "--json"});
+    const Ran r = ran({"export", "read", errors, "--params", workspace.params, "-o", back, "--json", "--force"});
     REQUIRE(r.code == 0);
     const auto j = r.json();
     CHECK(j["curves_moved"] == (levers == "zero"));
@@ -201,13 +201,13 @@ TEST_CASE("every format comes back as the map it was made from") {
       }
   };
   REQUIRE(workspace.exported({"linuxcnc", "--type", "0"}, {"-o", out}).code == 0);
-  REQUIRE(ran({"export", "read", out + "/x.comp", out + "/y.comp", "-o", back}).code == 0);
+  REQUIRE(ran({"export", "read", out + "/x.comp", out + "/y.comp", "-o", back, "--force"}).code == 0);
   same(Component::EXX, 0.0, false);
   same(Component::EYY, 0.0, false);
 
   REQUIRE(workspace.exported({"siemens", "--axes", "X=MX1,Y=MY1,Z=MZ1"}, {"-o", out}).code == 0);
   const Ran siemens = ran({"export", "read", out + "/AX_EEC.INI", out + "/NC_CEC.INI", "--axes", "X=MX1,Y=MY1,Z=MZ1",
-                           "-o", back, "--json"});
+                           "-o", back, "--json", "--force"});
   REQUIRE(siemens.code == 0);
   CHECK(siemens.json()["squareness"]["C0Y_um_per_m"].get<double>() == Approx(40.0).epsilon(1e-4));
   same(Component::EXX, 0.0, false);
@@ -215,7 +215,7 @@ TEST_CASE("every format comes back as the map it was made from") {
 
   REQUIRE(workspace.exported({"etalon"}, {"-o", errors}).code == 0);
   const Ran etalon = ran({"export", "read", errors, "--params", workspace.params, "--params-out",
-                          workspace.folder / "q.toml", "-o", back});
+                          workspace.folder / "q.toml", "-o", back, "--force"});
   REQUIRE(etalon.code == 0);
   CHECK(content_of(workspace.folder / "q.toml").find("C0Y_um_per_m = 40") != std::string::npos);
   for (const Component component : {Component::EXX, Component::EYY, Component::EXY, Component::ECX})
@@ -244,8 +244,8 @@ TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what t
         std::string::npos);
   CHECK(largest(r.json(), "line of X", "this_export", "X") == Approx(0.0));
   CHECK(largest(r.json(), "line of Y", "this_export", "X") > 15.0);
-  const Ran read =
-      ran({"export", "read", out + "/achskw5.lis", out + "/achskw6.lis", "--axes", "X=5,Y=6", "-o", back, "--json"});
+  const Ran read = ran({"export", "read", out + "/achskw5.lis", out + "/achskw6.lis", "--axes", "X=5,Y=6", "-o", back,
+                        "--json", "--force"});
   REQUIRE(read.code == 0);
   CHECK(read.json()["format"] == "twincat");
   const auto map = laser::read_map_csv(back);
@@ -255,7 +255,7 @@ TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what t
   REQUIRE(workspace.exported({"twincat", "--ssfk-sign", "adds"}, {"-o", out}).code == 0);
   CHECK(content_of(out + "/achskw1.lis").find("kw.ssfk.table[0].pos 90\n") != std::string::npos);
   // The list says its sign: no option is needed, and a wrong one is refused.
-  REQUIRE(ran({"export", "read", out + "/achskw1.lis", "-o", back}).code == 0);
+  REQUIRE(ran({"export", "read", out + "/achskw1.lis", "-o", back, "--force"}).code == 0);
   const auto added = laser::read_map_csv(back);
   CHECK(laser::compensation_at(*laser::table_of(*added, Component::EXX, Approach::forward), -400.0) == Approx(9.0));
   const Ran wrong = ran({"export", "read", out + "/achskw1.lis", "--ssfk-sign", "subtracts"});
@@ -286,7 +286,8 @@ TEST_CASE("files that were there are replaced, and the answer says which") {
   const auto again = workspace.exported({"linuxcnc"}, {"-o", out}).json();
   CHECK(again["written"].size() == 2);
   CHECK(again["replaced"] == nlohmann::json::array({out + "/x.comp"}));
-  const Ran text = ran({"export", "read", out + "/x.comp", "-o", workspace.folder.with("old.csv", "what was there")});
+  const Ran text =
+      ran({"export", "read", out + "/x.comp", "-o", workspace.folder.with("old.csv", "what was there"), "--force"});
   CHECK(text.out.find("replaced: " + (workspace.folder / "old.csv")) != std::string::npos);
 }
 

@@ -76,7 +76,7 @@ TEST_CASE("the map of a model cancels what the model predicts everywhere, on eve
     for (const char axis : {'X', 'Y', 'Z'}) text += fmt::format("[axis.{}]\ntravel_mm = [0.0, 500.0]\n", axis);
     const std::string machine_file = folder.with("machine.toml", text);
     REQUIRE(ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--increment", "50", "-o",
-                 map_file})
+                 map_file, "--force"})
                 .code == 0);
     const auto map = laser::read_map_csv(map_file);
     const auto machine = params::read_machine(machine_file);

@@ -50,14 +50,15 @@ TEST_CASE("add takes approach, sense and code from its options; an unknown effec
   CHECK(ran({"model", "add", workspace.model, "angular", "--code", "EQX", "--data", workspace.data}).code == 2);
 }
 
-TEST_CASE("add writes over no other file, and again what it wrote before") {
+TEST_CASE("add writes over a file that is there only with --force") {
   const ModelWorkspace workspace;
   const std::string other = workspace.folder.with("other.toml", "# mine\n");
   CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", other}).code == 2);
   CHECK(content_of(other) == "# mine\n");
   const std::string out = workspace.folder / "out.toml";
   CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
-  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 2);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out, "--force"}).code == 0);
   CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", workspace.model}).code == 0);
 }
 

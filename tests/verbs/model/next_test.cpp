@@ -32,7 +32,7 @@ TEST_CASE("a proposal is written as a part program and as a target list, which i
   CHECK(r.json()["program"] == program);
   CHECK(content_of(program).find("M08") != std::string::npos);
   CHECK(ran({"model", "next", workspace.model, "--check", targets, "--machine", workspace.machine}).code == 0);
-  CHECK(workspace.verb("next", {"--targets", targets, "--proposal", "99"}).code == 1);
+  CHECK(workspace.verb("next", {"--targets", targets, "--proposal", "99", "--force"}).code == 1);
   CHECK(ran({"model", "next", workspace.model, workspace.data, "--program", program}).code == 2);
 }
 

@@ -1,0 +1,13 @@
+// The one rule for files that are there: nothing is overwritten unasked. A screen asks, a verb wants --force.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ecs {
+
+/// Whether writing to `path` destroys something: a regular file with content, and none of `own`, the files that the
+/// same work reads or wrote before and so changes in place.
+[[nodiscard]] bool would_overwrite(const std::string& path, const std::vector<std::string>& own = {});
+
+}  // namespace ecs
