@@ -75,7 +75,7 @@ ReportedEffect effect_of(const Json& object) {
   out.named = member(object, "named") == Json(true);
   if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);
   out.rms_after_um = number_in(object, "rms_after_um");
-  out.explainable_share = number_in(object, "explainable_share");
+  out.explained = number_in(object, "explained");
   out.held_out_before_um = number_in(object, "held_out_rms_before_um");
   out.held_out_after_um = number_in(object, "held_out_rms_um");
   out.false_naming = number_in(object, "false_naming");

@@ -18,7 +18,7 @@ struct ReportedEffect {
   bool named = false;                   ///< part of the answer
   std::vector<std::string> parameters;  ///< "period 8.00 ± 0.02 mm"
   std::optional<double> rms_after_um;
-  std::optional<double> explainable_share;
+  std::optional<double> explained;
   std::optional<double> held_out_before_um;
   std::optional<double> held_out_after_um;
   std::optional<double> false_naming;

@@ -8,6 +8,7 @@
 #include "app/report/sections.hpp"
 #include "app/report/svg.hpp"
 #include "commissioning/measurements/summary.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
@@ -107,7 +108,7 @@ std::string false_naming_text(const ReportedEffect& effect, std::size_t noise_re
 Markup evidence_table(const ReportedDiagnosis& d, bool named) {
   TableMarkup table({{named ? "effect" : "rival or weaker explanation"},
                      {"rms after [µm]", true},
-                     {"of what is above noise", true},
+                     {"explained", true},
                      {"held out before → after [µm]", true},
                      {"false naming", true}});
   for (const ReportedEffect& effect : d.effects) {
@@ -117,7 +118,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                                         number_text(*effect.held_out_after_um, 2))
                           : std::string("\u2013");
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
-               text(effect.explainable_share ? percent(*effect.explainable_share) : "\u2013"), text(held),
+               text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held),
                text(false_naming_text(effect, d.noise_replicates))});
   }
   return table.empty() ? Markup() : table.markup();
@@ -183,7 +184,7 @@ Markup effects_table(const ReportedModel& model) {
     const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
                                     [&](const auto& s) { return s.effect == to_text(fit.effect); });
     const std::string how = share == model.what_if.shares.end() ? "" : (share->carried ? "" : "not: ") + share->how;
-    table.row({element("strong", place_text(fit.effect)),
+    table.row({element("strong", name_with_alternatives(fit.effect)),
                text(fit.effect.is_user() ? fit.effect.name : std::string(fit.effect.definition().title)),
                text(parameters_in_words(fit)), cell(fit.rms_um, 2), text(how)});
   }

@@ -11,6 +11,7 @@
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
@@ -122,6 +123,10 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
     const std::vector<Component> places = places_of(effect, levers);
     if (places.empty()) continue;
     const std::string name = to_text(effect);
+    if (const std::string tied = name_with_alternatives(effect); tied != place_text(effect)) {
+      built.notes.push_back(tied + ": the data could not tell them apart");
+      built.compiled.map.header.processing.push_back(built.notes.back());
+    }
     const model::LadderStep* step = step_of(model, name);
     for (const Component place : places) {
       built.effects[place].push_back(name);

@@ -8,10 +8,12 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/compare_view.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/what_if.hpp"
 
@@ -118,21 +120,34 @@ void ModelController::start_adding(std::size_t candidate) {
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
   const model::AddRequest request{effect.id,       effect.axis,   effect.sense,   effect.code,
                                   effect.approach, effect.sensor, effect.sensor2, effect.name};
-  start_adding(request, place_text(effect));
+  start_adding(request, place_text(effect), diagnosis_->candidates[candidate].rivals);
 }
 
 void ModelController::start_adding(const std::string& effect) {
   if (busy()) return;
   const auto request = model::parse_add_request(effect);
   if (!request) return message_.say(request.error());
-  start_adding(*request, effect);
+  start_adding(*request, effect, {});
 }
 
-void ModelController::start_adding(const model::AddRequest& request, const std::string& name) {
-  start_fit("adding " + name, [model = model_, work = work_, request]() -> Result<Fitted> {
+void ModelController::decide(std::size_t effect) {
+  if (busy() || effect >= model_.effects.size() || model_.effects[effect].is_user()) return;
+  past_.push_back({"decided for " + place_text(model_.effects[effect]), model_});
+  future_.clear();
+  keep_alternatives(model_.effects[effect], {});
+  keep_alternatives(fit_.effects[effect].effect, {});
+  changed_ = true;
+  message_.say(fmt::format("decided: it is {}", place_text(model_.effects[effect])));
+  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+}
+
+void ModelController::start_adding(const model::AddRequest& request, const std::string& name,
+                                   const std::vector<model::EffectInstance>& rivals) {
+  start_fit("adding " + name, [model = model_, work = work_, request, rivals]() -> Result<Fitted> {
     auto added = model::add_effect(model, work->data, request, work->data_name);
     if (!added) return tl::unexpected(added.error());
-    const std::string effect = place_text(added->effect.effect);
+    if (!rivals.empty()) keep_alternatives(added->model.effects.back(), rivals);
+    const std::string effect = name_with_alternatives(added->model.effects.back());
     auto now = fitted(std::move(added->model), work->data,
                       fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model", effect,
                                   added->rms_before_um, added->rms_after_um));
@@ -262,9 +277,8 @@ void ModelController::plan_map(const std::string& output, const std::string& par
     const auto map = planned_map_from_model(messages, asked);
     if (!map) return tl::unexpected(map.error());
     PlannedMap planned{asked, map->missing, {}};
-    std::error_code error;
     for (const std::string& file : {asked.output, asked.params_out})
-      if (std::filesystem::exists(file, error)) planned.exist.push_back(file);
+      if (would_overwrite(file, {asked.params})) planned.exist.push_back(file);
     return planned;
   };
   task_.start("compiling the model to a map", plan, [this](Result<PlannedMap> planned) {

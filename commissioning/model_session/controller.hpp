@@ -66,6 +66,8 @@ class ModelController {
   void start_adding(std::size_t candidate);
   /// "cyclic:X:EX" and what its place leaves open, from the best fit.
   void start_adding(const std::string& effect);
+  /// It is this one, and none of its alternatives. @param effect  place in the model
+  void decide(std::size_t effect);
   /// @param effect  place in the model
   void start_removing(std::size_t effect);
   /// What was done last here; then the steps of the ladder that the file has.
@@ -136,7 +138,9 @@ class ModelController {
   using Lines = std::vector<std::string>;
   ModelController() = default;
   void step_over(Steps& from, Steps& to, const char* label);
-  void start_adding(const model::AddRequest& request, const std::string& name);
+  /// @param rivals  that the data cannot tell it from: kept with it
+  void start_adding(const model::AddRequest& request, const std::string& name,
+                    const std::vector<model::EffectInstance>& rivals);
   /// Starts a task that ends in a fit.
   void start_fit(const std::string& label, std::function<Result<Fitted>()> work);
   [[nodiscard]] static Result<Fitted> fitted(model::Model model, const model::Observations& data, std::string said);

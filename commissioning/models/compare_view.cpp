@@ -14,6 +14,9 @@ namespace {
 using model::Comparison;
 
 Cell direction_cell(const model::DirectionSummary& d) {
+  Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);  // without its F, which has no room in the table
+  if (const std::size_t comma = lack_of_fit.text.find(", "); comma != std::string::npos)
+    lack_of_fit.text.erase(0, comma + 2);
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       {{"sense", word_cell(name_of(d.sense))},
@@ -22,7 +25,7 @@ Cell direction_cell(const model::DirectionSummary& d) {
        {"bias_um", number_cell(d.bias_um, 3)},
        {"rms_um", number_cell(d.rms_um, 3)},
        {"peak_um", number_cell(d.peak_um, 3)},
-       {"lack_of_fit", lack_of_fit_cell(d.lack_of_fit)},
+       {"lack_of_fit", std::move(lack_of_fit)},
        {"readings", count_cell(d.readings)}});
 }
 

@@ -35,7 +35,7 @@ std::string summary(const Diagnosis& d) {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
 constexpr std::string_view kHead =
-    "                               rms after  above noise    held out [um]     false\n"
+    "                               rms after                 held out [um]     false\n"
     "                                    [um]    explained   before    after   naming\n";
 
 /// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
@@ -99,8 +99,8 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
       {"sigma", {sigmas, ""}},
       {"named", {c.named, ""}},
       {"rms_after_um", number_cell(c.rms_after_um, 3)},
-      {"explained", number_cell(c.explained, 3)},
-      {"explainable_share", {number_or_null(c.explainable_share), percent(c.explainable_share)}},
+      {"explained", {number_or_null(c.explained), percent(c.explained)}},
+      {"explainable_share", {number_or_null(c.explainable_share), ""}},
       {"p_value", {number_or_null(c.p_value), ""}},
       {"false_naming", {number_or_null(c.false_naming), chance_text(c, diagnosis)}},
       {"probability", {number_or_null(c.probability), ""}},
@@ -120,7 +120,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
   if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
   return {
       object_of(fields),
-      laid_out("{place} {rms_after_um:>9} {explainable_share:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
+      laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
                "{false_naming:>8}\n",
                fields) +
           (c.named

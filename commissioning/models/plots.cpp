@@ -107,16 +107,21 @@ Values along(const Observations& data, Axis axis) {
   return x;
 }
 
-/// A panel for the terminal: short names, one run or all. @param model  null: means of the points as lines
-PlotPanel panel_of(const Observations& data, const MeasuredLine& line, std::optional<int> run, const Values& points,
+/// A panel for the terminal: short names. @param model  null: means of the points as lines
+PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const ShownReadings& shown, const Values& points,
                    const Fit* model, const std::string& title) {
   std::vector<std::size_t> rows;
   for (const std::size_t k : line.rows)
-    if (!run || data.run[k] == *run) rows.push_back(k);
+    if (!shown.run || data.run[k] == *shown.run) rows.push_back(k);
   const Values x = along(data, line.axis);
   const Drawn drawn{data, rows, x};
   PlotPanel panel{title, fmt::format("{} mm", letter_of(line.axis)), is_rotation(line.sense) ? "um/m" : "um", {}};
-  for (const int approach : kApproaches) take(panel, readings(drawn, points, approach, ""));
+  for (const int approach : kApproaches) {
+    const bool means = shown.means && !shown.run;
+    PlotSeries dots = means ? curve(drawn, points, approach, "") : readings(drawn, points, approach, "");
+    dots.mark = reading_mark(approach);
+    take(panel, std::move(dots));
+  }
   for (const int approach : kApproaches) {
     const std::string name = approach == 0 ? "any" : std::string(direction_text(approach));
     take(panel, model != nullptr ? model_curve(drawn, *model, line.axis, approach, name)
@@ -250,14 +255,47 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
 
 }  // namespace
 
-PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
-  return panel_of(
-      data, line, run, data.reading, &fit,
-      fmt::format("{}{}: measured (dots), model (lines)", title_of(line), run ? fmt::format(", run {}", *run) : ""));
+PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line,
+                         const ShownReadings& shown) {
+  std::string which = shown.means ? "means" : "all readings";
+  if (shown.run) which = fmt::format("run {}", *shown.run);
+  return panel_of(data, line, shown, data.reading, &fit,
+                  fmt::format("{}, {}: measured (dots), model (lines)", title_of(line), which));
 }
 
-PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
-  return panel_of(data, line, run, fit.residual, nullptr, "what the model leaves");
+PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line,
+                         const ShownReadings& shown) {
+  return panel_of(data, line, shown, fit.residual, nullptr, "what the model leaves");
+}
+
+std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, const Fit& fit,
+                                                    const MeasuredLine& line) {
+  std::vector<PlotPanel> panels;
+  for (const std::size_t effect : folding_effects(fit, 0)) {
+    panels.push_back(folded_panel(fit, data, effect));
+    panels.back().x_label = "mm";
+    panels.back().y_label = "um";
+  }
+  std::vector<std::string> variables{"run", "time_s", "travel_since_reversal_mm"};
+  for (const auto& sensor : data.sensors_degC) variables.push_back(sensor.first);
+  for (const std::string& variable : variables) {
+    const Values x = column_named(data, variable);
+    if (x.size() != data.size()) continue;
+    const auto differs = [&](std::size_t k) { return std::isfinite(x[k]) && x[k] != x[line.rows.front()]; };
+    if (std::none_of(line.rows.begin(), line.rows.end(), differs)) continue;
+    const Drawn drawn{data, line.rows, x};
+    PlotPanel panel{fmt::format("what the model leaves, against {}", variable),
+                    variable,
+                    is_rotation(line.sense) ? "um/m" : "um",
+                    {}};
+    for (const int approach : kApproaches) take(panel, readings(drawn, fit.residual, approach, ""));
+    for (const int approach : kApproaches)
+      if (variable == "run")
+        take(panel, curve(drawn, fit.residual, approach,
+                          approach == 0 ? "any" : fmt::format("mean, {}", direction_text(approach))));
+    panels.push_back(std::move(panel));
+  }
+  return panels;
 }
 
 PlotFigure fit_figure(const Fit& fit, const Observations& data, const std::string& title) {

@@ -10,12 +10,22 @@
 
 namespace ecs::commissioning {
 
-/// Readings (control) with the model through them (lines), forward and reverse. @param run  absent: all runs
+/// Which readings of a line a panel shows: the means per target, those of one run, or all.
+struct ShownReadings {
+  std::optional<int> run;
+  bool means = true;  ///< where no run is given
+  friend bool operator==(const ShownReadings&, const ShownReadings&) = default;
+};
+/// Readings (dots) with the model through them (lines), forward and reverse.
 [[nodiscard]] PlotPanel measured_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
-                                       std::optional<int> run = {});
-/// What the model leaves: readings as control, means as lines.
+                                       const ShownReadings& shown = {});
+/// What the model leaves: readings as dots, means as lines.
 [[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
-                                       std::optional<int> run = {});
+                                       const ShownReadings& shown = {});
+/// The same over each period of the model, and against run, time, travel since reversal and every sensor, as far as the
+/// readings of the line differ in it.
+[[nodiscard]] std::vector<PlotPanel> residual_panels_of_variables(const model::Observations& data,
+                                                                  const model::Fit& fit, const MeasuredLine& line);
 
 /// The lines with the largest residuals: readings against model, and the residual; each periodic effect over its
 /// period.

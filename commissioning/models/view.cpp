@@ -9,6 +9,7 @@
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
+#include "commissioning/models/effect_words.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -54,10 +55,10 @@ std::string bar(double um, double largest) {
 constexpr std::string_view kLadderRow =
     "{step:>4}  {effect} {rms_um:>9} {peak_um:>9} {noise_um:>9} {held_out_rms_um:>9}\n";
 
-AnswerFields fields_of(const LadderStep& step, std::size_t number) {
+AnswerFields fields_of(const model::Model& model, const LadderStep& step, std::size_t number) {
+  const std::string name = step.effect.empty() ? "(the model as it began)" : name_with_alternatives(model, step.effect);
   return {{"step", shown_cell(fmt::format("{}", number))},
-          {"effect",
-           {text_or_null(step.effect), padded(step.effect.empty() ? "(the model as it began)" : step.effect, 34)}},
+          {"effect", {text_or_null(step.effect), padded(name, 34)}},
           {"data", text_cell(step.data)},
           {"rms_before_um", number_cell(step.rms_before_um, 3)},
           {"rms_um", number_cell(step.rms_um, 3)},
@@ -120,7 +121,8 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
   return rows.size() > most ? text + fmt::format(" and {} more", rows.size() - most) : text;
 }
 
-Cell ladder_cell(const std::vector<LadderStep>& history) {
+Cell ladder_cell(const model::Model& model) {
+  const std::vector<LadderStep>& history = model.history;
   if (history.empty()) return {Json::array(), "no step was taken yet: `ecs model add` takes one\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
                                          "rms [um]", "peak", "noise", "held-out")};
@@ -130,7 +132,7 @@ Cell ladder_cell(const std::vector<LadderStep>& history) {
     ladder.text += fmt::format("{:>4}  {} {:>9.3f} {:>9} {:>9} {:>9}\n", 0, padded("(before)", 34), first.rms_before_um,
                                "-", "-", "-");
   for (std::size_t i = 0; i < history.size(); ++i)
-    ladder.add(record_cell(kLadderRow, fields_of(history[i], before + i)));
+    ladder.add(record_cell(kLadderRow, fields_of(model, history[i], before + i)));
   const bool same =
       std::all_of(history.begin(), history.end(), [&](const LadderStep& one) { return one.data == first.data; });
   if (same) ladder.text += paragraph("fitted to " + first.data, 6, 8);
@@ -138,7 +140,6 @@ Cell ladder_cell(const std::vector<LadderStep>& history) {
     ladder.text += paragraph(fmt::format("step {} fitted to {}", before + i, history[i].data), 6, 8);
   return ladder;
 }
-std::string ladder_text(const std::vector<LadderStep>& history) { return ladder_cell(history).text; }
 
 std::string notes_text(const std::vector<std::string>& notes) {
   std::string text;

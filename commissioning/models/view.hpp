@@ -41,8 +41,7 @@ struct ShapePoint {
 [[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);
 
 /// The ladder: step, effect, rms, peak, noise floor, held-out rms; the file of each step where they differ.
-[[nodiscard]] Cell ladder_cell(const std::vector<model::LadderStep>& history);
-[[nodiscard]] std::string ladder_text(const std::vector<model::LadderStep>& history);
+[[nodiscard]] Cell ladder_cell(const model::Model& model);
 
 /// Paragraphs "note: …".
 [[nodiscard]] std::string notes_text(const std::vector<std::string>& notes);

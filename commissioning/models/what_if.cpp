@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/paragraph.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 
@@ -39,10 +40,11 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
 Cell effects_cell(const WhatIfAnswer& answer) {
   Cell effects{Json::array(), fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by")};
   for (const model::WhatIf::Share& share : answer.what.shares) {
-    const AnswerFields fields{{"effect", {share.effect, padded(share.effect, 34)}},
-                              {"rms_um", number_cell(share.rms_um, 3)},
-                              {"carried", yes_cell(share.carried, "", "NOT CARRIED: ")},
-                              {"how", word_cell(share.how)}};
+    const AnswerFields fields{
+        {"effect", {share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)}},
+        {"rms_um", number_cell(share.rms_um, 3)},
+        {"carried", yes_cell(share.carried, "", "NOT CARRIED: ")},
+        {"how", word_cell(share.how)}};
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
   }
@@ -113,7 +115,7 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   const auto what = model::what_if(work.model, work.data);
   if (!what) return tl::unexpected(in_file(what.error(), model_file));
   return WhatIfAnswer{*what, after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{}),
-                      *again, notes_on(work, *again)};
+                      *again, notes_on(work, *again), work.model};
 }
 
 Cell what_if_cell(const WhatIfAnswer& answer) {

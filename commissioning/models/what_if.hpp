@@ -26,6 +26,7 @@ struct WhatIfAnswer {
   std::vector<AfterDirection> directions;
   std::optional<Achieved> achieved;
   std::vector<std::string> notes;
+  model::Model model;  ///< that was asked about
 };
 
 /// @param model_file  as problems name it

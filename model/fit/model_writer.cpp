@@ -55,8 +55,13 @@ std::string user_text(const EffectInstance& effect) {
   return text + fmt::format("parameters = {{ {} }}\n", fmt::join(parameters, ", "));
 }
 
+/// A comment, so that programs that know no alternatives read the file as well; model_file.cpp reads it.
+constexpr std::string_view kAlternatives = "# or";
+
 std::string effect_text(const EffectInstance& effect, std::string_view table) {
-  std::string text = fmt::format("\n[[{}]]\nid = \"{}\"\n", table, name_of(effect.id));
+  std::string text = fmt::format("\n[[{}]]\n", table);
+  if (!effect.is_user() && !effect.name.empty()) text += fmt::format("{} {}\n", kAlternatives, effect.name);
+  text += fmt::format("id = \"{}\"\n", name_of(effect.id));
   if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
   const auto word = [&](std::string_view key, std::string_view value) {
     if (!value.empty()) text += fmt::format("{} = \"{}\"\n", key, value);

@@ -203,9 +203,10 @@ class Liar(UploadRun):
         self.prepare("small2", "small1", "zeros")
         got = str(self.place.dir / "got")
         verbs = (["utility", "status"], ["utility", "status", "--json"], ["monitor", "--count", "3", "--interval", "50"],
-                 ["map", "receive", "-o", got + ".csv"], ["map", "show", "--unit"],
+                 ["map", "receive", "-o", got + ".csv", "--force"], ["map", "show", "--unit"],
                  ["map", "verify", str(self.maps.path("small2"))], ["params", "show", "--unit"],
-                 ["params", "receive", "-o", got + ".toml"], ["memory", "dump", "-o", got + ".dump"],
+                 ["params", "receive", "-o", got + ".toml", "--force"],
+                 ["memory", "dump", "-o", got + ".dump", "--force"],
                  ["memory", "show", "--unit"], ["memory", "read", "0x100000", "64"], ["doctor"],
                  self.maps.send("small1"), ["params", "send", self.maps.parameters],
                  ["utility", "run", "0x041000", "--yes"], ["utility", "ramtest"], ["utility", "clear"],

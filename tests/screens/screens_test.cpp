@@ -124,6 +124,14 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   CHECK(contains(picture(screen), "looking for what is missing"));
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "screw pitch, grating pitch"));
+  CHECK(contains(picture(screen), "check at the machine"));
+  (void)press(screen, Key::Name::enter);
+  CHECK(reads(picture(screen), "held out"));
+  CHECK(reads(picture(screen), ": holds"));
+  (void)press(screen, Key::Name::escape);
+  CHECK(contains(picture(screen), "> cyclic:X:EX"));
   (void)letter(screen, 'a');
   finish(screen);
   const std::string ladder = picture(screen);

@@ -34,16 +34,16 @@ std::string completed_effect(const std::string& typed) {
 ModelScreen::ModelScreen(std::unique_ptr<ModelController> controller)
     : controller_(std::move(controller)), draft_(controller_->draft()) {}
 
-/// All runs, then one after the other.
+/// Means, one run after the other, all readings.
 void ModelScreen::next_run() {
   const auto& runs = controller_->runs();
-  const auto at = run_ ? std::find(runs.begin(), runs.end(), *run_) : runs.end();
-  if (!run_ && runs.size() > 1)
-    run_ = runs.front();
-  else if (at == runs.end() || at + 1 == runs.end())
-    run_.reset();
-  else
-    run_ = *(at + 1);
+  if (!shown_.run) {
+    shown_ = {shown_.means && runs.size() > 1 ? std::optional(runs.front()) : std::nullopt, !shown_.means};
+    return;
+  }
+  const auto at = std::find(runs.begin(), runs.end(), *shown_.run);
+  shown_ =
+      at == runs.end() || at + 1 == runs.end() ? ShownReadings{std::nullopt, false} : ShownReadings{*(at + 1), false};
 }
 
 void ModelScreen::turn_page(int by) {
@@ -57,12 +57,18 @@ bool ModelScreen::on_curve_key(const Key& key) {
   if (key.name == Key::Name::down || key.name == Key::Name::up) {
     line_ = (line_ + (key.name == Key::Name::down ? 1 : count - 1)) % count;
     view_ = {};
+    residual_ = 0;
     return true;
   }
   if (is_letter(key, U'r')) {
     next_run();
     return true;
   }
+  if (is_letter(key, U'v')) {
+    residual_ = (residual_ + 1) % curves().residual.size();
+    return true;
+  }
+  if (is_letter(key, U'0')) widest_.clear();
   return on_chart_key(key, curves().measured, view_);
 }
 
@@ -146,6 +152,47 @@ bool ModelScreen::on_investigation_key(const Key& key) {
   return true;
 }
 
+std::size_t ModelScreen::chosen_cause() const {
+  const int count = static_cast<int>(controller_->diagnosis()->candidates.size());
+  return static_cast<std::size_t>(std::clamp(cause_.selected, 0, std::max(0, count - 1)));
+}
+
+/// The list, and on Enter what is known of a row.
+bool ModelScreen::on_causes_key(const Key& key) {
+  const int count = controller_->diagnosis() ? static_cast<int>(controller_->diagnosis()->candidates.size()) : 0;
+  if (count == 0) return false;
+  if (key.name == Key::Name::enter) {
+    opened_ = opened_ == Opened::details ? Opened::evidence : Opened::details;
+    scroll_ = {};
+    return true;
+  }
+  if (opened_ != Opened::list) return false;
+  const auto clicked = cause_.clicked(key);
+  if (clicked && *clicked < count) cause_.selected = *clicked;
+  return clicked || cause_.on_key(key, count);
+}
+
+/// One of several that these data cannot tell apart is added only after a question.
+void ModelScreen::add_chosen() {
+  const std::size_t chosen = chosen_cause();
+  const auto add = [this, chosen] {
+    page_ = Page::ladder;
+    scroll_ = {};
+    residual_ = 0;  // along the line, where the error is seen to fall
+    controller_->start_adding(chosen);
+  };
+  const auto& candidates = controller_->diagnosis()->candidates;
+  if (candidates.empty() || candidates[chosen].rivals.empty()) return add();
+  std::vector<std::string> rivals;
+  for (const model::EffectInstance& rival : candidates[chosen].rivals) rivals.push_back(place_text(rival));
+  asking_.ask({fmt::format("Add {}?", place_text(candidates[chosen].effect)),
+               fmt::format("These data cannot tell it from {}. It is added with \"(or {})\" in model, map and report, "
+                           "until a measurement decides. {}",
+                           fmt::join(rivals, ", "), fmt::join(rivals, ", "), candidates[chosen].next_measurement),
+               "add it", "not now"},
+              add);
+}
+
 /// The model's file is named in the map, so it must hold what is shown.
 void ModelScreen::begin_map() {
   const auto ask = [this] {
@@ -197,8 +244,14 @@ bool ModelScreen::advance() {
 
 bool ModelScreen::on_ladder_key(const Key& key) {
   const int count = static_cast<int>(controller_->model().effects.size());
+  const auto chosen = static_cast<std::size_t>(std::clamp(effect_.selected, 0, count - 1));
+  const model::EffectInstance& effect = controller_->model().effects[chosen];
   if (is_letter(key, U'x') || key.name == Key::Name::erase)
-    controller_->start_removing(static_cast<std::size_t>(std::clamp(effect_.selected, 0, count - 1)));
+    controller_->start_removing(chosen);
+  else if (key.name == Key::Name::enter && !effect.is_user() && !effect.name.empty())
+    asking_.ask({fmt::format("Is it decided that it is {}?", place_text(effect)),
+                 fmt::format("Until now it could be {} as well.", effect.name), "decided", "still open"},
+                [this, chosen] { controller_->decide(chosen); });
   else
     return effect_.on_key(key, count);
   return true;
@@ -241,6 +294,11 @@ Step ModelScreen::on_key(const Key& key) {
     on_asked(key);
     return stay();
   }
+  if (key.name == Key::Name::escape && page_ == Page::causes && opened_ != Opened::list && !controller_->busy()) {
+    opened_ = Opened::list;
+    scroll_ = {};
+    return stay();
+  }
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
     if (controller_->busy()) {
       controller_->cancel();
@@ -262,10 +320,10 @@ Step ModelScreen::on_key(const Key& key) {
   if (is_letter(key, U'd')) {
     page_ = Page::causes;
     cause_ = {};
+    opened_ = Opened::list;
     controller_->start_diagnosis();
   } else if (is_letter(key, U'a') && controller_->diagnosis()) {
-    page_ = Page::ladder;
-    controller_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
+    add_chosen();
   } else if (is_letter(key, U'u')) {
     controller_->undo();
   } else if (is_letter(key, U'y')) {
@@ -283,11 +341,7 @@ Step ModelScreen::on_key(const Key& key) {
   } else if (page_ == Page::ladder) {
     if (!on_ladder_key(key)) (void)scroll_.on_key(key);
   } else if (page_ == Page::causes) {
-    const int count = controller_->diagnosis() ? static_cast<int>(controller_->diagnosis()->candidates.size()) : 0;
-    if (const auto clicked = cause_.clicked(key); clicked && *clicked < count)
-      cause_.selected = *clicked;
-    else if (!cause_.on_key(key, count) || count == 0)
-      (void)scroll_.on_key(key);
+    if (!on_causes_key(key)) (void)scroll_.on_key(key);
   } else {
     (void)scroll_.on_key(key);
   }
@@ -299,13 +353,15 @@ std::vector<KeyHelp> ModelScreen::keys() const {
   if (asked_) return {{"Enter", "go on"}, {"Tab", "complete"}, {"Esc", "leave it"}};
   std::vector<KeyHelp> keys;
   if (page_ == Page::curves)
-    keys = {{"d", "diagnose"},        {"Tab", "page"},   {"up/down", "line"},
-            {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"r", "run"}};
+    keys = {{"d", "diagnose"}, {"Tab", "page"},          {"up/down", "line"}, {"v", "residual against"},
+            {"r", "runs"},     {"left/right", "cursor"}, {"+ - 0", "zoom"}};
   else if (page_ == Page::after)
     keys = {{"w", "what if"},        {"m", "map"},   {"t", "to the unit"}, {"c", "compensation"},
             {"o", "measured again"}, {"Tab", "page"}};
+  else if (page_ == Page::causes && opened_ == Opened::list)
+    keys = {{"Enter", "details"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
   else if (page_ == Page::causes)
-    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
+    keys = {{"Enter", opened_ == Opened::details ? "evidence" : "details"}, {"Esc", "back to the list"}};
   else if (page_ == Page::next)
     keys = {{"i", "investigate"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}};
   else if (page_ == Page::ladder)
@@ -328,12 +384,15 @@ std::string ModelScreen::help() const {
   return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
-         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise, and the "
+         "exclude; a adds the one under the cursor, Enter explains it and gives the evidence; the Ladder shows how far "
+         "the error fell towards the noise, and the "
          "effects of the model, of which x removes one. n adds an effect by its name, as in cyclic:X:EX. u takes the "
          "last change back, y does it again. After tells what compensation would leave (w), builds the map (m), sends "
          "it to the unit after the same checks and question as PROCESS LASER DATA (t), switches the unit to "
          "compensation (c) and shows what it left when measured again (o). r "
-         "shows one run after the other. On the page Next i investigates: a workshop is asked for one run after the "
+         "shows the means of the targets, one run after the other, then all readings; v shows what is left over each "
+         "period of the model, by run and against the sensors. The scale of what is left stays when an effect is "
+         "added, 0 lets it go. On the page Next i investigates: a workshop is asked for one run after the "
          "other "
          "until one cause is left; the ledger shows minutes, error and the causes still possible. Esc stops it, i goes "
          "on where it was, f writes the model with what was found.";

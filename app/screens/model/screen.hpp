@@ -2,10 +2,13 @@
 // fall.
 #pragma once
 
+#include <map>
+
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/model_session/controller.hpp"
+#include "commissioning/models/plots.hpp"
 
 namespace ecs::app {
 
@@ -36,9 +39,9 @@ class ModelScreen final : public Screen {
   struct Curves {
     int generation = -1;
     int line = -1;
-    std::optional<int> run;
+    ShownReadings shown;
     PlotPanel measured;
-    PlotPanel residual;
+    std::vector<PlotPanel> residual;  ///< along the line, then over periods and against other variables
   };
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
@@ -55,14 +58,18 @@ class ModelScreen final : public Screen {
   [[nodiscard]] bool on_curve_key(const Key& key);
   void turn_page(int by);
   [[nodiscard]] const Curves& curves() const;
+  [[nodiscard]] ChartView residual_view() const;
   [[nodiscard]] Step on_question(const Key& key);
   void on_asked(const Key& key);
   void on_answer(const Asked& asked);
   [[nodiscard]] bool on_after_key(const Key& key);
   [[nodiscard]] bool on_ladder_key(const Key& key);
+  [[nodiscard]] bool on_causes_key(const Key& key);
+  void add_chosen();
   void begin_map();
   void write_map(const std::string& zero_reason);
   [[nodiscard]] std::vector<std::string> after_lines(int columns) const;
+  [[nodiscard]] std::size_t chosen_cause() const;
   [[nodiscard]] bool on_investigation_key(const Key& key);
   void next_run();
 
@@ -71,8 +78,11 @@ class ModelScreen final : public Screen {
   int line_ = 0;
   ChartView view_;
   ListPlace cause_;
+  enum class Opened { list, details, evidence } opened_ = Opened::list;  ///< of the cause chosen
   ScrollPlace scroll_;
-  std::optional<int> run_;  ///< absent: all runs
+  ShownReadings shown_;
+  std::size_t residual_ = 0;                 ///< which panel of the residual
+  mutable std::map<int, PlotRange> widest_;  ///< of the residual of each line: its scale stays when it falls
   mutable Curves curves_;
   std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
   bool leaving_ = false;        ///< asked whether the model may stay unsaved

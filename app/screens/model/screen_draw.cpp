@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "commissioning/investigation/ledger.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "laser/map/error_map.hpp"
@@ -29,13 +30,28 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
                                                                     candidate.rivals.size() == 1 ? "" : "s");
   return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} % {:>8}  {}",
                       in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
-                      100.0 * candidate.explainable_share, chance_text(candidate, diagnosis), rivals),
+                      100.0 * candidate.explained, chance_text(candidate, diagnosis), rivals),
           candidate.named ? Tone::strong : Tone::plain};
 }
 
-std::string rung_text(const model::LadderStep& step) {
+std::string rung_text(const model::Model& model, const model::LadderStep& step) {
   if (step.effect.empty()) return "start";
-  return step.effect.starts_with("without ") ? step.effect : "+ " + step.effect;
+  return step.effect.starts_with("without ") ? step.effect : "+ " + name_with_alternatives(model, step.effect);
+}
+
+/// "cause             lost motion in the drive", the text in a column of its own.
+std::vector<std::string> fact_lines(const std::vector<EffectFact>& facts, int columns) {
+  int labels = 0;
+  for (const EffectFact& fact : facts) labels = std::max(labels, width_of(fact.label) + 2);
+  std::vector<std::string> lines;
+  for (const EffectFact& fact : facts) {
+    std::string label = fact.label;
+    for (const std::string& line : wrapped(fact.text, std::max(10, columns - labels - 1))) {
+      lines.push_back(in_columns(label, labels) + line);
+      label.clear();
+    }
+  }
+  return lines;
 }
 
 /// A bar of `value` on a scale that ends at `most`.
@@ -143,18 +159,41 @@ void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
   const Curves& shown = curves();
   const int upper = std::max(8, area.rows * 3 / 5);
   draw_chart(canvas, area.top(upper), shown.measured, view_);
-  if (area.rows - upper >= 6) draw_chart(canvas, area.below(upper), shown.residual, view_);
+  if (area.rows - upper >= 6) {
+    const std::size_t which = std::min(residual_, shown.residual.size() - 1);
+    draw_chart(canvas, area.below(upper), shown.residual[which], which == 0 ? residual_view() : ChartView{});
+  }
   canvas.text_right({area.row + upper, area.column, 1, area.columns - 8}, 0,
                     fmt::format("line {} of {}", line_ + 1, controller_->lines().size()), Tone::faint);
 }
 
 const ModelScreen::Curves& ModelScreen::curves() const {
-  if (curves_.generation == controller_->generation() && curves_.line == line_ && curves_.run == run_) return curves_;
+  if (curves_.generation == controller_->generation() && curves_.line == line_ && curves_.shown == shown_)
+    return curves_;
   const MeasuredLine& line = controller_->lines()[static_cast<std::size_t>(line_)];
-  curves_ = {controller_->generation(), line_, run_,
-             measured_panel(controller_->data(), controller_->fit(), line, run_),
-             residual_panel(controller_->data(), controller_->fit(), line, run_)};
+  const model::Observations& data = controller_->data();
+  const model::Fit& fit = controller_->fit();
+  curves_ = {controller_->generation(),
+             line_,
+             shown_,
+             measured_panel(data, fit, line, shown_),
+             {residual_panel(data, fit, line, shown_)}};
+  for (PlotPanel& panel : residual_panels_of_variables(data, fit, line)) curves_.residual.push_back(std::move(panel));
   return curves_;
+}
+
+/// As the curves above it, but on the widest scale since the line was first seen: that the error falls is seen. 0 lets
+/// the scale go.
+ChartView ModelScreen::residual_view() const {
+  PlotRange& widest = widest_[line_];
+  for (const PlotSeries& series : curves().residual.front().series)
+    for (const PlotPoint& point : series.points) widest.take(point.y);
+  ChartView view = view_;
+  if (widest.width() > 0.0 && !view.y_from) {
+    view.y_from = widest.from;
+    view.y_to = widest.to;
+  }
+  return view;
 }
 
 void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
@@ -167,6 +206,15 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     return;
   }
   const model::Diagnosis& d = *controller_->diagnosis();
+  if (opened_ != Opened::list && !d.candidates.empty()) {
+    const model::Candidate& opened = d.candidates[chosen_cause()];
+    const bool details = opened_ == Opened::details;
+    canvas.text(text, 0, 0, fmt::format("{}: {}", place_text(opened.effect), details ? "details" : "evidence"),
+                Tone::strong);
+    draw_scrolled(canvas, text.below(2),
+                  fact_lines(details ? details_of(opened) : evidence_of(opened, d), text.columns), scroll_);
+    return;
+  }
   const Tone tone = d.verdict == model::Verdict::adequate && d.reservation.empty() ? Tone::good : Tone::warning;
   int row = canvas.paragraph(text, 0, d.headline, tone);
   if (d.candidates.empty()) {
@@ -185,8 +233,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
   draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
   row += list_rows + 1;
-  const auto chosen = static_cast<std::size_t>(std::clamp(cause_.selected, 0, static_cast<int>(rows.size()) - 1));
-  const model::Candidate& candidate = d.candidates[chosen];
+  const model::Candidate& candidate = d.candidates[chosen_cause()];
   const Area detail{text.row + row, text.column, text.rows - row, text.columns};
   int at = canvas.paragraph(detail, 0, candidate.because);
   at += canvas.paragraph(detail, at, parameters_text(candidate.parameters), Tone::strong);
@@ -204,7 +251,7 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   std::vector<std::pair<std::string, double>> rungs;
   if (history.empty()) rungs.emplace_back("the model as it is", controller_->fit().rms_um);
   if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
-  for (const model::LadderStep& step : history) rungs.emplace_back(rung_text(step), step.rms_um);
+  for (const model::LadderStep& step : history) rungs.emplace_back(rung_text(controller_->model(), step), step.rms_um);
   double most = controller_->fit().rms_um;
   for (const auto& [name, rms_um] : rungs) most = std::max(most, rms_um);
 
@@ -224,9 +271,13 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
     rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
   rung("noise of one reading", controller_->fit().noise.noise_um, Tone::faint, Tone::faint);
   const Area below = area.below(row + 1);
+  int widest = 12;
+  for (const model::EffectFit& effect : controller_->fit().effects)
+    widest = std::max(widest, width_of(name_with_alternatives(effect.effect)));
+  widest = std::min(widest, below.columns / 2);
   std::vector<ListRow> effects;
   for (const model::EffectFit& effect : controller_->fit().effects)
-    effects.push_back({fmt::format("{}  {}", in_columns(place_text(effect.effect), std::min(30, below.columns / 3)),
+    effects.push_back({fmt::format("{}  {}", in_columns(name_with_alternatives(effect.effect), widest),
                                    parameters_text(effect.parameters)),
                        Tone::plain});
   canvas.text(below.between_margins(), 0, 1, "effects of the model and their values; x removes one", Tone::faint);

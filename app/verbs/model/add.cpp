@@ -18,7 +18,7 @@ struct AddArguments : VerbArguments {
   const std::string& effect = text(
       "EFFECT", "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required);
   const std::vector<std::string>& data = texts("--data", "measurement files to fit to", Need::required);
-  const std::string& output = text("-o,--output", "the model with the effect; may be MODEL itself");
+  const std::string& output = output_file("-o,--output", "the model with the effect; may be MODEL itself");
   const std::string& approach = choice("--approach", {"both", "forward", "reverse"}, "on which approach it acts");
   const std::string& sensor = text("--sensor", "column of the sensor that it follows");
   const std::string& sensor2 = text("--sensor2", "column of the second sensor, where it follows the difference of two");
@@ -64,7 +64,7 @@ Cell added_cell(const model::Added& added, const std::string& output) {
                       {"peak_um", {number_or_null(added.step.peak_um), ""}},
                       {"held_out_rms_um", {number_or_null(added.step.held_out_rms_um), ""}},
                       {"effect", {std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)}},
-                      {"history", ladder_cell(added.model.history)},
+                      {"history", ladder_cell(added.model)},
                       {"model", output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
                                                : Cell{output, "model written to " + output}}});
 }
@@ -72,19 +72,23 @@ Cell added_cell(const model::Added& added, const std::string& output) {
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   const auto request = request_of(arguments);
   if (!request) return tl::unexpected(request.error());
+  std::vector<std::string> inputs = arguments.data;
+  inputs.push_back(arguments.machine);
+  if (const auto distinct = check_output_not_input(arguments.output, inputs); !distinct)
+    return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, {}});
   if (!work) return tl::unexpected(with_hint(work.error()));
   const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.model));
   if (!arguments.output.empty())
-    if (const auto kept = keep_model(arguments.output, added->model, arguments.model); !kept)
+    if (const auto kept = model::write_model(arguments.output, added->model, arguments.model); !kept)
       return tl::unexpected(kept.error());
   return outcome_of(added_cell(*added, arguments.output));
 }
 
 struct UndoArguments : VerbArguments {
   const std::string& model = text("MODEL", "model file (.toml)", Need::required);
-  const std::string& output = text("-o,--output", "the model to write; MODEL itself if not given");
+  const std::string& output = output_file("-o,--output", "the model to write; MODEL itself if not given");
   const std::string& machine = text("--machine", kMachineHelp);
 };
 
@@ -103,11 +107,12 @@ Result<Outcome> undo(VerbContext&, const UndoArguments& arguments) {
   const auto before = model::undo(*model);
   if (!before) return tl::unexpected(before.error());
   const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
-  if (const auto kept = keep_model(output, *before, arguments.model); !kept) return tl::unexpected(kept.error());
+  if (const auto kept = model::write_model(output, *before, arguments.model); !kept)
+    return tl::unexpected(kept.error());
   const std::string taken = model->history.back().effect;
-  return outcome_of(record_cell(
-      "taken back: {undone}\n\n{history}model written to {model}\n",
-      {{"undone", word_cell(taken)}, {"history", ladder_cell(before->history)}, {"model", word_cell(output)}}));
+  return outcome_of(
+      record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
+                  {{"undone", word_cell(taken)}, {"history", ladder_cell(*before)}, {"model", word_cell(output)}}));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // `ecs model effects`: the effect library, or one effect explained.
 
+#include <map>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,28 +9,15 @@
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
 
-using model::Carrier;
 using model::EffectDefinition;
 using model::ParameterDefinition;
-
-std::string_view word_for(Carrier carrier) {
-  switch (carrier) {
-    case Carrier::error_map:
-      return "error map";
-    case Carrier::parameters:
-      return "parameters";
-    case Carrier::set_up:
-      return "put it right";
-    default:
-      return "no";
-  }
-}
 
 Cell parameter_cell(const ParameterDefinition& parameter) {
   const auto& limits = parameter.limits;
@@ -43,24 +32,24 @@ Cell parameter_cell(const ParameterDefinition& parameter) {
           paragraph(laid_out("parameter:    {name}{unit}: {meaning}{least}{greatest}{searched}", fields), 2, 16)};
 }
 
-Cell explained(std::string_view value, std::string_view begin) {
-  return {value, paragraph(fmt::format("{}{}", begin, value), 2, 16)};
-}
+std::string label_before(std::string_view label) { return fmt::format("{:<14}", fmt::format("{}: ", label)); }
 
 AnswerFields fields_of(const EffectDefinition& effect) {
   Cell parameters = list_cell(effect.parameters, parameter_cell);
-  const std::string_view carrier = word_for(effect.carrier);
+  std::map<std::string, std::string> facts;
+  for (const commissioning::EffectFact& fact : commissioning::facts_of(effect))
+    facts[fact.label] = paragraph(label_before(fact.label) + fact.text, 2, 16);
   return {{"effect", word_cell(effect.id)},
           {"title", word_cell(effect.title)},
-          {"formula", explained(effect.formula, "formula:      ")},
-          {"cause", explained(effect.cause, "cause:        ")},
-          {"tells_apart", explained(effect.tells_apart, "distinguished by: ")},
+          {"formula", {effect.formula, facts["formula"]}},
+          {"cause", {effect.cause, facts["cause"]}},
+          {"tells_apart", {effect.tells_apart, facts["distinguished by"]}},
           {"parameters", std::move(parameters)},
           {"of_approach", yes_cell(effect.traits.of_approach,
                                    "  acts only on readings of known approach of its own moving axis\n", "")},
-          {"carrier", word_cell(carrier)},
+          {"carrier", word_cell(commissioning::carrier_text(effect.carrier))},
           {"compensated", {effect.is_carried(), ""}},
-          {"how", {effect.how, paragraph(fmt::format("compensated:  {}; {}", carrier, effect.how), 2, 16)}}};
+          {"how", {effect.how, facts["compensated"]}}};
 }
 
 Result<Outcome> one_effect(const std::string& name) {
@@ -85,8 +74,8 @@ Result<Outcome> effects(VerbContext&, const EffectsArguments& arguments) {
   if (!arguments.name.empty()) return one_effect(arguments.name);
   Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
   for (const EffectDefinition& effect : model::effect_library())
-    all.add({object_of(fields_of(effect)),
-             fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula, word_for(effect.carrier))});
+    all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
+                                                       commissioning::carrier_text(effect.carrier))});
   return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {{"effects", std::move(all)}}));
 }
 

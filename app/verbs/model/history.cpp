@@ -12,14 +12,14 @@ namespace {
 
 struct HistoryArguments : VerbArguments {
   const std::string& model = text("MODEL", "model file (.toml)", Need::required);
-  const std::string& plot = text("--plot", "bars falling towards the noise, as .svg or .png");
+  const std::string& plot = output_file("--plot", "bars falling towards the noise, as .svg or .png");
   const std::string& machine = text("--machine", kMachineHelp);
 };
 
 Result<Outcome> history(VerbContext&, const HistoryArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  Cell ladder = ladder_cell(model->history);
+  Cell ladder = ladder_cell(*model);
   if (!arguments.plot.empty()) {
     if (const auto drawn = write_plot(arguments.plot, ladder_figure(model->history, "Error after every step")); !drawn)
       return tl::unexpected(drawn.error());

@@ -138,5 +138,34 @@ TEST_CASE("a model that needs nothing keeps its fitted values") {
   CHECK(contains(ecs::read_file(mill.files.model).value(), "fitted"));
 }
 
+TEST_CASE("the residual is shown over runs on a key, and its scale stays when the error falls") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  ModelScreen screen = mill.screen(kNoUnit);
+  CHECK(contains(picture(screen), "means: measured (dots)"));
+  (void)letter(screen, 'r');
+  CHECK(contains(picture(screen), "run 1: measured (dots)"));
+  (void)letter(screen, 'v');
+  CHECK(contains(picture(screen), "what the model leaves, against run"));
+}
+
+TEST_CASE("what these data cannot tell apart stays open in the model file until it is decided") {
+  const StateFolder folder;
+  MillModel mill(folder);
+  mill.files.model =
+      folder.with("tied.toml", "[[effect]]\n# or servo_lag:X:EX\nid = \"backlash\"\naxis = \"X\"\nsense = \"EX\"\n" +
+                                   std::string(kScaleOfX));
+  ModelScreen screen = mill.screen(kNoUnit);
+  (void)letter(screen, '4');
+  CHECK(contains(picture(screen), "backlash:X:EX (or servo_lag:X:EX)"));
+  (void)letter(screen, 's');
+  CHECK(contains(ecs::read_file(mill.files.model).value(), "# or servo_lag:X:EX"));
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "Is it decided that it is backlash:X:EX?"));
+  (void)letter(screen, 'y');
+  (void)letter(screen, 's');
+  CHECK_FALSE(contains(ecs::read_file(mill.files.model).value(), "servo_lag"));
+}
+
 }  // namespace
 }  // namespace ecs::app

@@ -1,0 +1,114 @@
+#include "commissioning/models/effect_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "model/diagnosis/words.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr double kEnoughSigmas = 3.0;     ///< of a value that is told from nothing
+constexpr double kProvingEValue = 100.0;  ///< as the verdict asks
+
+std::string judged(const std::string& text, bool holds) {
+  return fmt::format("{}: {}", text, holds ? "holds" : "fails");
+}
+
+std::vector<std::string> places_of(const std::vector<model::EffectInstance>& effects) {
+  std::vector<std::string> places;
+  for (const model::EffectInstance& effect : effects) places.push_back(place_text(effect));
+  return places;
+}
+
+std::string parameter_evidence(const model::ParameterEstimate& one) {
+  if (!one.sigma || *one.sigma <= 0.0 || one.held) return {};
+  return judged(value_text(one), std::abs(one.value) > kEnoughSigmas * *one.sigma);
+}
+
+}  // namespace
+
+std::string_view carrier_text(model::Carrier carrier) {
+  switch (carrier) {
+    case model::Carrier::error_map:
+      return "error map";
+    case model::Carrier::parameters:
+      return "parameters";
+    case model::Carrier::set_up:
+      return "put it right";
+    case model::Carrier::none:
+      break;
+  }
+  return "no";
+}
+
+std::vector<EffectFact> facts_of(const model::EffectDefinition& effect) {
+  return {{"formula", std::string(effect.formula)},
+          {"cause", std::string(effect.cause)},
+          {"distinguished by", std::string(effect.tells_apart)},
+          {"compensated", fmt::format("{}; {}", carrier_text(effect.carrier), effect.how)}};
+}
+
+std::vector<EffectFact> details_of(const model::Candidate& candidate) {
+  const model::EffectDefinition& definition = candidate.effect.definition();
+  std::vector<EffectFact> facts{{"effect", fmt::format("{} ({})", definition.title, place_text(candidate.effect))}};
+  for (EffectFact& fact : facts_of(definition)) facts.push_back(std::move(fact));
+  facts.push_back({"values", parameters_text(candidate.parameters)});
+  const auto rivals = places_of(candidate.rivals);
+  facts.push_back({"could also be", rivals.empty() ? "nothing else of the library fits these data as well"
+                                                   : fmt::format("{}", fmt::join(rivals, ", "))});
+  if (!candidate.next_measurement.empty()) facts.push_back({"check at the machine", candidate.next_measurement});
+  return facts;
+}
+
+std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis) {
+  std::vector<EffectFact> facts;
+  facts.push_back({"model as it is", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
+  if (candidate.named && diagnosis.lack_of_fit_after)
+    facts.push_back({"with what is named", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
+  facts.push_back(
+      {"residual", fmt::format("{:.3f} -> {:.3f} um rms, {:.1f} % explained; noise {:.3f} um", diagnosis.rms_um,
+                               candidate.rms_after_um, 100.0 * candidate.explained, diagnosis.noise.noise_um)});
+  if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
+    facts.push_back({"held out", judged(fmt::format("{:.3f} -> {:.3f} um on readings it was not fitted to",
+                                                    *candidate.held_out_rms_before_um, *candidate.held_out_rms_um),
+                                        *candidate.held_out_rms_um < *candidate.held_out_rms_before_um)});
+  if (model::explains_alone(candidate, diagnosis)) {
+    facts.push_back({"by chance", judged(fmt::format("{} of data sets of noise alone look as good",
+                                                     chance_text(candidate, diagnosis)),
+                                         candidate.false_naming <= 0.01)});
+    facts.push_back({"nominal test", judged(fmt::format("p = {:.1g}", candidate.p_value), candidate.p_value < 0.01)});
+  } else {
+    facts.push_back({"by chance", "it explains no more than noise would: fails"});
+  }
+  if (candidate.e_value)
+    facts.push_back({"e-value", judged(fmt::format("{:.3g}, {:g} is asked for", *candidate.e_value, kProvingEValue),
+                                       *candidate.e_value >= kProvingEValue)});
+  for (const model::ParameterEstimate& one : candidate.parameters)
+    if (std::string text = parameter_evidence(one); !text.empty()) facts.push_back({one.name, std::move(text)});
+  return facts;
+}
+
+std::string name_with_alternatives(const model::EffectInstance& effect) {
+  if (effect.is_user() || effect.name.empty()) return place_text(effect);
+  return fmt::format("{} (or {})", place_text(effect), effect.name);
+}
+
+std::string name_with_alternatives(const model::Model& model, const std::string& name) {
+  const auto found = std::find_if(model.effects.begin(), model.effects.end(),
+                                  [&](const model::EffectInstance& effect) { return to_text(effect) == name; });
+  return found == model.effects.end() || found->is_user() || found->name.empty() ? name
+                                                                                 : name_with_alternatives(*found);
+}
+
+void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives) {
+  effect.name = fmt::format("{}", fmt::join(places_of(alternatives), ", "));
+}
+
+}  // namespace ecs::commissioning

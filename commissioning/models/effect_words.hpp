@@ -1,0 +1,38 @@
+// What the library says of an effect, in words: the same in `ecs model effects ID`, on the MODEL screen and in the
+// report; and an effect of a model that its data could not tell from others.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "model/effects/definition.hpp"
+
+namespace ecs::commissioning {
+
+/// "error map", "parameters", "put it right", "no": what carries the compensation.
+[[nodiscard]] std::string_view carrier_text(model::Carrier carrier);
+
+/// "cause: lost motion in the drive"
+struct EffectFact {
+  std::string label;
+  std::string text;
+};
+/// Formula, cause, what distinguishes it, how it is compensated.
+[[nodiscard]] std::vector<EffectFact> facts_of(const model::EffectDefinition& effect);
+
+/// A candidate opened: its facts, its values, what else it could be, what to check at the machine.
+[[nodiscard]] std::vector<EffectFact> details_of(const model::Candidate& candidate);
+
+/// The numbers of the proof, each with the word "holds" or "fails".
+[[nodiscard]] std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
+
+/// "cyclic:X:EX (or servo_lag:X:EX)": with what the data could not tell it from when it was added.
+[[nodiscard]] std::string name_with_alternatives(const model::EffectInstance& effect);
+/// The same for an effect of `model` by its name, to_text(); a name that the model lacks stays as it is.
+[[nodiscard]] std::string name_with_alternatives(const model::Model& model, const std::string& name);
+/// Keeps the alternatives with the effect, in model files too. Empty: it is decided. @pre no effect of the user
+void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives);
+
+}  // namespace ecs::commissioning
