@@ -39,7 +39,8 @@ std::string reason_in(const CommandResult& result) {
 }
 
 Result<CommandResult> outcome_of(const Command& command, const CommandResult& result) {
-  switch (result.state) {
+  const bool forgotten = result.error == UnitError::session_unknown;
+  switch (forgotten ? CommandState::idle : result.state) {
     case CommandState::done:
       return result;
     case CommandState::refused:
@@ -100,7 +101,7 @@ Result<void> UnitClient::make_ready(Command& command) {
     const auto now = needs_arming(command.code) ? armed_session() : session_now();
     if (!now) return tl::unexpected(now.error());
     command.clock_ms = now->clock_ms;
-    command.stops = now->stops;
+    if (command.session == 0) command.stops = now->stops;  // given again, it still is overtaken by a stop of before
   }
   command.session = session_;
   command.sequence = ++sequence_;
@@ -115,9 +116,11 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     auto first = exchange(command);
     if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
     if (!first) return first;
-    if (first->error == UnitError::session_unknown) session_ = 0;
+    const bool unknown = first->error == UnitError::session_unknown;
+    if (unknown) session_ = 0;
     if (first->error == UnitError::not_armed) wants_code_ = true;
-    const bool not_taken = first->error == UnitError::session_unknown || first->error == UnitError::late;
+    // A session that was there just before: the unit has started, and may have carried the command out before that.
+    const bool not_taken = unknown ? !needs_arming(command.code) : first->error == UnitError::late;
     if (!not_taken || std::chrono::steady_clock::now() > until)
       return wait_for(command, std::move(*first), limit, busy);
   }

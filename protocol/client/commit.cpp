@@ -81,14 +81,15 @@ Result<void> UnitClient::same_unit() {
                                                 now->serial_number, serial_number_));
 }
 
-/// A commit was given and it was not answered with `done`: the unit itself says what became of it.
+/// A commit was given and it was not answered with `done`: the unit itself says what became of it. One that is still on
+/// its way does nothing after an abandon that the unit has answered, so "not taken" is what the status says after that.
 Result<std::uint32_t> UnitClient::settled(const UnitStatus& before, const SentImage& sent, Problem why,
                                           bool cancelled) {
-  const auto now = status_when_idle();
+  auto now = status_when_idle();
+  if (now && now->commit_sequence == before.commit_sequence) now = abandoned();
   const auto same = now ? same_unit() : Result<void>();
   const bool changed = now && now->commit_sequence != before.commit_sequence;
   const auto ours = changed ? holds(*now, sent) : Result<bool>(false);
-  if (now && same && !changed) static_cast<void>(abandon_staged());
   if (!now || !same || !ours)
     why.message += (same ? std::string() : "; " + same.error().message) + unknown_after(before);
   else if (!changed)

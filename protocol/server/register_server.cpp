@@ -108,6 +108,7 @@ tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
 
 tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
+    forget_hosts_of_another_start();
     if (!may_write(window_.session())) window_.refuse(UnitError::not_armed);
     if (!window_.take(values)) return tl::unexpected(ModbusException::illegal_value);
     return {};

@@ -35,12 +35,13 @@ class UnitModel : public UnitPort {
   std::vector<CommandCode> log;
   std::string serial_number = "ECS-0042";
   std::uint32_t samples = 0;
-  std::function<void()> on_commit;  ///< called before the commit is carried out
-  bool takes_commits = true;        ///< false: a commit fails
-  bool spoils_commits = false;      ///< another host changes the map as soon as it is active
-  int replies_to_lose = 0;          ///< carried out, but not answered
-  int replies_left = -1;            ///< after so many the unit is silent; -1: never
-  bool names_active_bank = false;   ///< as the one to write
+  std::function<void()> on_commit;   ///< called before the commit is carried out
+  std::function<void()> on_abandon;  ///< called before what is staged is abandoned
+  bool takes_commits = true;         ///< false: a commit fails
+  bool spoils_commits = false;       ///< another host changes the map as soon as it is active
+  int replies_to_lose = 0;           ///< carried out, but not answered
+  int replies_left = -1;             ///< after so many the unit is silent; -1: never
+  bool names_active_bank = false;    ///< as the one to write
   std::function<void()> after_commit;
   UnitClock unit_clock{1, 5'000};
   int foreign_echo = -1;  ///< the next monitor block carries it, as if another host had asked
@@ -114,6 +115,7 @@ class UnitModel : public UnitPort {
         }
         return done(names_active_bank ? address_of_active() : address_of_spare());
       case CommandCode::abandon_staged:
+        if (on_abandon) on_abandon();
         if (!staging) return refused(UnitError::no_staging);
         staging = false;
         return done();
@@ -138,6 +140,13 @@ class UnitModel : public UnitPort {
   [[nodiscard]] std::vector<std::uint8_t> active_image() const {
     const auto& bank = active == Bank::B ? bank_b : bank_a;
     return {bank.begin(), bank.begin() + image_length};
+  }
+  /// What is staged becomes the active image.
+  void switch_banks(std::uint32_t length) {
+    staging = false;
+    ++commits;
+    active = active == Bank::A ? Bank::B : Bank::A;
+    image_length = length;
   }
   void install(const std::vector<std::uint8_t>& image) {
     std::copy(image.begin(), image.end(), bank_a.begin());
@@ -167,10 +176,7 @@ class UnitModel : public UnitPort {
     auto& spare = active == Bank::A ? bank_b : bank_a;
     if (command.length > kSize || crc32_of(std::span(spare).first(command.length)) != command.crc)
       return refused(UnitError::check_mismatch);
-    staging = false;
-    ++commits;
-    active = active == Bank::A ? Bank::B : Bank::A;
-    image_length = command.length;
+    switch_banks(command.length);
     if (spoils_commits) spare.front() ^= 0xFF;
     if (after_commit) after_commit();
     return done(commits);

@@ -1,4 +1,5 @@
 // A map sent to a unit: whole or not at all, whatever the line does.
+#include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -364,6 +365,35 @@ TEST_CASE("a refused commit is never reported as done, whatever another host has
   const auto sent = unit.upload_image(ours);
   REQUIRE_FALSE(sent.has_value());
   CHECK(sent.error().message.find("another host has sent this very map") != std::string::npos);
+}
+
+TEST_CASE("a commit that arrives late, between the status and the abandon, is reported as done") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  shop.in_server([&](ModbusServer&, UnitModel& model) {
+    model.takes_commits = false;
+    model.on_abandon = [&model, length = static_cast<std::uint32_t>(image.size())] { model.switch_banks(length); };
+  });
+  auto unit = shop.client();
+  REQUIRE(unit.upload_image(image).has_value());
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); }) == image);
+}
+
+TEST_CASE("a commit that the unit carried out before it was restarted is not given again and counts as done") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    model.after_commit = [&model] {
+      model.replies_to_lose = 1;
+      ++model.unit_clock.starts;
+    };
+  });
+  auto unit = shop.client();
+  REQUIRE(unit.upload_image(image).has_value());
+  const auto log = shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; });
+  CHECK(std::count(log.begin(), log.end(), CommandCode::commit_staged) == 1);
 }
 
 TEST_CASE("a commit whose replies were lost while another host committed is not taken for ours") {

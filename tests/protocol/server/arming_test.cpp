@@ -67,6 +67,21 @@ TEST_CASE("memory takes no window, and no block of an open one, from a host that
   CHECK(model.bank_a[0] == 0);
 }
 
+TEST_CASE("a block that comes first after a start of the unit is of no armed host") {
+  UnitModel model;
+  RegisterServer server(model, kShownCode);
+  RegisterHost host(server);
+  (void)host.give(arming(host, kShownCode, 1));
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  const WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
+  REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
+  ++model.unit_clock.starts;
+  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
+  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
+  CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
+  CHECK(model.bank_a[0] == 0);
+}
+
 TEST_CASE("a host is armed with all its programs, for its minutes; another host and another start are not") {
   UnitModel model;
   RegisterServer server(model, kShownCode);
