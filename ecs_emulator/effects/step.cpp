@@ -1,4 +1,6 @@
 // A joint of a scale or rail: h where p > p₀.
+#include <algorithm>
+
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/effects/places.hpp"
 #include "ecs_emulator/effects/shape.hpp"
@@ -14,12 +16,14 @@ std::vector<double> between_targets_mm(const Scene&, const Ground& ground, const
   return middles;
 }
 
-/// Between two targets, not near the ends.
+/// Between two targets, three of them at least on either side and not near the ends: fewer are readings that are wrong
+/// together.
 bool draw_step(const Drawing& drawing, PlacedEffect& e) {
   const auto& places = places_under(drawing.ground, e);
   const int count = static_cast<int>(places.size());
   if (count < 8) return false;
-  const auto k = static_cast<std::size_t>(whole(drawing.random, count / 5, count - 2 - count / 5));
+  const int beyond = std::max(2, count / 5);
+  const auto k = static_cast<std::size_t>(whole(drawing.random, beyond, count - 2 - beyond));
   e.parameters = {{"height_um", 2.0 * drawing.sign},
                   {"position_mm", rounded(between(drawing.random, places[k], places[k + 1]), 1000.0)}};
   return e.parameters["position_mm"] > places[k] && e.parameters["position_mm"] < places[k + 1];
