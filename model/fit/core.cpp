@@ -26,6 +26,10 @@ constexpr double kNoValue = 1.0;       ///< of a searched parameter that these d
 /// of unit columns below 1 - 0.995, a correlation of 0.995 between two, are hardly seen (both: the convention of the
 /// effect library, docs/physics.md).
 constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
+/// A direction is determined where leaving it out raises χ² by this: five standard deviations, which noise does not do
+/// in a million fits. Share of the information along the best seen direction below which a direction is not seen at
+/// all.
+constexpr double kDetermined = 25.0, kUnseen = 1e-12;
 /// Weight in a unit direction from which a column takes part in it.
 constexpr double kPartOfDirection = 0.1;
 /// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
@@ -190,7 +194,8 @@ bool cancels(const Assembly& assembly, const Observations& data, const VectorXd&
 }
 
 /// The smallest solution where terms cancel each other: directions that the data hardly see are left out one by one
-/// (truncated singular value decomposition: Hansen 1987), worst first, until no term exceeds what the readings hold.
+/// (truncated singular value decomposition: Hansen 1987), worst first, until no term exceeds what the readings hold or
+/// a direction is one that the readings do determine: there the terms are as large as that.
 Solved smallest(const Assembly& assembly, const Observations& data, const MatrixXd& white, const VectorXd& y,
                 Solved now) {
   VectorXd norm = white.colwise().norm();
@@ -199,7 +204,11 @@ Solved smallest(const Assembly& assembly, const Observations& data, const Matrix
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
   const Spectrum seen = spectrum_of(scaled.transpose() * scaled);
   const VectorXd right = seen.vectors.transpose() * (scaled.transpose() * y);
+  const double freedom = std::max(1.0, static_cast<double>(y.size() - now.rank));
+  const double scale = std::max(1.0, now.chi2 / freedom);
   for (Index dropped = 1; dropped < norm.size() && seen.values(dropped - 1) < kHardlySeen; ++dropped) {
+    const double rise = right(dropped - 1) * right(dropped - 1) / std::max(seen.values(dropped - 1), kLeastDivisor);
+    if (seen.values(dropped - 1) > kUnseen && rise > kDetermined * scale) break;
     const VectorXd direction = seen.vectors.col(dropped - 1);
     for (Index j = 0; j < norm.size(); ++j) {
       if (std::abs(direction(j)) < kPartOfDirection) continue;
@@ -306,9 +315,6 @@ void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whi
   take(found);
   if (all_have_values && refined(assembly, regressors, whitener).chi2 > former_chi2 - kSameFit) take(former);
 }
-
-/// Share of the information along the best seen direction below which a direction is not seen at all.
-constexpr double kUnseen = 1e-12;
 
 MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, const Solved& now) {
   const auto free = free_nonlinear(assembly);

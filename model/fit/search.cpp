@@ -364,6 +364,20 @@ std::vector<Choice> without_one(std::vector<Choice> choices, std::size_t i) {
 
 }  // namespace
 
+Choice Search::best_value(const Space& space, const Choice& now, bool all_periods) const {
+  const Family& family = families_[now.family];
+  if (family.effect.traits().periodic) {
+    const std::vector<Choice> peaks = all_periods ? peaks_of(space, now.family) : std::vector<Choice>{};
+    return best_period(space, peaks.empty() ? std::vector{now} : peaks);
+  }
+  Choice best = refined_choice(space, now.family, now.nonlinear);
+  if (family.grid.size() < 2) return best;
+  const std::vector<Choice> peaks = peaks_of(space, now.family);
+  if (peaks.empty() || peaks.front().nonlinear == now.nonlinear) return best;
+  const Choice other = refined_choice(space, now.family, peaks.front().nonlinear);
+  return other.score() > best.score() ? other : best;
+}
+
 Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own, bool far) const {
   Solution best = solution(chosen, own);
   const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
@@ -382,13 +396,7 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);
-      const std::size_t f = best.chosen[i].family;
-      const std::vector<Choice> peaks = round == 0 && i + 1 < chosen.size() && families_[f].effect.traits().periodic
-                                            ? peaks_of(rest.space, f)
-                                            : std::vector<Choice>{};
-      const bool is_period = families_[f].effect.traits().periodic;
-      const Choice again = is_period ? best_period(rest.space, peaks.empty() ? std::vector{best.chosen[i]} : peaks)
-                                     : refined_choice(rest.space, f, best.chosen[i].nonlinear);
+      const Choice again = best_value(rest.space, best.chosen[i], round == 0 && i + 1 < chosen.size());
       if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;

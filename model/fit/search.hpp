@@ -98,8 +98,8 @@ class Search {
   /// The problem with these effects added, sizes fitted together, nonlinear parameters as they are.
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const { return solution(chosen, alone_.own); }
-  /// The same, nonlinear parameters refined together; periods before the last and those of the model's own terms are
-  /// sought over their whole range (the last comes from such a search).
+  /// The same, nonlinear parameters refined together; all are sought over their whole range, but for the last period
+  /// (it comes from such a search).
   /// @param far  own terms also at values far from likely
   [[nodiscard]] Solution refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own,
                                  bool far = true) const;
@@ -178,6 +178,9 @@ class Search {
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
   /// A period refined, its double, its half and other peaks tried as well.
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
+  /// An effect at the best value beside what `space` absorbs, near the present one or anywhere.
+  /// @param all_periods  also of a wave, of which otherwise only double and half are tried
+  [[nodiscard]] Choice best_value(const Space& space, const Choice& now, bool all_periods) const;
   /// An own term at the best of all its values beside what `space` absorbs, with all its columns.
   /// @param far  values far from likely as well
   [[nodiscard]] Choice best_own(const Space& space, std::size_t family, bool far) const;

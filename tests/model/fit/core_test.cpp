@@ -143,3 +143,19 @@ TEST_CASE("of periods that even targets cannot tell apart a fit keeps the one th
   CHECK(searched_value(cyclic, set, 8.0) == doctest::Approx(8.0).epsilon(0.001));
   CHECK(searched_value(cyclic, set, 200.0) == doctest::Approx(200.0).epsilon(0.01));
 }
+
+TEST_CASE("terms that cancel each other keep sizes that the readings determine") {
+  Model model = straight();
+  model.effects.push_back(effect(sag, Axis::X, Sense::EX));
+  model.effects.back().parameters["k3"] = 0.0;
+  const auto set = measured({.from_mm = 2000.0, .step_mm = 15.0}, 0.05, [](const laser::Reading& r) {
+    const double p_m = p(r) / 1000.0;
+    return 10.0 * p_m * p_m - 46.0 * p_m + 53.0;  // a bow of about 1 um of terms of 27 um
+  });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  const ParameterEstimate& square = found->effects.back().parameters.front();
+  REQUIRE(square.sigma);
+  CHECK(std::abs(square.value - 10.0) < 3.0 * *square.sigma);
+  CHECK(found->rms_um < 0.06);
+}

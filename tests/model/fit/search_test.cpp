@@ -212,3 +212,16 @@ TEST_CASE("all sizes of an effect are free again for its final fit") {
   CHECK(held.parameters.contains("k2"));
   CHECK_FALSE(with_all_sizes(held, cube).parameters.contains("k2"));
 }
+
+TEST_CASE("a time constant far off is sought anew beside the effects found with it") {
+  const auto set = measured_line(
+      [](const laser::Reading& r) { return 12.0 * -std::expm1(-*r.time_s / 150.0) + 10.0 * *r.time_s / 3600.0; });
+  const Searching of(set, kSigma_um, candidates_named({"warm_up:X:EX", "time_drift:X:EX"}));
+  const Choice slow = of.search.choice_at(of.search.base(), 0, 2500.0);
+  const Choice drift = of.search.choice_at(of.search.base(), 1, 0.0);
+  const Solution found = of.search.refined({slow, drift});
+  REQUIRE(found.chosen.size() == 2);
+  const Choice quick = of.search.choice_at(of.search.base(), 0, 150.0);
+  CHECK(found.space.chi2() <= of.search.solution({quick, drift}).space.chi2());
+  CHECK(found.chosen.front().nonlinear < 300.0);
+}
