@@ -207,19 +207,24 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
   return best;
 }
 
-/// One effect of both approaches in the place of two, one an approach, where that is as good.
+/// Whether one effect may be what two others are together: they act in one approach each, or in one sense each.
+bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, const EffectInstance& other) {
+  if (same_place(one, other))
+    return one.approach != other.approach && same_place(both, one) && both.approach == ApproachMode::both;
+  return both.definition().place == Place::set_up && one.sense != other.sense;
+}
+
+/// One effect in the place of two of which each is a part of it, where that is as good.
 Solution merged(const Search& search, Solution best, double entry_score) {
   const auto instance = [&](const Choice& choice) -> const EffectInstance& {
     return search.families()[choice.family].effect;
   };
   for (std::size_t i = 0; i < best.chosen.size(); ++i)
     for (std::size_t j = i + 1; j < best.chosen.size(); ++j) {
-      const EffectInstance &one = instance(best.chosen[i]), &other = instance(best.chosen[j]);
-      if (!same_place(one, other) || one.approach == other.approach) continue;
       const Solution rest = search.solution(without_member(without_member(best.chosen, j), i), best.own);
       for (std::size_t f = 0; f < search.candidates(); ++f) {
         const EffectInstance& both = search.families()[f].effect;
-        if (!same_place(both, one) || both.approach != ApproachMode::both) continue;
+        if (!may_stand_for_both(both, instance(best.chosen[i]), instance(best.chosen[j]))) continue;
         const Choice choice = search.refined_choice(rest.space, f, best.chosen[i].nonlinear);
         Solution tried = search.refined(with(rest.chosen, choice), rest.own);
         if (choice.gain > 0.0 && worth(tried, entry_score) >= worth(best, entry_score))

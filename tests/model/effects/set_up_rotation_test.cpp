@@ -140,3 +140,21 @@ TEST_CASE("a model file names the rotation by its code, and refuses another") {
     CHECK(to_text(bad.error()).find("EA, EB or EC") != std::string::npos);
   }
 }
+
+TEST_CASE("a turned plate is one cause beside a free wave of the model, no slope in either sense") {
+  laser::MeasurementSet set = turned_plate(1.0);
+  for (laser::Reading& r : set.readings)
+    if (r.sense == Sense::EX) r.error += 4.0 * std::sin(r.position_mm[0] / 97.0 * 6.2831853);
+  Model model = base_of_both();
+  model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(found.verdict == Verdict::missing_effect);
+  std::vector<std::string> names;
+  for (const Candidate& candidate : found.candidates) {
+    if (!candidate.named) continue;
+    names.push_back(to_text(candidate.effect));
+    names.insert(names.end(), candidate.indistinguishable_from.begin(), candidate.indistinguishable_from.end());
+    CHECK(names.size() == 1 + candidate.indistinguishable_from.size());  // one cause only
+  }
+  CHECK(std::find(names.begin(), names.end(), to_text(rotation(Sense::EC))) != names.end());
+}
