@@ -327,7 +327,7 @@ inline commit_in_unit() {
   :: unit[u].staging && !HOLDS(u, i, rq.map) -> an.error = check_mismatch
 #endif
 #ifndef NO_IDENTITY
-  :: unit[u].staging && !FOR_UNIT(rq.map, u) -> an.error = other_machine; reached(12)
+  :: unit[u].staging && !FOR_UNIT(rq.map, u) -> an.error = other_machine
 #endif
   :: else ->
      unit[u].active_bank = i;
@@ -370,10 +370,9 @@ inline arm_in_unit() {
 
 inline output_in_unit() {
   if
-  :: TOO_LATE -> an.error = late; reached(9)
-  :: !TOO_LATE && OVERTAKEN -> an.error = overtaken; reached(10)
+  :: TOO_LATE -> an.error = late
+  :: !TOO_LATE && OVERTAKEN -> an.error = overtaken
   :: else ->
-     reached(11);
      REQUIRE(only_an_armed_host_acts, TRULY_ARMED(rq.host));
      REQUIRE(no_command_acts_after_its_life, (time - rq.given_at <= LIFE));
      REQUIRE(no_command_acts_after_a_stop, (offs == rq.offs));
@@ -393,7 +392,7 @@ inline carry_out() {
   an.error = none;
   if
   :: rq.code == arm || rq.code == disarm -> arm_in_unit()
-  :: NEEDS_ARMING(rq.code) && !IS_ARMED(rq.host) -> an.error = not_armed; reached(8)
+  :: NEEDS_ARMING(rq.code) && !IS_ARMED(rq.host) -> an.error = not_armed
   :: rq.code == begin_staging -> begin_staging_in_unit();
      REQUIRE(only_an_armed_host_writes, TRULY_ARMED(rq.host))
   :: (rq.code == commit_staged || rq.code == abandon_staged) && unit[u].token == 0 -> an.error = no_staging
@@ -821,7 +820,7 @@ inline give(which) {
         :: else
         fi
 #endif
-     :: result == late /* by the host's clock there is time yet */
+     :: result == late -> reached(9) /* by the host's clock there is time yet */
      :: else -> break
      fi
   od;
@@ -968,7 +967,8 @@ give_command:
     :: doing == begin_staging -> goto begun
     :: doing == abandon_staged && !settling -> goto ended
     :: doing == abandon_staged && settling -> goto abandoned
-    :: doing == commit_staged && result != none -> goto settled
+    :: doing == commit_staged && result == other_machine -> reached(12); goto settled
+    :: doing == commit_staged && result != none && result != other_machine -> goto settled
     :: else -> commit = in.value
     fi;
 
@@ -1081,6 +1081,12 @@ proctype Operator(byte h) {
           :: doing = disarm
           fi;
           give(which);
+          if
+          :: result == not_armed -> reached(8)
+          :: result == overtaken -> reached(10)
+          :: result == none && doing == output_compensation -> reached(11)
+          :: else
+          fi;
           doing = arm
        :: open_session_for(true); /* UnitClient::write_memory */
           if
@@ -1114,7 +1120,9 @@ init {
 #else
     run Uploader(0);
 #endif
-#if OPERATORS > 0
+#ifdef ALONE
+    skip /* no other host */
+#elif OPERATORS > 0
     run Operator(1)
 #else
     run Uploader(1)
