@@ -185,6 +185,7 @@ class Host:
             answer = words_of(reply[2:2 + 2 * count])
             if len(answer) == count and answer[0] == self.echo:
                 return answer
+            self.drain()  # a late one: what was asked is still to come
         raise RuntimeError("an answer to something else")
 
     def look(self):
