@@ -155,7 +155,7 @@ class UnitClient {
                                         std::string_view if_unanswered);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
-  [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window, bool open);
+  [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window);
   [[nodiscard]] Result<void> write_window(const WindowFrames& frames, const FrameCallback& sent);
   [[nodiscard]] Result<void> send_missing(const WindowOpen& window, const WindowFrames& frames, std::uint64_t received,
                                           const FrameCallback& sent);

@@ -80,10 +80,12 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
   return memory;
 }
 
-Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window, bool open) {
-  const auto registers =
-      open ? link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck) : link_.ask(kEcho, Registers{0}, kWindowAck);
-  auto ack = registers.and_then([](const Registers& block) { return window_ack_in(block); });
+/// Opens the window, or finds it open: the same one again changes nothing, and one that a late frame has replaced is
+/// opened anew.
+Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
+  auto ack = link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck).and_then([](const Registers& block) {
+    return window_ack_in(block);
+  });
   if (!ack) return ack;
   const bool ours = ack->tag == window.tag && ack->address == window.address && ack->length == window.length;
   if (!ours) ack->error = UnitError::token_expired;
@@ -123,12 +125,12 @@ Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCal
                           frames.coded,
                           session_};
   const std::size_t blocks = blocks_in(window.length, window.block_bytes());
-  auto ack = ask_ack(window, true);
+  auto ack = ask_ack(window);
   int fruitless = 0;
   while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks) {
     if (const auto done = send_missing(window, frames, ack->received, sent); !done) return done;
     const auto before = ack->received;
-    ack = ask_ack(window, false);
+    ack = ask_ack(window);
     fruitless = ack && ack->received == before ? fruitless + 1 : 0;
     if (fruitless >= kFruitlessRounds)
       return problem(ProblemKind::link,

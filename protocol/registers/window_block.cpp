@@ -20,10 +20,11 @@ std::size_t bytes_in_block(std::uint32_t length, std::size_t number, std::size_t
 }
 
 std::uint16_t block_check(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> bytes(8);
-  store_big(bytes, 0, window.token);
-  store_big(bytes, 4, window.tag);
-  store_big(bytes, 6, number);
+  std::vector<std::uint8_t> bytes(12);
+  store_big(bytes, 0, window.session);
+  store_big(bytes, 4, window.token);
+  store_big(bytes, 8, window.tag);
+  store_big(bytes, 10, number);
   bytes.insert(bytes.end(), payload.begin(), payload.end());
   return crc16_of(bytes);
 }

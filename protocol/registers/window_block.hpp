@@ -15,8 +15,8 @@ namespace ecs::protocol {
 /// Bytes that block `number` (from 0) of a window of `length` bytes carries; 0: no such block.
 [[nodiscard]] std::size_t bytes_in_block(std::uint32_t length, std::size_t number,
                                          std::size_t block_bytes = kBlockBytes);
-/// The check of a block: CRC-16 (Modbus) over the window's token and tag and the block's number, high byte first, then
-/// the payload bytes. A block of another staging does not agree, though its header does not carry the token.
+/// The check of a block: CRC-16 (Modbus) over the window's session, token and tag and the block's number, high byte
+/// first, then the payload bytes. A block of another host or staging does not agree, though its header carries neither.
 [[nodiscard]] std::uint16_t block_check(const WindowOpen& window, std::uint16_t number,
                                         std::span<const std::uint8_t> payload);
 

@@ -20,8 +20,8 @@ std::uint64_t bits_below(std::size_t count) {
 
 }  // namespace
 
-void MemoryWindow::open(const WindowOpen& window) {
-  if (window == window_ && error_ == UnitError::none) return;
+bool MemoryWindow::open(const WindowOpen& window) {
+  if (window == window_) return false;
   window_ = window;
   received_ = 0;
   const bool possible = window.length > 0 && window.length <= kWindowBlocks * window.block_bytes();
@@ -31,6 +31,7 @@ void MemoryWindow::open(const WindowOpen& window) {
     error_ = UnitError::token_expired;
   else
     error_ = unit_->may_write(window.address, window.length);
+  return true;
 }
 
 void MemoryWindow::refuse(UnitError why) {

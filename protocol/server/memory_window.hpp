@@ -27,7 +27,8 @@ class MemoryWindow {
 
   /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written, or not under
   /// this token, leaves the window closed with the reason in ack().error.
-  void open(const WindowOpen& window);
+  /// @return false: it was open, or refused, already
+  bool open(const WindowOpen& window);
   /// The window that was opened last is closed for this reason.
   void refuse(UnitError why);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/file.hpp"
@@ -18,6 +19,12 @@ constexpr std::array kAnswers{kIdentity,  kStatus, kMonitor, kPointers, kCommand
 constexpr std::array kEchoed{kEcho,    kReadSelect,   kCheckSelect, kWindowOpen,
                              kCommand, kResultSelect, kSessionOpen, kEventSelect};
 constexpr std::array kWithCheck{kWindowOpen, kCommand, kSessionOpen};
+/// What names a session; never read back, and its answer is given once.
+constexpr std::array kOfSession{kWindowOpen, kCommand, kResultSelect, kSessionOpen};
+
+bool is_one_of(const auto& blocks, const Block& block) {
+  return std::find(blocks.begin(), blocks.end(), block) != blocks.end();
+}
 constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
 
 std::optional<Block> answer_block(std::uint16_t first, std::uint16_t count) {
@@ -65,9 +72,10 @@ Registers RegisterServer::answer(const Block& block) {
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
   if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
   if (block == kCommandResult) return registers_of(result_selected(), echo_);
-  if (block == kSession) return registers_of(session_state(), echo_);
+  if (block == kSession) return registers_of(session_asked(), echo_);
   if (block == kEvents) return registers_of(events_.page(event_select_.first), echo_);
-  return registers_of(window_.ack(), echo_);
+  const Block asked = std::exchange(asked_, Block{});
+  return registers_of(asked == kWindowOpen && refused_window_ ? *refused_window_ : window_.ack(), echo_);
 }
 
 tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
@@ -116,11 +124,11 @@ tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, s
   const auto block = request_block(first, values.size());
   if (!block) return tl::unexpected(ModbusException::illegal_address);
   const bool whole = block->count > 1 && first == block->first && values.size() == block->count;
-  const bool checked = std::find(kWithCheck.begin(), kWithCheck.end(), *block) != kWithCheck.end();
-  if (whole && checked && !check_agrees(values)) return tl::unexpected(ModbusException::illegal_value);
-  std::copy(values.begin(), values.end(), requests_.begin() + first);
-  if (first == block->first) echo_ = values.front();
-  if (whole) act_on(*block);
+  if (whole && is_one_of(kWithCheck, *block) && !check_agrees(values))
+    return tl::unexpected(ModbusException::illegal_value);
+  if (!is_one_of(kOfSession, *block)) std::copy(values.begin(), values.end(), requests_.begin() + first);
+  if (first == block->first) echo_ = requests_[block->first] = values.front();
+  if (whole) act_on(*block, values);
   return {};
 }
 
@@ -135,8 +143,8 @@ void RegisterServer::forget_hosts_of_another_start() {
   port_busy_ = false;
 }
 
-void RegisterServer::act_on(const Block& block) {
-  const auto whole = std::span<const std::uint16_t>(requests_).subspan(block.first, block.count);
+void RegisterServer::act_on(const Block& block, std::span<const std::uint16_t> whole) {
+  asked_ = block;
   forget_hosts_of_another_start();
   if (block == kSessionOpen) {
     if (const auto host = session_open_in(whole)) open_session(*host);
@@ -164,10 +172,10 @@ void RegisterServer::open_session(const SessionOpen& host) {
     opened_.error = UnitError::other_version;
 }
 
-/// The session asked for last, as it is now.
-SessionState RegisterServer::session_state() {
+/// The session that the request has opened, as it is now. Nobody else reads it: its number is a secret of its host.
+SessionState RegisterServer::session_asked() {
   forget_hosts_of_another_start();
-  SessionState state = opened_;
+  SessionState state = std::exchange(asked_, Block{}) == kSessionOpen ? opened_ : SessionState{};
   const std::uint64_t now_ms = unit_->clock().ms;
   const HostSession* session = sessions_.find(state.session);
   if (session == nullptr) state.session = 0;
@@ -179,12 +187,20 @@ SessionState RegisterServer::session_state() {
   return state;
 }
 
+/// A window that is refused for its host leaves that of another one open.
 void RegisterServer::open_window(const WindowOpen& window) {
   const HostSession* session = sessions_.find(window.session);
-  window_.open(window);
-  if (session == nullptr) return window_.refuse(UnitError::session_unknown);
-  if (!may_write(window.session)) window_.refuse(UnitError::not_armed);
-  const UnitError error = window_.error();
+  UnitError error = session == nullptr          ? UnitError::session_unknown
+                    : may_write(window.session) ? UnitError::none
+                                                : UnitError::not_armed;
+  refused_window_.reset();
+  if (error != UnitError::none)
+    refused_window_ = WindowAck{window.tag, error, window.address, window.length, 0, 0};
+  else if (window_.open(window))
+    error = window_.error();
+  else
+    return;
+  if (session == nullptr) return;
   if (in_axis_memory(window.address) && error == UnitError::none) return;  // the commit is what counts there
   HostEvent written;
   written.state = error == UnitError::none ? CommandState::done : CommandState::refused;
@@ -308,6 +324,8 @@ void RegisterServer::look_at_busy_command() {
 CommandResult RegisterServer::result_selected() {
   forget_hosts_of_another_start();
   look_at_busy_command();
+  const Block asked = std::exchange(asked_, Block{});
+  if (asked != kCommand && asked != kResultSelect) return {};
   CommandResult result;
   if (const HostSession* session = sessions_.find(selected_.session); session == nullptr)
     result = refused(UnitError::session_unknown);

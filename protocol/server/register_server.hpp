@@ -59,7 +59,7 @@ class RegisterServer : public RegisterHandler {
   [[nodiscard]] Registers answer(const Block& block);
   [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer();
   [[nodiscard]] tl::expected<Registers, ModbusException> checks_answer();
-  void act_on(const Block& block);
+  void act_on(const Block& block, std::span<const std::uint16_t> whole);
   void forget_hosts_of_another_start();
   void open_session(const SessionOpen& host);
   void open_window(const WindowOpen& window);
@@ -73,17 +73,19 @@ class RegisterServer : public RegisterHandler {
   [[nodiscard]] CommandResult check_memory(const Command& command);
   void look_at_busy_command();
   [[nodiscard]] CommandResult result_selected();
-  [[nodiscard]] SessionState session_state();
+  [[nodiscard]] SessionState session_asked();
 
   UnitPort* unit_;
   MemoryWindow window_;
   std::uint16_t echo_ = 0;
-  Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written
+  Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written; of a session only the echo
   HostSessions sessions_;
   Arming arming_;
   EventList events_;
   std::uint32_t starts_ = 0;
   std::uint16_t stops_ = 0;
+  Block asked_{};  ///< the whole block that was written last, until its answer is read
+  std::optional<WindowAck> refused_window_;
   SessionState opened_;     ///< the session that was asked for last
   ResultSelect selected_;   ///< the result that was asked for last
   ResultSelect busy_;       ///< the command that the unit works on …

@@ -229,7 +229,7 @@ class Host:
         return self.read(ACK, 13, WINDOW, words)[2]
 
     def window_block(self, tag, at, token, data):
-        check = crc16(struct.pack(">LHH", token, tag, at) + data)
+        check = crc16(struct.pack(">LLHH", self.session, token, tag, at) + data)
         return fc16(BLOCK, [tag, at, check] + words_of(data + b"\0" * (len(data) % 2)))
 
     def put(self, tag, at, token, data):

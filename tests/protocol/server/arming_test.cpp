@@ -1,6 +1,8 @@
 // Who may write to a unit, and what the unit keeps of what was done to it.
 #include "protocol/server/arming.hpp"
 
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "protocol/registers/window_block.hpp"
@@ -80,6 +82,49 @@ TEST_CASE("a block that comes first after a start of the unit is of no armed hos
   const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
   CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
   CHECK(model.bank_a[0] == 0);
+}
+
+TEST_CASE("what names a session is read once, by the host that asked, and is never read back") {
+  UnitModel model;
+  RegisterServer server(model, kShownCode);
+  RegisterHost host(server);
+  CHECK(host.session() != 0);
+  (void)host.give({.code = CommandCode::output_off});
+  CHECK(session_state_in(server.read(kSession.first, kSession.count).value()).value().session == 0);
+  CHECK(command_result_in(server.read(kCommandResult.first, kCommandResult.count).value()).value().session == 0);
+  for (const Block& block : {kWindowOpen, kCommand, kResultSelect, kSessionOpen}) {
+    const Registers read_back = server.read(block.first, block.count).value();
+    CHECK(std::all_of(read_back.begin() + 1, read_back.end(), [](std::uint16_t word) { return word == 0; }));
+  }
+}
+
+TEST_CASE("a window of a host that is not armed leaves that of an armed one open") {
+  UnitModel model;
+  RegisterServer server(model, kShownCode);
+  RegisterHost armed(server, 1), stranger(server, 2);
+  (void)armed.give(arming(armed, kShownCode));
+  const WindowOpen window{5,     kBankA.first,   4, armed.give({.code = CommandCode::begin_staging}).token,
+                          false, armed.session()};
+  const auto opened = [&](const WindowOpen& one) {
+    REQUIRE(server.write(kWindowOpen.first, registers_of(one, 0)).has_value());
+    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+  };
+  CHECK(opened(window) == UnitError::none);
+  WindowOpen other = window;
+  other.tag = 6;
+  other.session = stranger.session();
+  CHECK(opened(other) == UnitError::not_armed);
+  other.session = 12345;
+  CHECK(opened(other) == UnitError::session_unknown);
+  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
+  other.session = stranger.session();
+  other.tag = window.tag;
+  const Registers forged{window.tag, 0, block_check(other, 0, bytes), 0x0102, 0x0304};
+  CHECK(server.write(kBlockWrite.first, forged).error() == ModbusException::illegal_value);
+  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
+  CHECK(server.write(kBlockWrite.first, block).has_value());
+  CHECK(opened(window) == UnitError::none);
+  CHECK(model.bank_a[3] == 4);
 }
 
 TEST_CASE("a host is armed with all its programs, for its minutes; another host and another start are not") {

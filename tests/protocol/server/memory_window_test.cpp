@@ -108,18 +108,18 @@ TEST_CASE("axis memory takes a block only under the token of the staging that go
   UnitModel model;
   MemoryWindow window(model);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
-  window.open(open);
+  window.open({5, kBankA.first, 1000, kStagingToken});
   CHECK(window.ack().error == UnitError::token_expired);
   window.stage_under(kStagingToken);
+  const WindowOpen open{6, kBankA.first, 1000, kStagingToken};
   window.open(open);
   CHECK(window.take(block_of(open, 0, image)));
-  CHECK_FALSE(window.take(block_of({5, kBankA.first, 1000, kStagingToken + 1}, 1, image)));
+  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kStagingToken + 1}, 1, image)));
   window.stage_under(kStagingToken + 1);
   CHECK_FALSE(window.take(block_of(open, 1, image)));
   CHECK(window.ack().error == UnitError::token_expired);
   CHECK(window.ack().received == 0);
-  window.open({6, kBankA.first, 1000, 0});
+  window.open({7, kBankA.first, 1000, 0});
   CHECK(window.ack().error == UnitError::token_expired);
 }
 
