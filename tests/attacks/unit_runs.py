@@ -177,7 +177,10 @@ class Fuzz(UploadRun):
         if host.fd is not None:
             host.close()
         time.sleep(0.3)
-        now = self.place.held()
+        host = self.place.judge()
+        host.command(modbus.STOP)  # a test or user software that a frame has begun
+        now = host.active()[1]
+        host.close()
         if now != self.maps.images["small2"]:
             verdict = "WRONG %s active" % self.maps.name_of(now)
         grown = self.resident() - self.memory
