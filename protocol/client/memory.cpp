@@ -73,7 +73,7 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
   while (memory.size() < bytes) {
     const std::size_t size = std::min(kMemoryBytes, bytes - memory.size());
     const auto piece = read_piece(static_cast<Address>(address + memory.size()), size);
-    if (!piece) return piece;
+    if (!piece) return tl::unexpected(piece.error());
     memory.insert(memory.end(), piece->begin(), piece->end());
     meter.add(size);
   }
@@ -108,7 +108,7 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
     if (!written && link_.last_failure() == LinkFailure::exception) return {};
     failures_in_a_row = written ? 0 : failures_in_a_row + 1;
     const bool hopeless = link_.cancelled() || !link_.connected() || failures_in_a_row >= link_.timing().tries;
-    if (!written && hopeless) return written;
+    if (!written && hopeless) return tl::unexpected(written.error());
     if (written) sent(frame);
     if (!written && frames.coded) return {};  // what follows is decoded after this one
   }
@@ -128,7 +128,7 @@ Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCal
   auto ack = ask_ack(window);
   int fruitless = 0;
   while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks) {
-    if (const auto done = send_missing(window, frames, ack->received, sent); !done) return done;
+    if (const auto done = send_missing(window, frames, ack->received, sent); !done) return tl::unexpected(done.error());
     const auto before = ack->received;
     ack = ask_ack(window);
     fruitless = ack && ack->received == before ? fruitless + 1 : 0;
@@ -153,7 +153,7 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
     const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));
     const auto done = write_window(plain_window(static_cast<Address>(address + at), part),
                                    [&](const BlockFrame& frame) { meter.add(frame.bytes); });
-    if (!done) return done;
+    if (!done) return tl::unexpected(done.error());
     meter.reach(at + part.size());
   }
   const auto crc = check_memory(address, static_cast<std::uint32_t>(bytes.size()));
