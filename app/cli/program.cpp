@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -91,7 +92,7 @@ int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>&
 
 int run_command_line(const VerbRegistry& registry, const std::vector<std::string>& words, std::ostream& out,
                      std::ostream& messages, ConsoleOptions options) {
-  Console console(out, messages, options);
+  Console console(out, messages, std::move(options));
   console.json = std::find(words.begin(), words.end(), "--json") != words.end();
   VerbContext context{console, {}, {}, {}};
   try {

@@ -96,19 +96,18 @@ std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const mod
 }
 
 std::string name_with_alternatives(const model::EffectInstance& effect) {
-  if (effect.is_user() || effect.name.empty()) return place_text(effect);
-  return fmt::format("{} (or {})", place_text(effect), effect.name);
+  if (effect.tied_with.empty()) return place_text(effect);
+  return fmt::format("{} (or {})", place_text(effect), effect.tied_with);
 }
 
 std::string name_with_alternatives(const model::Model& model, const std::string& name) {
   const auto found = std::find_if(model.effects.begin(), model.effects.end(),
                                   [&](const model::EffectInstance& effect) { return to_text(effect) == name; });
-  return found == model.effects.end() || found->is_user() || found->name.empty() ? name
-                                                                                 : name_with_alternatives(*found);
+  return found == model.effects.end() || found->tied_with.empty() ? name : name_with_alternatives(*found);
 }
 
 void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives) {
-  effect.name = fmt::format("{}", fmt::join(places_of(alternatives), ", "));
+  effect.tied_with = fmt::format("{}", fmt::join(places_of(alternatives), ", "));
 }
 
 }  // namespace ecs::commissioning

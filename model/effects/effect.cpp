@@ -61,8 +61,7 @@ std::string sensors_text(const EffectInstance& effect) {
 }
 
 bool same_place(const EffectInstance& a, const EffectInstance& b) {
-  return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code &&
-         (!a.is_user() || a.name == b.name);
+  return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name;
 }
 
 bool same_sensors(const EffectInstance& a, const EffectInstance& b) {

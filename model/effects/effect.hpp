@@ -68,6 +68,7 @@ struct EffectInstance {
   std::string sensor;                        ///< column of the sensor, where one is used
   std::string sensor2;                       ///< of the second, where their difference is
   std::string name;                          ///< of a user effect
+  std::string tied_with;                     ///< what the data cannot tell it from: names with commas between them
   std::vector<UserFormula> formulas;         ///< of a user effect
   std::vector<UserParameter> user;           ///< of a user effect
   std::map<std::string, double> parameters;  ///< given: held. Absent ones are fitted from the data

@@ -354,17 +354,16 @@ void take_history(TomlReader& reader, const toml::table& root, Model& model) {
   }
 }
 
-/// The comment "# or servo_lag:X:EX" below [[effect]]: what the data could not tell the effect from. It is kept in the
-/// name, which only effects of the user have otherwise.
+/// The comment "# or servo_lag:X:EX" below [[effect]]: what the data could not tell the effect from. A comment, so
+/// that older readers take the file.
 void take_alternatives(std::string_view text, Model& model) {
   constexpr std::string_view kBegin = "# or ";
   std::size_t effects = 0;
   bool below_head = false;
   for (const std::string_view line : lines_of(text)) {
     const std::string_view words = trimmed(line);
-    if (below_head && words.starts_with(kBegin) && effects <= model.effects.size() &&
-        !model.effects[effects - 1].is_user())
-      model.effects[effects - 1].name = std::string(words.substr(kBegin.size()));
+    if (below_head && words.starts_with(kBegin) && effects <= model.effects.size())
+      model.effects[effects - 1].tied_with = std::string(words.substr(kBegin.size()));
     below_head = words == "[[effect]]";
     if (below_head) ++effects;
   }

@@ -60,7 +60,7 @@ constexpr std::string_view kAlternatives = "# or";
 
 std::string effect_text(const EffectInstance& effect, std::string_view table) {
   std::string text = fmt::format("\n[[{}]]\n", table);
-  if (!effect.is_user() && !effect.name.empty()) text += fmt::format("{} {}\n", kAlternatives, effect.name);
+  if (!effect.tied_with.empty()) text += fmt::format("{} {}\n", kAlternatives, effect.tied_with);
   text += fmt::format("id = \"{}\"\n", name_of(effect.id));
   if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
   const auto word = [&](std::string_view key, std::string_view value) {

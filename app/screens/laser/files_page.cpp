@@ -64,11 +64,9 @@ class FilesPage final : public LaserPage {
       host().ask_parameters();
     } else if (is_letter(key, U'r')) {
       controller().read_again();
-    } else if (files.empty()) {
-      return false;
     } else if (key.name == Key::Name::enter) {
       host().ask_answers(files[at].path);
-    } else if (is_letter(key, U'x') || key.name == Key::Name::erase) {
+    } else if (!files.empty() && (is_letter(key, U'x') || key.name == Key::Name::erase)) {
       controller().change("a file taken off",
                           [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
       place_.selected = static_cast<int>(place_within(place_, controller().choices().files.size()));
