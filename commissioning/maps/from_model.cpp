@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -74,14 +75,14 @@ std::optional<Component> component_for(const EffectInstance& effect) {
   return curve_of(*effect.sense, *effect.axis);
 }
 
-/// The step of the ladder at which an effect was fitted: its own, else the beginning.
+/// The step of the ladder at which an effect was fitted: its own, else the beginning, else the last, which fits all.
 const model::LadderStep* step_of(const Model& model, const std::string& effect) {
   const model::LadderStep* start = nullptr;
   for (const model::LadderStep& step : model.history) {
     if (step.effect == effect) return &step;
     if (step.effect.empty()) start = &step;
   }
-  return start;
+  return start != nullptr || model.history.empty() ? start : &model.history.back();
 }
 
 /// One file, or several with blanks between.
@@ -119,6 +120,7 @@ std::vector<Component> places_of(const EffectInstance& effect, const std::vector
 /// Which model and which measurements every table and squareness comes from.
 void trace(MapFromModel& built, const Model& model, const std::vector<model::OwnLever>& levers,
            const std::string& model_file) {
+  std::vector<std::string> untraced;
   for (const EffectInstance& effect : model.effects) {
     const std::vector<Component> places = places_of(effect, levers);
     if (places.empty()) continue;
@@ -135,12 +137,14 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
       for (const std::string& file : files_of(*step)) add_source(built, place, file);
     }
     if (step == nullptr)
-      built.notes.push_back(fmt::format(
-          "{}: the model does not say which data it was fitted to; `ecs model fit -o` and `ecs model add` keep that",
-          name));
-    else if (step->effect.empty())
+      untraced.push_back(name);
+    else if (step->effect != name)
       built.compiled.map.header.processing.push_back(fmt::format("{} fitted to {}", name, step->data));
   }
+  if (!untraced.empty())
+    built.notes.push_back(fmt::format(
+        "{}: the model does not say which data they were fitted to; `ecs model fit -o` and `ecs model add` keep that",
+        fmt::join(untraced, ", ")));
 }
 
 Result<void> complete_header(MapFromModel& built, const FromModelArguments& arguments) {

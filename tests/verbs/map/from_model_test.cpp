@@ -37,6 +37,18 @@ TEST_CASE("a fitted model becomes a map whose header says where each table comes
   CHECK(std::stod(text.substr(row + 11)) == Approx(-cyclic_x(100.0, 1, 1)).epsilon(0.1));
 }
 
+TEST_CASE("effects that were fitted when another was added come from the data of that step") {
+  const ModelWorkspace workspace;
+  const std::string full = workspace.folder / "full.toml", map = workspace.folder / "map.csv";
+  REQUIRE(ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--machine", workspace.machine,
+               "-o", full})
+              .code == 0);
+  const Ran r = ran({"map", "build", "--from-model", full, "--machine", workspace.machine, "-o", map});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  CHECK(r.all().find("does not say which data") == std::string::npos);
+  CHECK(content_of(map).find("scale:X:EX fitted to") != std::string::npos);
+}
+
 TEST_CASE("what no map can carry is said with its reason, and a model of nothing else is refused") {
   const ModelWorkspace workspace;
   const std::string warm = workspace.folder.with(
