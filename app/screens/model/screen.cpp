@@ -248,9 +248,9 @@ bool ModelScreen::on_ladder_key(const Key& key) {
   const model::EffectInstance& effect = controller_->model().effects[chosen];
   if (is_letter(key, U'x') || key.name == Key::Name::erase)
     controller_->start_removing(chosen);
-  else if (key.name == Key::Name::enter && !effect.is_user() && !effect.name.empty())
+  else if (key.name == Key::Name::enter && !effect.tied_with.empty())
     asking_.ask({fmt::format("Is it decided that it is {}?", place_text(effect)),
-                 fmt::format("Until now it could be {} as well.", effect.name), "decided", "still open"},
+                 fmt::format("Until now it could be {} as well.", effect.tied_with), "decided", "still open"},
                 [this, chosen] { controller_->decide(chosen); });
   else
     return effect_.on_key(key, count);

@@ -68,7 +68,7 @@ TEST_CASE("a map of a piece of the axis is complete with remarks, wherever the t
 TEST_CASE("the date on the command line must be a date") {
   const Workspace workspace;
   CHECK(workspace.build({"--date", "2024-05-06"}).code == 0);
-  const Ran r = workspace.build({"--date", "not a date"});
+  const Ran r = workspace.build({"--force", "--date", "not a date"});
   CHECK(r.code == 2);
   CHECK(r.messages.find("--date: expected year-month-day, as in 2026-03-12, found \"not a date\"") !=
         std::string::npos);
