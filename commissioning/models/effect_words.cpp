@@ -14,7 +14,7 @@
 namespace ecs::commissioning {
 namespace {
 
-constexpr double kEnoughSigmas = 3.0;     ///< of a value that is told from nothing
+constexpr double kEnoughSigmas = 3.0;     ///< of a value that differs from zero
 constexpr double kProvingEValue = 100.0;  ///< as the verdict asks
 
 std::string judged(const std::string& text, bool holds) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "model/data/even_targets.hpp"
+#include "model/diagnosis/bad_run_report.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/trial.hpp"
@@ -316,57 +317,6 @@ std::string why_not_explained(const Found& found) {
       most->variable, kPercent * found.structure_p_after);
 }
 
-/// A run whose mean residual is twice as far from the median of the runs as that of any other; three runs or more.
-std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& residual) {
-  constexpr double kAlone = 2.0;
-  std::map<int, std::pair<double, double>> sums;  // by run: residual, readings
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    sums[data.run[k]].first += residual(static_cast<Index>(k));
-    sums[data.run[k]].second += 1.0;
-  }
-  if (sums.size() < 3) return std::nullopt;
-  std::vector<double> means;
-  for (const auto& [run, sum] : sums) means.push_back(sum.first / sum.second);
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2), means.end());
-  const double median = means[means.size() / 2];
-  OddPass farthest;
-  double next = 0.0;
-  for (const auto& [run, sum] : sums) {
-    const double off = sum.first / sum.second - median;
-    if (std::abs(off) > std::abs(farthest.off_um)) {
-      next = std::abs(farthest.off_um);
-      farthest = {run, off};
-    } else {
-      next = std::max(next, std::abs(off));
-    }
-  }
-  if (std::abs(farthest.off_um) <= kAlone * next) return std::nullopt;
-  return farthest;
-}
-
-/// What the headline begins with where a run is bad or nearly explains what an effect does; "" where none does.
-std::string bad_run_text(const ReportInput& in, const Diagnosis& diagnosis) {
-  const Found& found = in.found;
-  const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
-  if (found.noisy)
-    return first(
-        fmt::format("Run {} scatters {:.2g} times as much as the others", found.noisy->run, found.noisy->ratio));
-  if (found.odd_pass)
-    return first(fmt::format("Run {} differs from the other runs by {:.3g} in one approach", found.odd_pass->run,
-                             found.odd_pass->off_um));
-  if (found.bad_run)
-    return first(fmt::format("Run {} differs from the other runs: its offset explains as much as any effect does",
-                             found.bad_run->run));
-  if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty() &&
-      diagnosis.where.front().variable == "run")
-    if (const auto run = farthest_run(in.regressors.data(), in.base.residual))
-      return first(fmt::format("Run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
-  if (found.run_note.empty()) return "";
-  std::string note = found.run_note;
-  note.front() = 'A';  // "an offset of run 3 …"
-  return note + ".";
-}
-
 /// What all named effects do together; nothing for fewer than two.
 std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<RankedCandidate>& order,
                                       const FittedWith& with, const Parts& parts, double held_out_before) {
@@ -382,22 +332,6 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
       Eigen::Map<const VectorXd>(with.fit.residual.data(), static_cast<Index>(with.fit.residual.size()));
   return JointProof{rms_without(residual, with.left_out), held_out_before,
                     held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
-}
-
-/// A bad run stands first, whatever else the residual depends on.
-void put_run_first(std::vector<Dependence>& where, const Observations& data, const ReportInput& in) {
-  const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
-  if (std::none_of(where.begin(), where.end(), is_run)) {
-    const int run = in.found.noisy      ? in.found.noisy->run
-                    : in.found.odd_pass ? in.found.odd_pass->run
-                                        : in.found.bad_run->run;
-    double of_run = 0.0;
-    for (std::size_t k = 0; k < data.size(); ++k)
-      if (data.run[k] == run)
-        of_run += in.base.residual(static_cast<Index>(k)) * in.base.residual(static_cast<Index>(k));
-    where.push_back({"run", of_run / std::max(in.base.residual.squaredNorm(), kLeastDivisor), kTellingChance, {}, {}});
-  }
-  std::stable_partition(where.begin(), where.end(), is_run);
 }
 
 Result<Diagnosis> reported(const ReportInput& in) {
@@ -448,7 +382,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const auto joint = joint_proof(in, order, *with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
-  if (in.found.bad_run || in.found.odd_pass || in.found.noisy) put_run_first(diagnosis.where, data, in);
+  if (in.found.bad_run || in.found.odd_pass || in.found.noisy)
+    put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
@@ -459,7 +394,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
     describe_what_is_left(diagnosis, data, after.residual, left_out);
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   diagnosis.reservation = reservation_for(data);
-  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in, diagnosis));
+  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found, diagnosis, data, in.base.residual));
   return diagnosis;
 }
 

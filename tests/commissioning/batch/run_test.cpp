@@ -4,8 +4,8 @@
 #include <list>
 
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 
+#include "tests/support/short_lathe.hpp"
 #include "tests/support/unit_model.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -14,30 +14,13 @@ namespace {
 
 using app::ran;
 
-const char* const kParameters = R"(
-[identity]
-machine = "short lathe"
-serial_number = "ECS-0042"
-[configuration]
-chain = "TX"
-axes = "X"
-[compensation]
-scope = "linear"
-[axis.X]
-transducer = "encoder"
-# end of parameters
-)";
-
 /// Parameters and a map for the units of tests/support/unit_model.hpp.
 struct Files {
   StateFolder folder;
-  std::string params = folder.with("p.toml", kParameters);
+  std::string params = folder.with("p.toml", short_lathe("ECS-0042"));
   std::string map = folder / "map.csv";
   Files() {
-    std::string readings = "axis,sense,x_mm,reading,approach\n";
-    for (const int approach : {1, -1})
-      for (int x = -200; x <= 0; x += 50) readings += fmt::format("X,EX,{},{},{}\n", x, 0.1 * x + approach, approach);
-    REQUIRE(ran({"map", "build", folder.with("exx.csv", readings), "--params", params, "-o", map}).code == 0);
+    REQUIRE(ran({"map", "build", folder.with("exx.csv", lathe_readings()), "--params", params, "-o", map}).code == 0);
   }
   [[nodiscard]] PlannedUnit unit(const protocol::LinkAddress& address, const std::string& serial_number) const {
     return {"", {address, "plan"}, serial_number, params, map};

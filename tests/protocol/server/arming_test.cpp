@@ -31,6 +31,12 @@ std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1
   return events;
 }
 
+/// The error with which a window is opened.
+UnitError opened(RegisterServer& server, const WindowOpen& window) {
+  REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
+  return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+}
+
 }  // namespace
 
 TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, what stops does not") {
@@ -56,16 +62,12 @@ TEST_CASE("memory takes no window, and no block of an open one, from a host that
   (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
-  const auto opened = [&] {
-    REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
-    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
-  };
-  CHECK(opened() == UnitError::none);
+  CHECK(opened(server, window) == UnitError::none);
   model.unit_clock.ms += 60'000;
   const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
   const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
   CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
-  CHECK(opened() == UnitError::not_armed);
+  CHECK(opened(server, window) == UnitError::not_armed);
   CHECK(model.bank_a[0] == 0);
 }
 
@@ -76,7 +78,7 @@ TEST_CASE("a block that comes first after a start of the unit is of no armed hos
   (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   const WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
-  REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
+  CHECK(opened(server, window) == UnitError::none);
   ++model.unit_clock.starts;
   const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
   const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
@@ -105,17 +107,13 @@ TEST_CASE("a window of a host that is not armed leaves that of an armed one open
   (void)armed.give(arming(armed, kShownCode));
   const WindowOpen window{5,     kBankA.first,   4, armed.give({.code = CommandCode::begin_staging}).token,
                           false, armed.session()};
-  const auto opened = [&](const WindowOpen& one) {
-    REQUIRE(server.write(kWindowOpen.first, registers_of(one, 0)).has_value());
-    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
-  };
-  CHECK(opened(window) == UnitError::none);
+  CHECK(opened(server, window) == UnitError::none);
   WindowOpen other = window;
   other.tag = 6;
   other.session = stranger.session();
-  CHECK(opened(other) == UnitError::not_armed);
+  CHECK(opened(server, other) == UnitError::not_armed);
   other.session = 12345;
-  CHECK(opened(other) == UnitError::session_unknown);
+  CHECK(opened(server, other) == UnitError::session_unknown);
   const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
   other.session = stranger.session();
   other.tag = window.tag;
@@ -123,7 +121,7 @@ TEST_CASE("a window of a host that is not armed leaves that of an armed one open
   CHECK(server.write(kBlockWrite.first, forged).error() == ModbusException::illegal_value);
   const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
   CHECK(server.write(kBlockWrite.first, block).has_value());
-  CHECK(opened(window) == UnitError::none);
+  CHECK(opened(server, window) == UnitError::none);
   CHECK(model.bank_a[3] == 4);
 }
 

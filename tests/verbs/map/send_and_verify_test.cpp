@@ -9,6 +9,7 @@
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
 #include "params/parameters_toml.hpp"
+#include "tests/support/short_lathe.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -16,32 +17,12 @@ namespace {
 
 using doctest::Approx;
 
-const char* const kLathe = R"(
-[identity]
-machine = "short lathe"
-serial_number = "MCM-0107"
-[configuration]
-chain = "TX"
-axes = "X"
-[compensation]
-scope = "linear"
-[axis.X]
-transducer = "encoder"
-# end of parameters
-)";
-
-/// Positioning of X, −200 … 0 mm, 0.1 um per mm and 2 um of reversal; one run.
-std::string exx(const std::string& metadata = "") {
-  std::string text = metadata + "axis,sense,x_mm,reading,approach\n";
-  for (const int approach : {1, -1})
-    for (int x = -200; x <= 0; x += 50) text += fmt::format("X,EX,{},{},{}\n", x, 0.1 * x + approach, approach);
-  return text;
-}
+const std::string kLathe = short_lathe("MCM-0107");
 
 struct MapWorkspace {
   StateFolder folder;
   std::string params = folder.with("p.toml", kLathe);
-  std::string data = folder.with("exx.csv", exx());
+  std::string data = folder.with("exx.csv", lathe_readings());
   std::string map = folder / "map.csv";
   [[nodiscard]] Ran build(std::vector<std::string> more = {}) const {
     std::vector<std::string> words{"map", "build", data, "--params", params, "-o", map};
@@ -216,7 +197,7 @@ TEST_CASE("a map whose header names neither machine nor serial number, or no con
 
 TEST_CASE("build warns of readings from another machine than the parameters, in words of a verb that sends nothing") {
   const MapWorkspace workspace;
-  const std::string other = workspace.folder.with("other.csv", exx("# machine: long lathe\n"));
+  const std::string other = workspace.folder.with("other.csv", lathe_readings("# machine: long lathe\n"));
   const Ran r = ran({"map", "build", other, "--params", workspace.params, "-o", workspace.map});
   CHECK(r.code == 0);
   CHECK(r.messages.find("the map was made for machine \"long lathe\", [identity] of the parameters says \"short "
