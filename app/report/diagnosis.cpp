@@ -71,6 +71,7 @@ ReportedEffect effect_of(const Json& object) {
   if (effect) {
     out.place = place_text(*effect);
     out.title = effect->definition().title;
+    out.facts = commissioning::facts_of(effect->definition());
   }
   out.named = member(object, "named") == Json(true);
   if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);

@@ -8,15 +8,17 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "model/diagnosis/diagnose.hpp"
 
 namespace ecs::app {
 
 struct ReportedEffect {
-  std::string place;                    ///< "cyclic:X:EX, reverse"
-  std::string title;                    ///< "Periodic error"
-  bool named = false;                   ///< part of the answer
-  std::vector<std::string> parameters;  ///< "period 8.00 ± 0.02 mm"
+  std::string place;                             ///< "cyclic:X:EX, reverse"
+  std::string title;                             ///< "Periodic error"
+  std::vector<commissioning::EffectFact> facts;  ///< cause, what to check, how it is compensated …
+  bool named = false;                            ///< part of the answer
+  std::vector<std::string> parameters;           ///< "period 8.00 ± 0.02 mm"
   std::optional<double> rms_after_um;
   std::optional<double> explained;
   std::optional<double> held_out_before_um;

@@ -10,6 +10,7 @@
 #include "commissioning/measurements/summary.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/what_if.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
@@ -88,11 +89,8 @@ Markup directions_table(const ReportedModel& model) {
 
 Markup model_prediction(const ReportedModel& model) {
   return element("h3", "By the error model") +
-         paragraph_of(fmt::format("{} ({}). Compensating all that the unit can carry of the model would bring the rms "
-                                  "from {} to {} (largest reading {}), scatter included.",
-                                  counted(model.readings, "reading", "readings"), model.data,
-                                  um(model.what_if.rms_now_um), um(model.what_if.rms_after_um),
-                                  um(model.what_if.peak_after_um))) +
+         paragraph_of(fmt::format("{} ({}). {}", counted(model.readings, "reading", "readings"), model.data,
+                                  unit_text(what_if_summary(model.what_if, model.model)))) +
          directions_table(model);
 }
 
@@ -131,6 +129,9 @@ Markup details(const ReportedDiagnosis& d) {
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
     if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
     if (!effect.because.empty()) body += paragraph_of(unit_text(effect.because));
+    std::vector<std::string> facts;
+    for (const EffectFact& fact : effect.facts) facts.push_back(fmt::format("{}: {}", fact.label, fact.text));
+    if (!facts.empty()) body += list_of(facts);
     body += paragraph_of(effect.rivals.empty()
                              ? "No other effect of the library does the same on these data."
                              : fmt::format("Cannot be distinguished from: {}.", fmt::join(effect.rivals, ", ")));

@@ -100,6 +100,7 @@ svg .mark.fwd { fill: var(--fwd); }
 svg .mark.rev { fill: var(--paper); }
 svg .mark.bid { fill: var(--ink); }
 svg .bar { fill: var(--fwd); }
+svg .bar.before { fill: var(--ink); opacity: 0.22; }
 svg .level { stroke: var(--ink); stroke-width: 1; stroke-dasharray: 4 3; }
 footer { margin-top: 8mm; border-top: .8pt solid var(--rule); padding-top: 2mm; color: var(--soft); font-size: 8pt; }
 @media screen and (max-width: 720px) { table { display: block; overflow-x: auto; } body { padding: 0 3mm; } }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/report/sections.hpp"
+#include "app/report/svg.hpp"
 
 namespace ecs::app {
 namespace {
@@ -43,6 +44,25 @@ Markup summary_table(const std::vector<TableRow>& rows, const std::vector<std::s
   return table.markup();
 }
 
+/// Error bands before and after as bars, those of one unit on one scale; nothing where none was measured both times.
+Markup bands_figure(const std::vector<TableRow>& rows, std::string_view unit) {
+  PlotPanel panel;
+  PlotSeries before{"before", Mark::bar, {}}, after{"after", Mark::bar, {}};
+  for (const TableRow& row : rows) {
+    if (laser::unit_of(row.planned.sense) != unit || !row.before || !row.after) continue;
+    const double place = static_cast<double>(panel.x_names.size());
+    panel.x_names.push_back(row.planned.name);
+    before.points.push_back({place, row.before->readings.band});
+    after.points.push_back({place, row.after->readings.band});
+    const int decimals = decimals_of(row);
+    after.labels.push_back(fmt::format("{:.{}f} → {:.{}f} {}", row.before->readings.band, decimals,
+                                       row.after->readings.band, decimals, unit_text(unit)));
+  }
+  if (panel.x_names.empty()) return {};
+  panel.series = {std::move(before), std::move(after)};
+  return element("figure", inline_svg({"Error band before (pale) and after (solid)", {std::move(panel)}, 1, false}));
+}
+
 std::string_view tone_of(const Judgement& j) {
   if (j.missing > 0 || j.within < j.judged) return "class=\"verdict open\"";
   return j.judged > 0 ? "class=\"verdict good\"" : "class=\"verdict\"";
@@ -56,9 +76,12 @@ ReportSection summary_section(const ReportContent& content, const Judgement& jud
                         element("strong", judgement.sentence) +
                             (judgement.worst_sentence.empty() ? Markup() : element("p", judgement.worst_sentence)),
                         tone_of(judgement));
+  for (const std::string_view unit : {laser::unit_of(Sense::EX), laser::unit_of(Sense::EA)})
+    body += bands_figure(content.rows, unit);
   body += Markup::literal("\n") + summary_table(content.rows, ids);
   body += paragraph_of(
-      "Before, after: error band, the largest minus the smallest of all readings, both approaches and all runs, after "
+      "Bars: pale before, solid after. Before, after: error band, the largest minus the smallest of all readings, both "
+      "approaches and all runs, after "
       "the slope named with each component is removed. Ratio: before over after. E, R: systematic deviation and "
       "repeatability by ISO 230-2 of what is left; where R is most of the band, no map can take more away." +
           std::string(content.planned ? " Limit: the largest band that the plan allows or cites as published." : ""),

@@ -162,12 +162,12 @@ std::string curves_svg(const PlotFigure& figure) {
 
 constexpr double kBarRow = 19.0, kBarNames = 190.0, kBarValues = 86.0;
 
-std::string one_bar(std::size_t row, double width, const std::string& name, const std::string& label) {
-  const double y = kBarRow * static_cast<double>(row) + 2.0;
-  return label_svg(kBarNames - 6.0, y + 11.5, "tick end", name) +
-         fmt::format("<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", kBarNames,
-                     y, std::max(0.5, width), kBarRow - 4.0) +
-         label_svg(kBarNames + width + 5.0, y + 11.5, "tick", label);
+/// @param front  in front of another bar of the same row: half as high
+std::string one_bar(std::size_t row, double width, bool front, bool behind) {
+  const double height = front ? (kBarRow - 4.0) / 2.0 : kBarRow - 4.0;
+  const double y = kBarRow * static_cast<double>(row) + (kBarRow - height) / 2.0;
+  return fmt::format("<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+                     behind ? "bar before" : "bar", kBarNames, y, std::max(0.5, width), height);
 }
 
 std::string level_svg(double x, double height, const std::string& name) {
@@ -183,12 +183,30 @@ std::string bars_svg(const PlotFigure& figure) {
   const bool has_level = has(figure, Mark::level);
   const double height = kBarRow * static_cast<double>(panel.x_names.size()) + (has_level ? 20.0 : 4.0);
   std::string svg = open_svg(height, figure.title);
+  std::vector<double> ends(panel.x_names.size(), 0.0);
+  const auto text_at = [&](std::size_t row, double x, const char* style, const std::string& words) {
+    svg += label_svg(x, kBarRow * static_cast<double>(row) + 13.5, style, words);
+  };
+  const auto bars = std::count_if(panel.series.begin(), panel.series.end(),
+                                  [](const PlotSeries& series) { return series.mark == Mark::bar; });
+  for (std::size_t row = 0; row < panel.x_names.size(); ++row)
+    text_at(row, kBarNames - 6.0, "tick end", panel.x_names[row]);
   for (const PlotSeries& series : panel.series) {
-    for (std::size_t i = 0; series.mark == Mark::bar && i < series.points.size(); ++i)
-      svg += one_bar(i, scale * series.points[i].y, panel.x_names[i], i < series.labels.size() ? series.labels[i] : "");
+    const bool first = &series == &panel.series.front();
+    for (const PlotPoint& point : series.points) {
+      if (series.mark != Mark::bar) break;
+      const auto row = static_cast<std::size_t>(point.x);
+      svg += one_bar(row, scale * point.y, !first, first && bars > 1);
+      ends[row] = std::max(ends[row], scale * point.y);
+    }
     if (series.mark == Mark::level && !series.points.empty())
       svg += level_svg(kBarNames + scale * series.points.front().y, height, series.name);
   }
+  for (const PlotSeries& series : panel.series)
+    for (std::size_t i = 0; i < series.labels.size(); ++i) {
+      const auto row = static_cast<std::size_t>(series.points[i].x);
+      text_at(row, kBarNames + ends[row] + 5.0, "tick", series.labels[i]);
+    }
   return svg;
 }
 

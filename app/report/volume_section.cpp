@@ -64,8 +64,8 @@ std::string volume_sentence(const PredictedVolume& volume) {
       fmt::format("{} (rms {})", size(volume.after.largest_um[kAxes]), size(volume.after.rms_um[kAxes]));
   if (volume.from_map())
     return fmt::format(
-        "{}; of what the map holds {} stay after. What it does not hold stays as well and is not in "
-        "these figures.",
+        "{}. The unit puts out all that the map holds but {}: that is rounding and interpolation. What stays after "
+        "compensation is what the map does not hold; an error model (--model) or a measurement tells it.",
         before, after);
   return fmt::format("{} and {} after.", before, after);
 }
@@ -73,7 +73,7 @@ std::string volume_sentence(const PredictedVolume& volume) {
 ReportSection volume_section(const ReportContent& content) {
   if (!content.volume) return {"volume", kVolumeTitle, {}, content.no_volume};
   const PredictedVolume& volume = *content.volume;
-  Markup body = paragraph_of(volume_sentence(volume), "class=\"lead\"");
+  Markup body = paragraph_of(volume_sentence(volume), volume.from_map() ? "" : "class=\"lead\"");
   std::string how = fmt::format(
       "{} in {}{}, all axes arriving forward, then all in reverse; counted from the reference point, as a work offset "
       "is. After: what the unit puts out with these parameters and the whole map. Nothing was measured across the "

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
@@ -105,8 +106,12 @@ void ModelController::start_diagnosis() {
   const auto work = [model = model_, data = work_](JobControl& control) {
     model::DiagnoseOptions options;
     options.cancelled = &control.cancelled;
-    Diagnosed found{model::diagnose(model, data->data, options), {}};
-    if (found.diagnosis && !control.cancelled)
+    Diagnosed found{model::diagnose(model, data->data, options), {}, {}};
+    if (!found.diagnosis || control.cancelled) return found;
+    if (auto ties = model::decided_ties(model, data->data)) found.ties = std::move(*ties);
+    if (const auto settled = model::nothing_in_doubt(*found.diagnosis))
+      found.next.notes.push_back(*settled);
+    else
       found.next = model::next_measurement(model, data->data, *found.diagnosis);
     return found;
   };
@@ -435,6 +440,18 @@ void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
   next_ = std::move(found.next);
+  if (found.ties && !found.ties->notes.empty()) take(*found.ties);
+}
+
+void ModelController::take(const model::DecidedTies& ties) {
+  message_.say(fmt::format("{}", fmt::join(ties.notes, "; ")));
+  if (ties.model.effects == model_.effects) return;
+  past_.push_back({"what these readings decide", model_});
+  future_.clear();
+  for (std::size_t i = 0; i < model_.effects.size(); ++i)
+    model_.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
+  changed_ = true;
+  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
 }
 
 bool ModelController::advance() {

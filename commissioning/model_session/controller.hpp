@@ -19,6 +19,7 @@
 #include "commissioning/session/task_runner.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
+#include "model/diagnosis/ties.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::commissioning {
@@ -134,10 +135,12 @@ class ModelController {
   struct Diagnosed {
     Result<model::Diagnosis> diagnosis;
     model::NextMeasurement next;
+    std::optional<model::DecidedTies> ties;  ///< of the model, by these readings
   };
   using Lines = std::vector<std::string>;
   ModelController() = default;
   void step_over(Steps& from, Steps& to, const char* label);
+  void take(const model::DecidedTies& ties);
   /// @param rivals  that the data cannot tell it from: kept with it
   void start_adding(const model::AddRequest& request, const std::string& name,
                     const std::vector<model::EffectInstance>& rivals);

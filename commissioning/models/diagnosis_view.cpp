@@ -82,6 +82,13 @@ std::string values_text(const Candidate& c) {
   return fmt::format("{} {}{}: all fit as well", searched, all, found->second.size() > kMostShown ? " and more" : "");
 }
 
+/// In front of the numbers of its row, which is the next where the name is longer.
+std::string place_in_table(const model::EffectInstance& effect) {
+  constexpr int kRoom = 30;
+  const std::string name = place_text(effect);
+  return name.size() <= kRoom ? padded(name, kRoom) : name + "\n" + std::string(kRoom, ' ');
+}
+
 /// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
 Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
   Json values = Json::object(), sigmas = Json::object();
@@ -94,7 +101,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
   for (const model::EffectInstance& rival : c.rivals) rivals.push_back(place_text(rival));
   AnswerFields fields{
       {"", {effect_json(c.effect), ""}},
-      {"place", shown_cell(padded(place_text(c.effect), 30))},
+      {"place", shown_cell(place_in_table(c.effect))},
       {"parameters", {values, details(!c.parameters.empty(), parameters_text(c.parameters))}},
       {"sigma", {sigmas, ""}},
       {"named", {c.named, ""}},

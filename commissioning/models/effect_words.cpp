@@ -52,6 +52,7 @@ std::vector<EffectFact> facts_of(const model::EffectDefinition& effect) {
   return {{"formula", std::string(effect.formula)},
           {"cause", std::string(effect.cause)},
           {"distinguished by", std::string(effect.tells_apart)},
+          {"check", std::string(effect.check)},
           {"compensated", fmt::format("{}; {}", carrier_text(effect.carrier), effect.how)}};
 }
 
@@ -63,7 +64,7 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   const auto rivals = places_of(candidate.rivals);
   facts.push_back({"could also be", rivals.empty() ? "nothing else of the library fits these data as well"
                                                    : fmt::format("{}", fmt::join(rivals, ", "))});
-  if (!candidate.next_measurement.empty()) facts.push_back({"check at the machine", candidate.next_measurement});
+  if (!candidate.next_measurement.empty()) facts.push_back({"next measurement", candidate.next_measurement});
   return facts;
 }
 

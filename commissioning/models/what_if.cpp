@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/paragraph.hpp"
 #include "commissioning/models/effect_words.hpp"
@@ -43,7 +44,8 @@ Cell effects_cell(const WhatIfAnswer& answer) {
     const AnswerFields fields{
         {"effect", {share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)}},
         {"rms_um", number_cell(share.rms_um, 3)},
-        {"carried", yes_cell(share.carried, "", "NOT CARRIED: ")},
+        {"carried", yes_cell(share.carried, "", share.of_measurement ? "" : "NOT CARRIED: ")},
+        {"of_measurement", {share.of_measurement, ""}},
         {"how", word_cell(share.how)}};
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
@@ -118,16 +120,32 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
                       *again, notes_on(work, *again), work.model};
 }
 
+std::string what_if_summary(const model::WhatIf& what, const model::Model& model) {
+  std::string text = fmt::format(
+      "Compensating all that the unit can would bring the rms of the readings from {:.3f} to {:.3f} um (peak {:.3f} "
+      "um), noise included.",
+      what.rms_now_um, what.rms_after_um, what.peak_after_um);
+  std::vector<std::string> machine, measurement;
+  for (const model::WhatIf::Share& share : what.shares)
+    if (!share.carried)
+      (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
+  text += fmt::format(" The machine would keep {:.3f} um rms: {}noise and what the model does not explain.",
+                      what.machine_um, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
+  if (!measurement.empty())
+    text += fmt::format(" {:.3f} um rms belong to the measurement, not to the machine: {}.", what.measurement_um,
+                        fmt::join(measurement, ", "));
+  return text;
+}
+
 Cell what_if_cell(const WhatIfAnswer& answer) {
-  const std::string summary =
-      paragraph(fmt::format("Compensating all that the unit can would bring the rms from {:.3f} to {:.3f} um (peak "
-                            "{:.3f} um), noise included.",
-                            answer.what.rms_now_um, answer.what.rms_after_um, answer.what.peak_after_um));
+  const std::string summary = paragraph(what_if_summary(answer.what, answer.model));
   return record_cell("{summary}{achieved}\n{effects}\n{directions}{notes}",
                      {{"summary", shown_cell(summary)},
                       {"rms_now_um", {number_or_null(answer.what.rms_now_um), ""}},
                       {"rms_after_um", {number_or_null(answer.what.rms_after_um), ""}},
                       {"peak_after_um", {number_or_null(answer.what.peak_after_um), ""}},
+                      {"machine_um", {number_or_null(answer.what.machine_um), ""}},
+                      {"measurement_um", {number_or_null(answer.what.measurement_um), ""}},
                       {"effects", effects_cell(answer)},
                       {"directions", directions_cell(answer)},
                       {"achieved", achieved_cell(answer)},

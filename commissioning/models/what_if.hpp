@@ -35,6 +35,10 @@ struct WhatIfAnswer {
                                                   const std::string& model_file, const std::vector<std::string>& after,
                                                   const ImportArguments& import);
 
+/// "Compensating all that the unit can would bring … Of that the machine keeps …, … belong to the measurement": for
+/// the verb, the screen and the report.
+[[nodiscard]] std::string what_if_summary(const model::WhatIf& what, const model::Model& model);
+
 /// Its text has 80 columns.
 [[nodiscard]] Cell what_if_cell(const WhatIfAnswer& answer);
 

@@ -19,7 +19,7 @@ enum class Mark {
   reading,          ///< small open circles, no line
   value,            ///< filled circles, no line
   spread,           ///< points in pairs of equal x: a grey bar from the lower to the upper
-  bar,              ///< a filled bar from zero
+  bar,              ///< a filled bar from zero; that of a later series in front, half as high
   level,            ///< a thick dashed line without marks, such as a limit
 };
 

@@ -116,12 +116,23 @@ void check_parameters(const Member& member, const EffectFit& fit, Check& check) 
   }
 }
 
-void check_member(const Member& member, const Regressors& regressors, const Base& base, const LinearProblem& model,
-                  const FittedWith& after, Check& check) {
+/// What the claim's model leaves without and with what is named.
+struct Recomputed {
+  const Model& model;
+  const LinearProblem& problem;
+  const Eigen::VectorXd& before;
+  const FittedWith& after;
+  bool plain = false;
+};
+
+void check_member(const Member& member, const Regressors& regressors, const Recomputed& now, Check& check) {
+  const FittedWith& after = now.after;
   const Observations& data = regressors.data();
   const std::string name = to_text(member.effect) + " ";
-  const LinearProblem problem = joined_with(model, columns_on(regressors, member.effect, member.choice));
-  const TrialNumbers numbers = trial_numbers(problem, base, after, Whitener(data, after.noise, after.left_out));
+  const LinearProblem problem = joined_with(now.problem, columns_on(regressors, member.effect, member.choice));
+  const Eigen::VectorXd left = residual_with(now.model, {member.effect, member.choice}, problem,
+                                             Whitener(data, after.noise, after.left_out), data, now.plain);
+  const TrialNumbers numbers = trial_numbers(now.before, left, after);
   const Candidate& claimed = member.claimed;
   check_number(check, name + "rms_after_um", claimed.rms_after_um, numbers.rms_after_um);
   check_number(check, name + "explained", claimed.explained, numbers.explained);
@@ -133,7 +144,7 @@ void check_member(const Member& member, const Regressors& regressors, const Base
   if (claimed.held_out_rms_um)
     check_number(check, name + "held_out_rms_um", claimed.held_out_rms_um, held_out(problem));
   if (claimed.held_out_rms_before_um)
-    check_number(check, name + "held_out_rms_before_um", claimed.held_out_rms_before_um, held_out(model));
+    check_number(check, name + "held_out_rms_before_um", claimed.held_out_rms_before_um, held_out(now.problem));
 }
 
 /// The searched terms of the model that are free each have one value.
@@ -158,7 +169,8 @@ Result<Check> checked(const Model& model, const Observations& data, const Claim&
   if (!base) return tl::unexpected(base.error());
   Check check;
   check_number(check, "observations", static_cast<double>(claim.observations), static_cast<double>(data.size()));
-  check_number(check, "rms_um", claim.rms_um, rms_of(base->residual));
+  const Eigen::VectorXd before = told_residual(model, data, claim.plain, base->residual);
+  check_number(check, "rms_um", claim.rms_um, rms_of(before));
   const std::vector<Member> members = members_of(claim, model, regressors, check);
   if (!own_terms_fit(claim, *base)) {
     if (!members.empty()) check.objections.emplace_back("own_terms are not the free searched terms of the model");
@@ -169,12 +181,12 @@ Result<Check> checked(const Model& model, const Observations& data, const Claim&
     if (member.claimed.named) named.push_back({member.effect, member.choice});
   const auto after = fitted_with(model, claim.own_terms, named, regressors, claim.plain);
   if (!after) return tl::unexpected(after.error());
-  check_number(check, "rms_after_um", claim.rms_after_um, after->fit.rms_um);
+  check_number(check, "rms_after_um", claim.rms_after_um, rms_of(after->left));
   const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
   std::size_t place = model.effects.size();
   for (const Member& member : members) {
     if (!member.claimed.named) continue;
-    check_member(member, regressors, *base, alone, *after, check);
+    check_member(member, regressors, {model, alone, before, *after, claim.plain}, check);
     check_parameters(member, after->fit.effects[place++], check);
   }
   if (named.empty()) return check;

@@ -150,6 +150,7 @@ struct ReportInput {
   const Model& model;
   const Regressors& regressors;
   const Base& base;
+  const VectorXd before;            ///< what the model leaves: told_residual()
   const std::vector<OwnTerm>& own;  ///< where the solution has them
   const LinearProblem problem;      ///< of the model with them
   const Found& found;
@@ -162,7 +163,9 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.effect = ranked.effect;
   candidate.named = ranked.named;
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
-  const TrialNumbers numbers = trial_numbers(problem, in.base, after, whitener);
+  const VectorXd left = residual_with(in.model, {ranked.effect, ranked.choice}, problem, whitener, in.regressors.data(),
+                                      in.options.plain);
+  const TrialNumbers numbers = trial_numbers(in.before, left, after);
   candidate.rms_after_um = numbers.rms_after_um;
   candidate.explained = numbers.explained;
   candidate.kept_rms_before_um = numbers.kept_rms_before_um;
@@ -246,9 +249,8 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
     one.strength = share_of(variable, residual, noise.pure.noise_um);
     for (const StructureTest& test : tests)
       if (test.variable == variable.name) one.p_value = probability_from(test.minus_log_p);
-    const ResidualView view =
-        residual_view(data, std::vector<double>(residual.data(), residual.data() + residual.size()),
-                      noise.pure.noise_um, variable.name, kMostBins);
+    const ResidualView view = residual_view(
+        data, std::vector<double>(residual.data(), residual.data() + residual.size()), variable.name, kMostBins);
     for (const ResidualBin& bin : view.bins) {
       one.at.push_back(0.5 * (bin.from + bin.to));
       one.mean_um.push_back(bin.mean_um);
@@ -328,9 +330,7 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
     ++named;
   }
   if (named < 2) return std::nullopt;
-  const VectorXd residual =
-      Eigen::Map<const VectorXd>(with.fit.residual.data(), static_cast<Index>(with.fit.residual.size()));
-  return JointProof{rms_without(residual, with.left_out), held_out_before,
+  return JointProof{rms_without(with.left, with.left_out), held_out_before,
                     held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
 }
 
@@ -338,7 +338,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const Observations& data = in.regressors.data();
   Diagnosis diagnosis;
   diagnosis.observations = data.size();
-  diagnosis.rms_um = rms_of(in.base.residual);
+  diagnosis.rms_um = rms_of(in.before);
   diagnosis.verdict = verdict_of(in.found, in.options);
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
@@ -355,9 +355,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
     if (ranked.named) named.push_back({ranked.effect, ranked.choice});
   const auto with = fitted_with(in.model, in.own, named, in.regressors, in.options.plain);
   if (!with) return tl::unexpected(with.error());
-  const auto& [after, noise, left_out] = *with;
+  const auto& [after, left, noise, left_out] = *with;
   const Whitener whitener(data, noise, left_out);
-  diagnosis.rms_after_um = after.rms_um;
+  diagnosis.rms_after_um = rms_of(left);
   diagnosis.noise = noise.pure;
   diagnosis.outliers = after.outliers;
   diagnosis.lack_of_fit =
@@ -381,7 +381,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   }
   const auto joint = joint_proof(in, order, *with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
-  diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
+  diagnosis.where = dependences(data, in.before, noise, in.found.before);
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy)
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   diagnosis.notes = untried_effects(data);
@@ -426,7 +426,8 @@ Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const 
     std::vector<OwnTerm> own;
     for (const Choice& term : found.solution.own)
       own.push_back({base->own[term.family - found.candidates_tried], term.nonlinear});
-    return reported({model, regressors, *base, own, problem_with_own(model, *base, regressors, own), found, options});
+    return reported({model, regressors, *base, told_residual(model, data, options.plain, base->residual), own,
+                     problem_with_own(model, *base, regressors, own), found, options});
   };
   if (data.size() <= options.largest_search)
     return report(searched(model, regressors, *base, all_candidates(model, regressors), options));

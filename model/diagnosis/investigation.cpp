@@ -1,6 +1,4 @@
-// The level that a score must exceed, from replicates of noise searched in the same way (parametric bootstrap: Efron
-// and Tibshirani 1993, 6.5; the largest of all tests: Westfall and Young 1993; drawn until a bet on them is lost:
-// Fischer and Ramdas 2025), noise and search in turn until neither moves.
+// Noise and search in turn until neither moves; the level that a score must exceed is that of noise_level.cpp.
 #include "model/diagnosis/investigation.hpp"
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "model/diagnosis/e_value.hpp"
+#include "model/diagnosis/noise_level.hpp"
 #include "model/diagnosis/wander.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
@@ -23,24 +22,18 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well (400
+/// Squares of the noise per reading below which nothing is named: no noise is known that well (400
 /// repeats know its square to 7 %).
 constexpr double kLeastShare = 0.07;
-/// What refining a period and adding harmonics may gain on noise, which the replicates are not given: χ² of two
-/// degrees exceeds it in one case of twenty. A choice.
-constexpr double kRefinement = 6.0;
-/// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be. A
-/// choice, on the safe side of naming.
+/// Squares of the noise per reading below which nothing is called structure, which any misjudged noise resembles, and
+/// how much rarer than a false name it is to be. A choice, on the safe side of naming.
 constexpr double kLeastStructure = 0.08;
 constexpr double kStructureChance = 0.4;
-/// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
+/// Squares of the noise per reading that a third effect must explain, which a mixture of two nearly right ones calls
+/// for too easily.
 constexpr double kLateShare = 0.3;
-/// An effect scores at least this (beyond kRefinement), whatever the replicates: e^(8/2) = 55 to 1 by Schwarz's
-/// approximation of the Bayes factor.
-constexpr double kLeastEntry = 8.0;
 /// Noise that changed by more than this is looked at again; kMostRounds times, then it is what it is.
 constexpr double kNoiseFell = 0.85, kNoiseRose = 1.15;
 /// Part of the freedom of repeats that a test of structure relies on: correlated repeats tell less than their number. A
@@ -49,15 +42,8 @@ constexpr double kFreedomOfTests = 0.6;
 /// Structure that a named effect may leave: this share of what it explains, for the shapes of the library are not
 /// exact, and at most so many squares of the noise. Choices.
 constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
-/// Scores of noise are between these; sixty halvings of that find the level to the last digit.
-constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
-constexpr int kHalvings = 60;
 /// Below this e-value readings that an effect was not fitted to speak against it rather than for it.
 constexpr double kSpeaksAgainst = 1.0;
-/// Replicates drawn before it is asked whether noise explains all: few, for most data sets of a healthy machine end
-/// there. A bet that their chance is rare is lost with this wealth: it would be won back in one case of a hundred.
-constexpr std::size_t kFirstReplicates = 40;
-constexpr double kRareChance = 0.1, kLost = 0.01;
 /// Tests of structure are held against so many times the replicates that are searched: they are cheap, and their limit
 /// is further out.
 constexpr std::size_t kStructureReplicates = 2;
@@ -67,47 +53,6 @@ constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0, kLeastFreedomBeside = 12.0;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
-
-/// Replicates of noise, whitened, what the model absorbs taken off.
-class Replicates {
- public:
-  Replicates(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-             const Whitener& whitener, const Space& base)
-      : noise_(data, noise, left_out), whitener_(whitener), base_(base), drawn_(base.y.size(), 0) {}
-  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(drawn_.cols()); }
-  [[nodiscard]] const MatrixXf& all() const { return drawn_; }
-  void draw_up_to(std::size_t count) {
-    if (count <= size()) return;
-    const MatrixXf fresh = without(base_.q, whitener_(noise_.next(count - size())).cast<float>());
-    drawn_.conservativeResize(Eigen::NoChange, drawn_.cols() + fresh.cols());
-    drawn_.rightCols(fresh.cols()) = fresh;
-  }
-  /// All of them, what `space` absorbs taken off.
-  [[nodiscard]] MatrixXf beside(const Space& space) const { return without(space.q, drawn_); }
-
- private:
-  static MatrixXf without(const MatrixXd& q, MatrixXf columns) {
-    if (q.cols() == 0) return columns;
-    const MatrixXf qf = q.cast<float>();
-    const MatrixXf products = qf.transpose() * columns;
-    columns.noalias() -= qf * products;
-    return columns;
-  }
-  SimulatedNoise noise_;
-  const Whitener& whitener_;
-  const Space& base_;
-  MatrixXf drawn_;
-};
-
-/// Least score that noise alone reaches with at most the given chance.
-double score_at(const std::vector<double>& replicate_scores, double chance) {
-  double low = kLowestScore, high = kHighestScore;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (tail_probability(replicate_scores, middle) > chance ? low : high) = middle;
-  }
-  return high;
-}
 
 MatrixXd beside(MatrixXd columns, const MatrixXd& more) {
   columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
@@ -124,63 +69,6 @@ LinearProblem joined(const Base& base, const Search& search, const Solution& sol
       all.columns = beside(std::move(all.columns), columns.of);
     }
   return all;
-}
-
-double largest_of(const std::vector<StructureTest>& tests) {
-  double largest = 0.0;
-  for (const StructureTest& test : tests) largest = std::max(largest, test.minus_log_p);
-  return largest;
-}
-
-/// Whether so many replicates of noise reach a value that it is not worth drawing more.
-bool loses_to_noise(double value, const std::vector<double>& replicates) {
-  const auto reached = static_cast<std::size_t>(
-      std::count_if(replicates.begin(), replicates.end(), [&](double replicate) { return replicate >= value; }));
-  return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
-}
-
-/// The score that an effect must reach; beyond all where noise explains everything.
-void find_level(const Search& search, const Structure& structure, Replicates& replicates,
-                const DiagnoseOptions& options, Found& found) {
-  const Space& alone = search.alone().space;
-  replicates.draw_up_to(std::min(kFirstReplicates, options.noise_replicates));
-  found.replicate_scores = search.best_scores(replicates.all());
-  found.entry_score = kBeyondAll;
-  const MatrixXf what_is_left = alone.y.cast<float>();
-  if (loses_to_noise(search.best_scores(what_is_left).front(), found.replicate_scores) &&
-      loses_to_noise(largest_of(found.before), structure.largest_of(alone, replicates.beside(alone))))
-    return;
-  replicates.draw_up_to(options.noise_replicates);
-  const auto more = static_cast<Index>(replicates.size() - found.replicate_scores.size());
-  const std::vector<double> scores = search.best_scores(replicates.all().rightCols(more));
-  found.replicate_scores.insert(found.replicate_scores.end(), scores.begin(), scores.end());
-  found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
-}
-
-/// Columns of noise, each as large as `freedom` independent values of size one.
-MatrixXf of_size_one(MatrixXf sets, double freedom) {
-  for (Index b = 0; b < sets.cols(); ++b)
-    sets.col(b) *= static_cast<float>(std::sqrt(freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
-  return sets;
-}
-
-/// Whether the best effect explains more of what the model leaves than any does of noise of the same size: the ratio of
-/// likelihoods where the size of the noise is not known (its logarithm is that of the F test).
-bool explains_more_than_of_noise(const Search& search, const Space& space, Replicates& replicates, const Choice& best,
-                                 double freedom, const DiagnoseOptions& options) {
-  const auto ratio = [&](double share) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); };
-  const double here = ratio(best.gain / space.chi2()) - best.cost;
-  std::vector<double> of_noise;
-  const auto look_at = [&](std::size_t count) {
-    replicates.draw_up_to(count);
-    const auto more = static_cast<Index>(replicates.size() - of_noise.size());
-    for (const double score : search.best_scores(of_size_one(replicates.all().rightCols(more), freedom)))
-      of_noise.push_back(ratio((score + best.cost) / freedom) - best.cost);
-  };
-  look_at(std::min(kFirstReplicates, options.noise_replicates));
-  if (loses_to_noise(here, of_noise)) return false;
-  look_at(options.noise_replicates);
-  return here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
 }
 
 /// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.

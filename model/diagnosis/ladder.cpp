@@ -188,23 +188,30 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
   auto fitted_model = fit(model, data);
   if (!fitted_model) return tl::unexpected(fitted_model.error());
   WhatIf what;
-  std::vector<double> left(data.reading);
-  double now = 0.0, after = 0.0;
+  std::vector<double> left(data.reading), of_measurement(data.size(), 0.0);
   for (const EffectFit& effect : fitted_model->effects) {
     const EffectDefinition& definition = effect.effect.definition();
     const bool carried = definition.is_carried();
-    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, std::string(definition.how)});
-    if (!carried) continue;
-    for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
+    const bool measured = definition.traits.of_measurement;
+    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, measured, std::string(definition.how)});
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      if (carried) left[k] -= effect.contribution[k];
+      if (measured) of_measurement[k] += effect.contribution[k];
+    }
   }
+  double now = 0.0, after = 0.0, machine = 0.0, measurement = 0.0;
   for (std::size_t k = 0; k < left.size(); ++k) {
     now += data.reading[k] * data.reading[k];
     after += left[k] * left[k];
+    machine += (left[k] - of_measurement[k]) * (left[k] - of_measurement[k]);
+    measurement += of_measurement[k] * of_measurement[k];
     what.peak_after_um = std::max(what.peak_after_um, std::abs(left[k]));
   }
   const double n = std::max(1.0, static_cast<double>(left.size()));
   what.rms_now_um = std::sqrt(now / n);
   what.rms_after_um = std::sqrt(after / n);
+  what.machine_um = std::sqrt(machine / n);
+  what.measurement_um = std::sqrt(measurement / n);
   return what;
 }
 

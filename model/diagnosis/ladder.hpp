@@ -44,10 +44,13 @@ struct WhatIf {
   double rms_now_um = 0.0;    ///< of the readings
   double rms_after_um = 0.0;  ///< predicted, noise included
   double peak_after_um = 0.0;
+  double machine_um = 0.0;      ///< rms of what the machine would keep, noise included
+  double measurement_um = 0.0;  ///< rms of what belongs to the measurement: air, drift of the readout, set-up
   struct Share {
     std::string effect;
     double rms_um = 0.0;
     bool carried = false;
+    bool of_measurement = false;
     std::string how;
   };
   std::vector<Share> shares;

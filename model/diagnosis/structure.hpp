@@ -7,17 +7,11 @@
 
 #include <Eigen/Dense>
 
+#include "model/fit/dependence.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
 
 namespace ecs::model {
-
-/// What a residual may depend on, whatever the shape.
-struct Variable {
-  std::string name;         ///< "x_mm", "approach", "run", …
-  Eigen::MatrixXd columns;  ///< functions of it (readings × functions), not whitened
-};
-[[nodiscard]] std::vector<Variable> variables_of(const Observations& data);
 
 struct StructureTest {
   std::string variable;
@@ -26,6 +20,8 @@ struct StructureTest {
   double excess = 0.0;       ///< (gain − freedom) per reading, in squares of the noise
   double minus_log_p = 0.0;  ///< nominal, base 10
 };
+/// The largest minus_log_p; 0 without tests.
+[[nodiscard]] double largest_of(const std::vector<StructureTest>& tests);
 
 class Structure {
  public:
@@ -43,10 +39,6 @@ class Structure {
   std::vector<Eigen::MatrixXd> white_;
   double noise_freedom_;
 };
-
-/// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
-/// does, 0 … 1.
-[[nodiscard]] double share_of(const Variable& variable, const Eigen::VectorXd& residual, double noise_um);
 
 /// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.
 [[nodiscard]] double minus_log_p(double gain, double freedom, double noise_freedom);

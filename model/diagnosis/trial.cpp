@@ -82,6 +82,22 @@ double explainable_share(double rms_um, double rms_after_um, double noise_um) {
   return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
 }
 
+VectorXd told_residual(const Model& model, const Observations& data, bool plain, VectorXd left) {
+  if (std::none_of(model.effects.begin(), model.effects.end(),
+                   [](const EffectInstance& effect) { return effect.traits().is_curve; }))
+    return left;
+  const auto fitted = fit(model, data, {plain});
+  if (!fitted) return left;
+  return Eigen::Map<const VectorXd>(fitted->residual.data(), static_cast<Index>(fitted->residual.size()));
+}
+
+VectorXd residual_with(const Model& model, const FoundEffect& found, const LinearProblem& problem,
+                       const Whitener& whitener, const Observations& data, bool plain) {
+  Model with = model;
+  with.effects.push_back(effect_of(found.effect, found.choice));
+  return told_residual(with, data, plain, residual_of(problem, whitener));
+}
+
 namespace {
 
 Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>& effects, const Regressors& regressors,
@@ -90,6 +106,7 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
   FittedWith after;
   const auto base = base_of(model, regressors, plain, &after.fit);
   if (!base) return tl::unexpected(base.error());
+  after.left = told_residual(model, regressors.data(), plain, base->residual);
   after.left_out = base->core.left_out;
   after.noise = noise_of(regressors.data(), base->residual, smooth_columns(regressors.data()), after.left_out);
   return after;
@@ -119,15 +136,13 @@ Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& o
   return fitted_beside(with, found, regressors, plain);
 }
 
-TrialNumbers trial_numbers(const LinearProblem& problem, const Base& base, const FittedWith& after,
-                           const Whitener& whitener) {
-  const VectorXd residual = residual_of(problem, whitener);
-  const double rms_um = rms_of(base.residual);
+TrialNumbers trial_numbers(const VectorXd& before, const VectorXd& left, const FittedWith& after) {
+  const double rms_um = rms_of(before);
   TrialNumbers numbers;
-  numbers.rms_after_um = rms_of(residual);
+  numbers.rms_after_um = rms_of(left);
   numbers.explained = rms_um > 0.0 ? 1.0 - std::pow(numbers.rms_after_um / rms_um, 2) : 0.0;
-  numbers.kept_rms_before_um = rms_without(base.residual, after.left_out);
-  numbers.kept_rms_after_um = rms_without(residual, after.left_out);
+  numbers.kept_rms_before_um = rms_without(before, after.left_out);
+  numbers.kept_rms_after_um = rms_without(left, after.left_out);
   numbers.explainable_share =
       explainable_share(numbers.kept_rms_before_um, numbers.kept_rms_after_um, after.noise.pure.noise_um);
   return numbers;

@@ -27,9 +27,16 @@ namespace ecs::model {
 /// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
 [[nodiscard]] double explainable_share(double rms_um, double rms_after_um, double noise_um);
 
+/// What a model leaves as fit() tells it: its curves as rough as the evidence asks for. A diagnosis searches beside all
+/// functions of the curves, so that nothing that a curve can follow is named.
+/// @param left  what the model leaves with all functions: the same where it has no curve, or the fit fails
+[[nodiscard]] Eigen::VectorXd told_residual(const Model& model, const Observations& data, bool plain,
+                                            Eigen::VectorXd left);
+
 /// The model with effects of a diagnosis, all fitted together from their values.
 struct FittedWith {
   Fit fit;
+  Eigen::VectorXd left;  ///< told_residual()
   NoiseModel noise;
   std::vector<bool> left_out;
 };
@@ -53,7 +60,11 @@ struct TrialNumbers {
   double kept_rms_after_um = 0.0;
   double explainable_share = 0.0;
 };
-[[nodiscard]] TrialNumbers trial_numbers(const LinearProblem& problem, const Base& base, const FittedWith& after,
-                                         const Whitener& whitener);
+/// @param before  what the model leaves  @param left  what it leaves with the effect; both as told_residual()
+[[nodiscard]] TrialNumbers trial_numbers(const Eigen::VectorXd& before, const Eigen::VectorXd& left,
+                                         const FittedWith& after);
+/// What the model leaves with one effect at the values of a choice, as told_residual().
+[[nodiscard]] Eigen::VectorXd residual_with(const Model& model, const FoundEffect& found, const LinearProblem& problem,
+                                            const Whitener& whitener, const Observations& data, bool plain);
 
 }  // namespace ecs::model

@@ -65,15 +65,10 @@ std::string size_text(double value, std::string_view unit) {
   return fmt::format("{:.{}f}{}{}", value, decimals, unit.empty() ? "" : " ", unit);
 }
 
-/// Of the readings that the effect acts on: "X positions", "Y straightness along X".
+/// Of the readings that the effect acts on.
 std::string where_word(const EffectInstance& effect) {
-  if (!effect.sense) return effect.axis ? fmt::format("Readings along {}", letter_of(*effect.axis)) : "Readings";
-  const char direction = letter_of(direction_of(*effect.sense));
-  if (is_rotation(*effect.sense))
-    return effect.axis ? fmt::format("Angles {} along {}", name_of(*effect.sense), letter_of(*effect.axis))
-                       : fmt::format("Angles {}", name_of(*effect.sense));
-  if (!effect.axis || letter_of(*effect.axis) == direction) return fmt::format("{} positions", direction);
-  return fmt::format("{} deviations along {}", direction, letter_of(*effect.axis));
+  if (effect.sense) return readings_word(*effect.sense, effect.axis);
+  return effect.axis ? fmt::format("Readings along {}", letter_of(*effect.axis)) : "Readings";
 }
 
 /// "t_spindle_degC" → "spindle"
@@ -280,6 +275,15 @@ std::string finding_text(const EffectInstance& effect, const std::vector<Paramet
   std::string text = fmt::vformat(definition.headline, words);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
   return text;
+}
+
+std::string readings_word(Sense sense, std::optional<Axis> axis) {
+  if (is_rotation(sense))
+    return axis ? fmt::format("Angles {} along {}", name_of(sense), letter_of(*axis))
+                : fmt::format("Angles {}", name_of(sense));
+  const char direction = letter_of(direction_of(sense));
+  if (!axis || letter_of(*axis) == direction) return fmt::format("{} positions", direction);
+  return fmt::format("{} deviations along {}", direction, letter_of(*axis));
 }
 
 std::string reservation_for(const Observations& data) {

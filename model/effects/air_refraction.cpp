@@ -12,6 +12,9 @@ EffectDefinition air_refraction() {
       .formula = "p dn(T_air, pressure, humidity)",
       .cause = "the laser's wavelength was not corrected for air",
       .tells_apart = "a slope that follows the refractive index of air",
+      .check =
+          "compare pressure, temperature and humidity at the beam with what the laser's electronics used for its "
+          "correction",
       .headline = "{where} not corrected for air, {factor} of the full amount",
       .parameters =
           {{.name = "factor", .unit = "", .meaning = "1 = not corrected at all", .limits = ValueRange{0.0, 2.0}}},
@@ -19,7 +22,7 @@ EffectDefinition air_refraction() {
       .how = "an error of the measurement: correct the readings for air",
       .separated_by = separations::kOtherPressure,
       .turns_into = {{Limit::tied_to_runs, "offset"}},
-      .traits = {.of_condition = true},
+      .traits = {.of_condition = true, .of_measurement = true},
       .needs = {Need::air},
       .preference = 90,
       .columns = [](const ReadingAt& at,

@@ -120,6 +120,9 @@ EffectDefinition cyclic() {
       .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
       .cause = "screw pitch, grating pitch, gear mesh or electronic subdivision",
       .tells_apart = "one period over the whole travel, often a pitch of screw or scale",
+      .check =
+          "compare the period with pitches of screw, rack, gears and scale; look for an eccentric screw, a bent "
+          "coupling, a dirty or tilted reading head",
       .headline = "{where} with a periodic error of +-{amplitude_um}, {period_mm}",
       .parameters = {{"period_mm", "mm", "length of one period", Coding::searched},
                      {"amplitude_um", "um", "of the fundamental", Coding::amplitude},

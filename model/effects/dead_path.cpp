@@ -12,6 +12,9 @@ EffectDefinition dead_path() {
       .formula = "L_d dn",
       .cause = "uncompensated path between the optics at reset",
       .tells_apart = "follows the refractive index of air, the same at every position",
+      .check =
+          "measure the air between the two optics where the readout was set to zero, and see whether the laser "
+          "corrects it",
       .headline = "{where} with {length_m} of dead path in air between the optics",
       .parameters =
           {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},
@@ -19,7 +22,11 @@ EffectDefinition dead_path() {
       .how = "an error of the measurement: reset with the optics close together",
       .separated_by = separations::kOtherPressure,
       .turns_into = {{Limit::tied_to_runs, "offset"}},
-      .traits = {.is_drift = true, .of_condition = true, .shows_at_zero = true, .until_new_set_up = true},
+      .traits = {.is_drift = true,
+                 .of_condition = true,
+                 .shows_at_zero = true,
+                 .until_new_set_up = true,
+                 .of_measurement = true},
       .place = Place::sense,
       .needs = {Need::air},
       .preference = 130,

@@ -91,6 +91,7 @@ struct EffectTraits {
   bool in_motion = false;          ///< shows only in readings taken on the fly
   bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
   bool until_new_set_up = false;   ///< ends when the optics are aligned and reset anew (column `set_up`)
+  bool of_measurement = false;     ///< the readings show it, the machine does not have it
   // how often it can be there
   bool is_usual = false;       ///< every measured line has it: part of a new model
   bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis
@@ -196,6 +197,7 @@ struct EffectDefinition {
   std::string_view formula;      ///< contribution to a reading, as printed in the manual
   std::string_view cause;        ///< physical cause, plain words
   std::string_view tells_apart;  ///< what tells it from its neighbours
+  std::string_view check;        ///< what to look at on the machine or its set-up, without another run of the laser
   /// fmt; what is wrong, how much and where, as an answer begins: parameters by name, with unit; {where}, {axis},
   /// {code}, {pair}, {turn}, {map}, {sensor}, {sensor2}, {name}, {sizes} (model/diagnosis/words.cpp).
   std::string_view headline;

@@ -10,6 +10,8 @@ EffectDefinition load() {
       .formula = "c m, and c m p",
       .cause = "mass of the workpiece or of a moving part",
       .tells_apart = "changes with the load alone",
+      .check =
+          "repeat a line with and without the workpiece; look at the counterbalance and at what bends under the mass",
       .headline = "{where} moved by the load, {sizes}",
       .parameters = {{"um_per_kg", "um/kg", "shift"}, {"um_per_kg_m", "um/kg/m", "change of slope"}},
       .carrier = Carrier::none,

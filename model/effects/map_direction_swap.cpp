@@ -12,6 +12,9 @@ EffectDefinition map_direction_swap() {
       .formula = "map(p, -d) - map(p, d)",
       .cause = "approach sensed with the wrong sign",
       .tells_apart = "the map's own reversal, twice and with opposite sign",
+      .check =
+          "jog the axis both ways and see on the monitor which table is in use; compare with the direction set for the "
+          "unit",
       .headline = "{map} applied with forward and reverse tables exchanged",
       .carrier = Carrier::parameters,
       .how = "a setting of the unit: put it right and measure again",

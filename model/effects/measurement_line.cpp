@@ -12,6 +12,7 @@ EffectDefinition measurement_line() {
       .formula = "c eps_known(p)",
       .cause = "the map was measured on another line than the one measured now",
       .tells_apart = "has the shape of an angular error known from elsewhere",
+      .check = "compare the line entered among the unit's parameters with where the optics stood",
       .headline = "{where} measured {lever_mm} off the line of the map, which shows the angle {code}",
       .parameters = {{"lever_mm", "mm", "distance between the lines"}},
       .carrier = Carrier::parameters,

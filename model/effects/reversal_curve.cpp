@@ -11,6 +11,9 @@ EffectDefinition reversal_curve() {
       .formula = "s(p) d/2",
       .cause = "lost motion that varies along the axis: worn nut, screw sag",
       .tells_apart = "forward and reverse curves drift apart along the axis",
+      .check =
+          "measure the reversal with a dial gauge at both ends and in the middle; look for wear of the nut's preload "
+          "and for a long unsupported screw",
       .headline = "{where} with a lost motion that varies along the travel, {rms_um} rms",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,

@@ -48,6 +48,9 @@ EffectDefinition reversal_spike() {
       .formula = "c d exp(-u/u0), u = travel since reversal",
       .cause = "stick-slip, wind-up of the screw",
       .tells_apart = "dies away with the travel since the last reversal",
+      .check =
+          "creep through a reversal with a dial gauge and watch for a jump; look at lubrication, wipers, gibs and "
+          "screw bearings",
       .headline = "{where} with a spike of {c_um} after each reversal, gone within {u0_mm}",
       .parameters = {{"c_um", "um", "size at the reversal"},
                      {"u0_mm", "mm", "travel over which it decays", Coding::searched}},

@@ -13,6 +13,7 @@ EffectDefinition sag() {
       .formula = "k2 e^2 + k3 e^3, e = |p|",
       .cause = "ram droop, a beam bending under its weight",
       .tells_apart = "grows with the square and cube of the extension",
+      .check = "measure with the ram or beam drawn in and extended; look at a level or straight edge on it",
       .headline = "{where} with a droop that grows with the extension, {sizes}",
       .parameters = {{"k2", "um/m2", "square"}, {"k3", "um/m3", "cube"}},
       .carrier = Carrier::error_map,

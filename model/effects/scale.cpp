@@ -11,6 +11,9 @@ EffectDefinition scale() {
       .formula = "k p",
       .cause = "screw lead or scale factor wrong",
       .tells_apart = "grows with position; constant in time and temperature",
+      .check =
+          "compare the scale factor of the control, the expansion coefficient and the material's temperature entered "
+          "at the laser with what they are",
       .headline = "{where} with a scale error of {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "slope"}},
       .carrier = Carrier::error_map,

@@ -10,6 +10,9 @@ EffectDefinition servo_lag() {
       .formula = "c feed d",
       .cause = "readings taken on the fly lag behind",
       .tells_apart = "changes sign with the approach and grows with the feed",
+      .check =
+          "read the following error of the drive at two feeds, or repeat with a dwell before each reading: at rest it "
+          "is gone",
       .headline = "{where} read on the fly with a following error of {um_per_m_min}",
       .parameters = {{"um_per_m_min", "um/(m/min)", "lag"}},
       .carrier = Carrier::set_up,

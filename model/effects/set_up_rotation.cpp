@@ -44,6 +44,9 @@ EffectDefinition set_up_rotation() {
       .formula = "EC: EX -c y, EY +c x; EA, EB cyclically",
       .cause = "plate, artefact or straight edge set up turned, not parallel to the axes",
       .tells_apart = "two directions lean equally and oppositely; changes with the set-up, not with the machine",
+      .check =
+          "take a dial gauge along the reference edge of the artefact, or turn the artefact by 180 degrees and measure "
+          "again",
       .headline = "Set-up turned about {turn} by {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "angle"}},
       .carrier = Carrier::set_up,
@@ -52,7 +55,7 @@ EffectDefinition set_up_rotation() {
           {55,
            "Take the plate, artefact or straight edge off, set it up anew and repeat with column set_up = 2: "
            "a rotation of the set-up changes, an error of the machine stays."},
-      .traits = {.until_new_set_up = true},
+      .traits = {.until_new_set_up = true, .of_measurement = true},
       .place = Place::set_up,
       .preference = 90,
       .columns =

@@ -35,6 +35,8 @@ EffectDefinition step() {
       .formula = "h [p > p0]",
       .cause = "joint between two pieces of scale, damaged screw",
       .tells_apart = "a jump at one place, level on both sides",
+      .check =
+          "look at that place for a joint of the scale or rack, a chip on the scale or a damaged track of the screw",
       .headline = "{where} with a step of {height_um}, {position_mm} from the datum",
       .parameters = {{"height_um", "um", "jump"},
                      {"position_mm", "mm", "place of the jump, from the datum", Coding::searched}},

@@ -12,6 +12,9 @@ EffectDefinition thermal_scale() {
       .formula = "alpha p (T - 20)",
       .cause = "screw or scale expands with temperature",
       .tells_apart = "a slope that follows the material's temperature",
+      .check =
+          "compare the temperature of screw or scale with the sensor that stands for the material, and its coefficient "
+          "in the machine file",
       .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
       .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},
       .carrier = Carrier::none,

@@ -11,12 +11,15 @@ EffectDefinition time_drift() {
       .formula = "c t",
       .cause = "laser head or fixture creeps",
       .tells_apart = "steady in time, whatever the position",
+      .check =
+          "leave the axis standing and watch the laser for the length of a run; let its head warm up, shield the beam, "
+          "tighten fixtures",
       .headline = "{where} all drifting in time by {um_per_h}",
       .parameters = {{"um_per_h", "um/h", "rate"}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement, not of the machine",
       .separated_by = separations::kFromCold,
-      .traits = {.is_drift = true, .shows_at_zero = true},
+      .traits = {.is_drift = true, .shows_at_zero = true, .of_measurement = true},
       .place = Place::sense,
       .needs = {Need::time},
       .preference = 100,

@@ -48,6 +48,8 @@ EffectDefinition warm_up() {
       .formula = "c (1 - exp(-t/tau)), and the same times p",
       .cause = "self-heating without a sensor",
       .tells_apart = "fast at first, then it levels off",
+      .check =
+          "switch on from cold, leave the axis standing and watch the drift; give the nearest source of heat a sensor",
       .headline = "{where} drifting as the machine warms up, towards {sizes} with a time constant of {tau_s}",
       .parameters = {{"tau_s", "s", "time constant", Coding::searched},
                      {"c_um", "um", "final shift"},

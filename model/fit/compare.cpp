@@ -1,5 +1,5 @@
 // Lack of fit against the scatter of repeats: the F test (Fisher 1922; Draper and Smith 1998, 2.1), here without the
-// loss of freedom by the fit; share of a variable by one-way analysis of variance of binned residuals.
+// loss of freedom by the fit.
 #include "model/fit/compare.hpp"
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/data/curve_basis.hpp"
+#include "model/fit/dependence.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -20,16 +21,6 @@ namespace {
 constexpr double kFewestPureFreedom = 4.0;
 /// Values of a variable closer than this share of its range are one value: far finer than any bin.
 constexpr double kSameValue = 1e-6;
-
-std::vector<std::string> variables_in(const Observations& data) {
-  std::vector<std::string> names{"x_mm",         "y_mm",         "z_mm",
-                                 "approach",     "run",          "time_s",
-                                 "feed_mm_min",  "load_kg",      "travel_since_reversal_mm",
-                                 "pressure_hPa", "humidity_pct", "compensated"};
-  for (const auto& each : data.sensors_degC) names.push_back(each.first);
-  for (const auto& each : data.extras) names.push_back(each.first);
-  return names;
-}
 
 ResidualBin bin_of(const std::vector<std::pair<double, double>>& pairs, std::size_t from, std::size_t to) {
   ResidualBin bin;
@@ -146,34 +137,26 @@ double variable_of(const Observations& data, std::size_t k, const std::string& n
   return kNotMeasured;
 }
 
-ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
-                           const std::string& variable, std::size_t most_bins) {
+ResidualView residual_view(const Observations& data, const std::vector<double>& residual, const std::string& variable,
+                           std::size_t most_bins) {
   ResidualView view;
   view.variable = variable;
   std::vector<std::pair<double, double>> pairs;
-  double total = 0.0;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const double value = variable_of(data, k, variable);
-    total += residual[k] * residual[k];
-    if (!std::isnan(value)) pairs.emplace_back(value, residual[k]);
-  }
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (const double value = variable_of(data, k, variable); !std::isnan(value)) pairs.emplace_back(value, residual[k]);
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (pairs.empty() || pairs.front().first == pairs.back().first) return view;
   std::vector<double> values;
   for (const auto& pair : pairs) values.push_back(pair.first);
   const double tolerance = kSameValue * (values.back() - values.front());
   const bool by_value = distinct(values, tolerance).size() <= most_bins;
-  double explained = 0.0;
   for (std::size_t from = 0; from < pairs.size();) {
     std::size_t to = from + 1;
     const std::size_t wanted = by_value ? 1 : (pairs.size() + most_bins - 1) / most_bins;
     while (to < pairs.size() && (to - from < wanted || pairs[to].first - pairs[to - 1].first <= tolerance)) ++to;
     view.bins.push_back(bin_of(pairs, from, to));
-    explained += view.bins.back().mean_um * view.bins.back().mean_um * static_cast<double>(to - from);
     from = to;
   }
-  const double by_noise = static_cast<double>(view.bins.size()) * noise_um * noise_um;
-  view.share = total > 0.0 ? std::clamp((explained - by_noise) / total, 0.0, 1.0) : 0.0;
   return view;
 }
 
@@ -186,9 +169,11 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   comparison.outliers = fit.outliers;
   comparison.directions = directions_of(fit, data);
   comparison.worst = worst_of(fit, data, worst_count);
-  for (const std::string& name : variables_in(data)) {
-    ResidualView view = residual_view(data, fit.residual, fit.noise.noise_um, name);
-    if (view.bins.size() > 1) comparison.views.push_back(std::move(view));
+  const Eigen::Map<const Eigen::VectorXd> residual(fit.residual.data(), static_cast<Eigen::Index>(fit.residual.size()));
+  for (const Variable& variable : variables_of(data)) {
+    ResidualView view = residual_view(data, fit.residual, variable.name);
+    view.share = share_of(variable, residual, fit.noise.noise_um);
+    if (view.bins.size() != 1) comparison.views.push_back(std::move(view));
   }
   return comparison;
 }

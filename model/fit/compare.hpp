@@ -35,7 +35,7 @@ struct ResidualBin {
 struct ResidualView {
   std::string variable;
   std::vector<ResidualBin> bins;
-  double share = 0.0;  ///< of the residual variance that the bin means explain, less what noise explains
+  double share = 0.0;  ///< of Σ r² that the variable explains beyond noise, 0 … 1: share_of()
 };
 
 struct WorstPlace {
@@ -67,7 +67,7 @@ struct Comparison {
 [[nodiscard]] double variable_of(const Observations& data, std::size_t k, const std::string& name);
 
 /// The residuals against one variable, in bins of about equal counts, one per value where there are few values.
-[[nodiscard]] ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
+[[nodiscard]] ResidualView residual_view(const Observations& data, const std::vector<double>& residual,
                                          const std::string& variable, std::size_t most_bins = 16);
 
 /// One effect's share at one place.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
@@ -200,7 +201,8 @@ struct Setting {
 
 void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
   for (Weighed& one : best) {
-    one.proposal.sentence = sentence_of(one.proposal, question);
+    one.proposal.tells = what_it_tells(one.proposal, question);
+    one.proposal.sentence = sentence_of(one.proposal);
     next.proposals.push_back(std::move(one.proposal));
   }
 }
@@ -327,7 +329,8 @@ void take_repetition(NextMeasurement& next, const Setting& in) {
   constexpr int kTwice = 2;
   again.runs = kTwice;
   again.minutes = minutes_of(again, in.times);
-  again.sentence = sentence_of(again, Question::repeat);
+  again.tells = what_it_tells(again, Question::repeat);
+  again.sentence = sentence_of(again);
   next.proposals.push_back(std::move(again));
 }
 
@@ -397,6 +400,17 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in) {
 }
 
 }  // namespace
+
+std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
+  if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (candidate.named &&
+        (!candidate.rivals.empty() || !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved))
+      return std::nullopt;
+  return "Nothing is in doubt that a measurement could settle: what is named is proved, and nothing else of the "
+         "library "
+         "fits these data as well. Add it to the model, compensate, and measure the same lines again.";
+}
 
 NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                  const MeasuringTimes& times) {

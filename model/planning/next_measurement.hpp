@@ -48,8 +48,13 @@ struct MeasurementProposal {
   double minutes = 0.0;               ///< everything
   double separation_sigma = 0.0;      ///< that the group is sure to lose a member by, from the best mimicking
   std::vector<PairSeparation> pairs;  ///< none where the run is a repetition, which separates nothing by itself
-  std::string sentence;
+  std::string tells;                  ///< what it separates and how surely, and how long it takes
+  std::string sentence;               ///< what to do
 };
+
+/// "Nothing is in doubt …" where one cause is proved and named and neither another effect nor another value of its
+/// parameters fits these data as well: no measurement would tell more.
+[[nodiscard]] std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis);
 
 /// What work takes; the defaults are those of a machine shop with a laser interferometer: choices, of which the ratios
 /// decide the order of proposals.

@@ -62,6 +62,12 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t most)
   return kept;
 }
 
+/// A target as people type it: in tenths of a millimetre where its neighbours leave room, else in micrometres.
+double readable_mm(double mm, double room_mm) {
+  constexpr double kRoom_mm = 10.0, kPerMm = 10.0;
+  return room_mm >= kRoom_mm ? std::round(mm * kPerMm) / kPerMm : to_micrometre(mm);
+}
+
 /// Inside the range, the overrun left free at both ends; no two closer than a micrometre.
 std::vector<double> with_room(std::vector<double> targets, const Range& range, double overrun_mm) {
   const double least = range[0] + overrun_mm, greatest = range[1] - overrun_mm;
@@ -144,7 +150,8 @@ class Conditions {
     add("as now, targets between the present ones", [](MeasurementProposal& p) {
       std::vector<double> between;
       for (std::size_t i = 0; i + 1 < p.targets_mm.size(); ++i)
-        between.push_back(to_micrometre(0.5 * (p.targets_mm[i] + p.targets_mm[i + 1])));
+        between.push_back(
+            readable_mm(0.5 * (p.targets_mm[i] + p.targets_mm[i + 1]), p.targets_mm[i + 1] - p.targets_mm[i]));
       if (!between.empty()) p.targets_mm = std::move(between);
     });
     if (!data_.feed_mm_min.empty()) {
@@ -307,7 +314,10 @@ std::vector<PresentLine> present_lines(const Observations& data, const Measuring
 }
 
 std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm) {
-  return even_step_mm(present_mm) ? moved_targets(std::move(chosen_mm)) : chosen_mm;
+  if (!even_step_mm(present_mm)) return chosen_mm;
+  std::vector<double> moved = moved_targets(std::move(chosen_mm));
+  for (std::size_t i = 1; i + 1 < moved.size(); ++i) moved[i] = readable_mm(moved[i], moved[i + 1] - moved[i - 1]);
+  return moved;
 }
 
 std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,

@@ -2,17 +2,21 @@
 #include "model/planning/sentences.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "model/diagnosis/words.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
 
 std::string ways_of(const MeasurementProposal& p) {
   if (p.bidirectional) return "both ways";
-  return p.approach < 0 ? "downwards only" : "upwards only";
+  return p.approach < 0 ? "reverse only" : "forward only";
 }
 
 /// The first of many, and how many more.
@@ -22,42 +26,75 @@ std::string listed(const std::vector<std::string>& parts) {
   return fmt::format("{} and {} more", fmt::join(parts.begin(), parts.begin() + kMost, ", "), parts.size() - kMost);
 }
 
-std::string what_it_tells(const MeasurementProposal& p, Question question) {
-  std::vector<std::string> apart, together;
+/// How far the targets lie from equal steps at the utmost [mm].
+double off_equal_steps_mm(const std::vector<double>& targets_mm) {
+  double most_mm = 0.0;
+  const double last = static_cast<double>(targets_mm.size()) - 1.0;
+  for (std::size_t i = 0; i < targets_mm.size(); ++i)
+    most_mm = std::max(most_mm, std::abs(targets_mm[i] - std::lerp(targets_mm.front(), targets_mm.back(),
+                                                                   static_cast<double>(i) / std::max(last, 1.0))));
+  return most_mm;
+}
+
+/// A pair that a run separates by so many sigmas, whichever of the two is true.
+struct Apart {
+  std::string first, second;
+  double sigma = 0.0;
+};
+
+std::vector<Apart> pairs_once(const MeasurementProposal& p) {
+  std::vector<Apart> list;
   for (const PairSeparation& pair : p.pairs) {
-    if (question == Question::separate && pair.truth > pair.rival) continue;  // reported once
-    double sigma = pair.sigma;
-    for (const PairSeparation& back : p.pairs)
-      if (back.truth == pair.rival && back.rival == pair.truth) sigma = std::min(sigma, back.sigma);
-    const bool enough = sigma >= std::min(kSeparates, p.separation_sigma);
-    if (question != Question::separate) {
-      if (enough) apart.push_back(fmt::format("{} by {:.1f} sigma", pair.truth, sigma));
-    } else if (enough) {
-      apart.push_back(fmt::format("{} from {} by {:.1f} sigma", pair.truth, pair.rival, sigma));
-    } else {
-      together.push_back(fmt::format("{} from {}", pair.truth, pair.rival));
-    }
+    const auto back = std::find_if(list.begin(), list.end(), [&](const Apart& one) {
+      return one.first == pair.rival && one.second == pair.truth;
+    });
+    if (back == list.end())
+      list.push_back({pair.truth, pair.rival, pair.sigma});
+    else
+      back->sigma = std::min(back->sigma, pair.sigma);
   }
-  if (question == Question::see) return "; as large as the noise it would show " + listed(apart);
-  if (question == Question::repeat) return "; it shows whether what is left comes back";
-  if (question == Question::confirm) return "; it confirms " + listed(apart);
-  std::string text = apart.empty() ? fmt::format("; by {:.1f} sigma one of the group falls", p.separation_sigma)
-                                   : "; it separates " + listed(apart);
-  if (!together.empty()) text += ", but not " + listed(together);
-  return text;
+  std::stable_sort(list.begin(), list.end(), [](const Apart& a, const Apart& b) { return a.sigma > b.sigma; });
+  return list;
 }
 
 }  // namespace
 
-std::string sentence_of(const MeasurementProposal& p, Question question) {
-  std::string text =
-      fmt::format("Measure {} along {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min",
-                  name_of(p.sense), letter_of(p.axis), p.condition, p.targets_mm.size(), p.targets_mm.front(),
-                  p.targets_mm.back(), ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
+std::string what_it_tells(const MeasurementProposal& p, Question question) {
+  const std::string minutes = fmt::format("{:.0f} min", p.minutes);
+  if (question == Question::repeat) return "tells whether what is left comes back: " + minutes;
+  std::vector<std::string> apart, together;
+  double least = kBeyondAll;
+  for (const Apart& pair : pairs_once(p)) {
+    const std::string names = pair.second.empty() ? pair.first : fmt::format("{} from {}", pair.first, pair.second);
+    if (pair.sigma < std::min(kSeparates, p.separation_sigma)) {
+      together.push_back(names);
+      continue;
+    }
+    apart.push_back(names);
+    least = std::min(least, pair.sigma);
+  }
+  if (question == Question::see)
+    return fmt::format("shows {}, as large as the noise: {:.1f} sigma, {}", listed(apart), p.separation_sigma, minutes);
+  if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
+  if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
+  std::string text = fmt::format("tells {}: {:.1f} sigma, {}", listed(apart), least, minutes);
+  if (!together.empty()) text += fmt::format("; not {}", listed(together));
+  return text;
+}
+
+std::string sentence_of(const MeasurementProposal& p) {
+  std::string what = readings_word(p.sense, p.axis);
+  if (what.starts_with("Angles")) what.front() = 'a';
+  std::string text = fmt::format("Measure {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min", what,
+                                 p.condition, p.targets_mm.size(), p.targets_mm.front(), p.targets_mm.back(),
+                                 ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
   if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
   text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
-  text += fmt::format("; about {:.0f} min", p.minutes);
-  return text + what_it_tells(p, question) + ".";
+  constexpr double kWorthSaying_mm = 0.1;
+  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm)
+    text += fmt::format(
+        "; the targets lie up to {:.1f} mm off equal steps, so that no short period passes for a long one", off_mm);
+  return text + ".";
 }
 
 }  // namespace ecs::model

@@ -19,7 +19,10 @@ enum class Question {
   repeat,    ///< whether what is left comes back
 };
 
-/// What to measure, how, how long it takes and what it tells.
-[[nodiscard]] std::string sentence_of(const MeasurementProposal& proposal, Question question);
+/// "tells backlash:X:EX from servo_lag:X:EX: 12.0 sigma, 9 min"; the surest pairs first.
+[[nodiscard]] std::string what_it_tells(const MeasurementProposal& proposal, Question question);
+
+/// What to measure and how, in one sentence.
+[[nodiscard]] std::string sentence_of(const MeasurementProposal& proposal);
 
 }  // namespace ecs::model

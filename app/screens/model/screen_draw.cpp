@@ -351,9 +351,13 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
     for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));
     lines.emplace_back();
   };
+  std::size_t number = 0;
   if (!controller_->next()->rivals.empty())
     add(fmt::format("To tell apart: {}", fmt::join(controller_->next()->rivals, ", ")));
-  for (const model::MeasurementProposal& proposal : controller_->next()->proposals) add(proposal.sentence);
+  for (const model::MeasurementProposal& proposal : controller_->next()->proposals) {
+    add(fmt::format("{}. {}", ++number, proposal.tells));
+    add(proposal.sentence);
+  }
   for (const std::string& note : controller_->next()->notes) add(note);
   if (lines.empty()) add("Nothing is in doubt that a measurement could settle.");
   return lines;

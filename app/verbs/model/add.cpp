@@ -2,10 +2,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/paragraph.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/diagnosis/ladder.hpp"
@@ -26,7 +28,16 @@ struct AddArguments : VerbArguments {
   const std::string& code =
       text("--code", "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation");
   const std::string& machine = text("--machine", kMachineHelp);
+  const std::vector<std::string>& alternatives =
+      texts("--or", "what `diagnose` cannot tell it from: kept with it until a measurement decides");
 };
+
+/// "servo_lag:X:EX, scale:X:EX", as a model keeps them.
+Result<std::string> tied_with(const std::vector<std::string>& alternatives) {
+  for (const std::string& one : alternatives)
+    if (const auto effect = model::parse_add_request(one); !effect) return tl::unexpected(effect.error());
+  return fmt::format("{}", fmt::join(alternatives, ", "));
+}
 
 Result<model::AddRequest> request_of(const AddArguments& arguments) {
   auto request = model::parse_add_request(arguments.effect);
@@ -53,9 +64,9 @@ Problem with_hint(Problem why) {
 Cell added_cell(const model::Added& added, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
-  const std::string summary =
-      paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
-                            place_text(added.effect.effect), added.rms_before_um, added.rms_after_um, added.noise_um));
+  const std::string summary = paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
+                                                    name_with_alternatives(added.effect.effect), added.rms_before_um,
+                                                    added.rms_after_um, added.noise_um));
   return record_cell("{summary}{effect}\n{history}{model}\n",
                      {{"summary", shown_cell(summary)},
                       {"rms_before_um", {number_or_null(added.rms_before_um), ""}},
@@ -72,14 +83,17 @@ Cell added_cell(const model::Added& added, const std::string& output) {
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   const auto request = request_of(arguments);
   if (!request) return tl::unexpected(request.error());
+  const auto alternatives = tied_with(arguments.alternatives);
+  if (!alternatives) return tl::unexpected(alternatives.error());
   std::vector<std::string> inputs = arguments.data;
   inputs.push_back(arguments.machine);
   if (const auto distinct = check_output_not_input(arguments.output, inputs); !distinct)
     return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, {}});
   if (!work) return tl::unexpected(with_hint(work.error()));
-  const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
+  auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.model));
+  added->effect.effect.tied_with = added->model.effects.back().tied_with = *alternatives;
   if (!arguments.output.empty())
     if (const auto kept = model::write_model(arguments.output, added->model, arguments.model); !kept)
       return tl::unexpected(kept.error());

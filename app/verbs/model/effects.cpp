@@ -44,6 +44,7 @@ AnswerFields fields_of(const EffectDefinition& effect) {
           {"formula", {effect.formula, facts["formula"]}},
           {"cause", {effect.cause, facts["cause"]}},
           {"tells_apart", {effect.tells_apart, facts["distinguished by"]}},
+          {"check", {effect.check, facts["check"]}},
           {"parameters", std::move(parameters)},
           {"of_approach", yes_cell(effect.traits.of_approach,
                                    "  acts only on readings of known approach of its own moving axis\n", "")},
@@ -55,8 +56,8 @@ AnswerFields fields_of(const EffectDefinition& effect) {
 Result<Outcome> one_effect(const std::string& name) {
   const model::EffectId id = model::effect_named(name);
   if (id)
-    return outcome_of(
-        record_cell("{effect}: {title}\n{formula}{cause}{tells_apart}{parameters}{of_approach}{how}", fields_of(*id)));
+    return outcome_of(record_cell(
+        "{effect}: {title}\n{formula}{cause}{tells_apart}{check}{parameters}{of_approach}{how}", fields_of(*id)));
   std::vector<std::string> names;
   for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);

@@ -7,9 +7,11 @@
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/paragraph.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/diagnosis/ties.hpp"
 
 namespace ecs::app {
 namespace {
@@ -29,7 +31,7 @@ struct FitArguments : VerbArguments {
 Cell effect_cell(const EffectFit& effect) {
   AnswerFields fields{
       {"", {effect_json(effect.effect), ""}},
-      {"place", shown_cell(padded(place_text(effect.effect), 67))},
+      {"place", shown_cell(padded(name_with_alternatives(effect.effect), 67))},
       {"parameters", parameters_cell(effect.parameters, "  {name:<26} {value:>13} {sigma:>13}  {unit}\n")},
       {"rms_um", {number_or_null(effect.rms_um), effect.readings > 0 ? fmt::format(" {:>12.3f}", effect.rms_um) : ""}},
       {"readings", {effect.readings, ""}},
@@ -111,9 +113,9 @@ Cell fit_cell(const Fit& fit, std::size_t readings, const std::string& output) {
        {"model", text_cell(output)}});
 }
 
-Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
+Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
   if (!arguments.output.empty())
-    if (auto kept = model::write_model(arguments.output, model_to_keep(work.model, fit, work.data, work.data_name),
+    if (auto kept = model::write_model(arguments.output, model_to_keep(model, fit, work.data, work.data_name),
                                        arguments.common.model);
         !kept)
       return kept;
@@ -131,9 +133,13 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
       return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
-  const auto result = model::fit(work->model, work->data, {arguments.plain});
+  auto result = model::fit(work->model, work->data, {arguments.plain});
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
-  if (const auto written = write(*work, *result, arguments); !written) return tl::unexpected(written.error());
+  const auto ties = model::decided_ties(work->model, work->data);
+  if (!ties) return tl::unexpected(in_file(ties.error(), arguments.common.model));
+  result->notes.insert(result->notes.end(), ties->notes.begin(), ties->notes.end());
+  if (const auto written = write(ties->model, *work, *result, arguments); !written)
+    return tl::unexpected(written.error());
   Cell answer = fit_cell(*result, work->data.size(), arguments.output);
   if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
   if (!arguments.plot.empty()) answer.text += fmt::format("plot written to {}\n", arguments.plot);

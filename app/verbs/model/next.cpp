@@ -39,11 +39,10 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   for (const model::PairSeparation& pair : one.pairs)
     pairs.push_back(
         {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
-  Cell separation{nullptr, ""};  // a repetition separates nothing by itself
-  if (!one.pairs.empty())
-    separation = {number_or_null(one.separation_sigma), fmt::format("{:.1f} sigma in ", one.separation_sigma)};
-  return record_cell("\n{number}. {separation_sigma}{minutes} min\n{sentence}",
-                     {{"number", shown_cell(fmt::format("{}", number))},
+  Json separation;  // null: a repetition separates nothing by itself
+  if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
+  return record_cell("\n{tells}{sentence}",
+                     {{"tells", {one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)}},
                       {"axis", word_cell(axis_json(one.axis))},
                       {"sense", word_cell(name_of(one.sense))},
                       {"targets_mm", {one.targets_mm, ""}},
@@ -63,8 +62,8 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
                       {"condition", word_cell(one.condition)},
                       {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
                       {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
-                      {"minutes", number_cell(one.minutes, 0)},
-                      {"separation_sigma", std::move(separation)},
+                      {"minutes", {number_or_null(one.minutes), ""}},
+                      {"separation_sigma", {std::move(separation), ""}},
                       {"pairs", {std::move(pairs), ""}},
                       {"sentence", {one.sentence, paragraph(one.sentence, 3)}}});
 }
@@ -78,6 +77,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
                     const NextArguments& arguments) {
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
+  if (proposals.json.size() > 1) proposals.text += "\nFirst the run that decides the most in a minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      {{"verdict", {name_of(diagnosis.verdict), paragraph(diagnosis.headline)}},
                       {"rivals", {next.rivals, rivals_text(next.rivals)}},
@@ -127,7 +127,11 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   if (!work) return tl::unexpected(work.error());
   const auto diagnosis = model::diagnose(work->model, work->data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  const model::NextMeasurement next = model::next_measurement(work->model, work->data, *diagnosis);
+  model::NextMeasurement next;
+  if (const auto settled = model::nothing_in_doubt(*diagnosis))
+    next.notes.push_back(*settled);
+  else
+    next = model::next_measurement(work->model, work->data, *diagnosis);
   const auto written = written_for(next, work->machine, arguments);
   if (!written) return tl::unexpected(written.error());
   Cell answer = proposals_cell(next, *diagnosis, arguments);

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/support/measured_lines.hpp"
@@ -392,4 +393,26 @@ TEST_CASE("the set of periods holds the pitch and what looks like it at even tar
   for (const double period : {10.0, 230.0 / 3.0})
     CHECK(std::any_of(sets.at("period_mm").begin(), sets.at("period_mm").end(),
                       [&](double one) { return std::abs(one / period - 1.0) < 0.01; }));
+}
+
+TEST_CASE("compare and diagnose tell one rms and one share for each variable, beside a curve too") {
+  Model model = straight();
+  model.effects.push_back(effect(progressive, Axis::X, Sense::EX));
+  const auto set = measured({}, kNoise_um, [](const laser::Reading& r) {
+    return 3.0 * std::sin(p(r) / 300.0) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 30.0);
+  });
+  const Observations data = observations_of(set, model, mill());
+  const auto fitted = fit(model, data);
+  REQUIRE(fitted);
+  const Comparison compared = compare(*fitted, data);
+  const Diagnosis diagnosis = diagnosed(model, set);
+  CHECK(diagnosis.rms_um == doctest::Approx(compared.rms_um).epsilon(1e-12));
+  REQUIRE_FALSE(diagnosis.where.empty());
+  for (const Dependence& one : diagnosis.where) {
+    const auto view = std::find_if(compared.views.begin(), compared.views.end(),
+                                   [&](const ResidualView& each) { return each.variable == one.variable; });
+    REQUIRE(view != compared.views.end());
+    CAPTURE(one.variable);
+    CHECK(one.strength == doctest::Approx(view->share).epsilon(0.02));
+  }
 }

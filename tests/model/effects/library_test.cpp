@@ -115,8 +115,9 @@ TEST_CASE("every effect of the library says what it is, in words and units") {
     CAPTURE(definition.id);
     CHECK(ids.insert(definition.id).second);
     CHECK(effect_named(definition.id) == &definition);
-    for (const std::string_view words : {definition.title, definition.formula, definition.cause, definition.tells_apart,
-                                         definition.headline, definition.how, definition.separated_by.sentence})
+    for (const std::string_view words :
+         {definition.title, definition.formula, definition.cause, definition.tells_apart, definition.check,
+          definition.headline, definition.how, definition.separated_by.sentence})
       CHECK(!words.empty());
     for (const ParameterDefinition& parameter : definition.parameters) {
       CAPTURE(parameter.name);

@@ -30,7 +30,7 @@ Choice best(const Family& family, const MatrixXd& columns, const VectorXd& y,
 }  // namespace
 
 TEST_CASE("one column gains the square of its product over its own square") {
-  const MatrixXd column = (MatrixXd(2, 1) << 2.0, 0.0).finished();
+  const MatrixXd column{{2.0}, {0.0}};
   const Choice choice = best(family_of("scale"), column, VectorXd{{3.0, 5.0}}, {{0}}, 1.5);
   CHECK(choice.gain == Approx(9.0));  // (2·3)²/4
   CHECK(choice.cost == Approx(1.5));

@@ -11,7 +11,7 @@ TEST_CASE("the library explains every effect and suggests one for a typing error
   CHECK(all.front()["effect"] == "offset");
   CHECK(all.back()["effect"] == "user");
   const nlohmann::json one = ran({"model", "effects", "cyclic", "--json"}).json();
-  check_has(one, {"effect", "title", "cause", "tells_apart", "formula", "parameters", "compensated", "how"});
+  check_has(one, {"effect", "title", "cause", "tells_apart", "check", "formula", "parameters", "compensated", "how"});
   CHECK(one["parameters"][0]["name"] == "period_mm");
   CHECK(one["parameters"][0]["unit"] == "mm");
   const Ran wrong = ran({"model", "effects", "backlsh"});

@@ -25,7 +25,8 @@ TEST_CASE("next proposes a run, and says of a plan whether it can determine the 
 }
 
 TEST_CASE("a proposal is written as a part program and as a target list, which is a plan") {
-  const ModelWorkspace workspace;
+  ModelWorkspace workspace;
+  workspace.data = workspace.folder.with("few.csv", measured_x(straight_x, {0.3, 1, 6, 190.0}));
   const std::string program = workspace.folder / "next.txt", targets = workspace.folder / "targets.csv";
   const Ran r = workspace.verb("next", {"--program", program, "--targets", targets, "--json"});
   REQUIRE(r.code == 0);
@@ -34,6 +35,19 @@ TEST_CASE("a proposal is written as a part program and as a target list, which i
   CHECK(ran({"model", "next", workspace.model, "--check", targets, "--machine", workspace.machine}).code == 0);
   CHECK(workspace.verb("next", {"--targets", targets, "--proposal", "99", "--force"}).code == 1);
   CHECK(ran({"model", "next", workspace.model, workspace.data, "--program", program}).code == 2);
+}
+
+TEST_CASE("where one cause is proved and nothing else fits no run is proposed, and none is written") {
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("next");
+  CHECK(r.code == 0);
+  CHECK(contains(r.out, "Nothing is in doubt"));
+  CHECK_FALSE(contains(r.out, "1. "));
+  const std::string program = workspace.folder / "next.txt";
+  const Ran refused = workspace.verb("next", {"--program", program});
+  CHECK(refused.code == 1);
+  CHECK(contains(refused.messages, "Nothing is in doubt"));
+  CHECK(content_of(program).empty());
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+// The level from replicates of noise (parametric bootstrap: Efron and Tibshirani 1993, 6.5; the largest of all tests:
+// Westfall and Young 1993; drawn until a bet on them is lost: Fischer and Ramdas 2025).
+#include "model/diagnosis/noise_level.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/diagnosis/e_value.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXf;
+
+/// What refining a period and adding harmonics may gain on noise, which the replicates are not given: χ² of two
+/// degrees exceeds it in one case of twenty. A choice.
+constexpr double kRefinement = 6.0;
+/// An effect scores at least this (beyond kRefinement), whatever the replicates: e^(8/2) = 55 to 1 by Schwarz's
+/// approximation of the Bayes factor.
+constexpr double kLeastEntry = 8.0;
+/// Scores of noise are between these; sixty halvings of that find the level to the last digit.
+constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
+constexpr int kHalvings = 60;
+/// Replicates drawn before it is asked whether noise explains all: few, for most data sets of a healthy machine end
+/// there. A bet that their chance is rare is lost with this wealth: it would be won back in one case of a hundred.
+constexpr std::size_t kFirstReplicates = 40;
+constexpr double kRareChance = 0.1, kLost = 0.01;
+/// Least score that noise alone reaches with at most the given chance.
+double score_at(const std::vector<double>& replicate_scores, double chance) {
+  double low = kLowestScore, high = kHighestScore;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (tail_probability(replicate_scores, middle) > chance ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Whether so many replicates of noise reach a value that it is not worth drawing more.
+bool loses_to_noise(double value, const std::vector<double>& replicates) {
+  const auto reached = static_cast<std::size_t>(
+      std::count_if(replicates.begin(), replicates.end(), [&](double replicate) { return replicate >= value; }));
+  return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
+}
+
+/// Columns of noise, each as large as `freedom` independent values of size one.
+MatrixXf of_size_one(MatrixXf sets, double freedom) {
+  for (Index b = 0; b < sets.cols(); ++b)
+    sets.col(b) *= static_cast<float>(std::sqrt(freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
+  return sets;
+}
+
+}  // namespace
+
+void find_level(const Search& search, const Structure& structure, Replicates& replicates,
+                const DiagnoseOptions& options, Found& found) {
+  const Space& alone = search.alone().space;
+  replicates.draw_up_to(std::min(kFirstReplicates, options.noise_replicates));
+  found.replicate_scores = search.best_scores(replicates.all());
+  found.entry_score = kBeyondAll;
+  const MatrixXf what_is_left = alone.y.cast<float>();
+  if (loses_to_noise(search.best_scores(what_is_left).front(), found.replicate_scores) &&
+      loses_to_noise(largest_of(found.before), structure.largest_of(alone, replicates.beside(alone))))
+    return;
+  replicates.draw_up_to(options.noise_replicates);
+  const auto more = static_cast<Index>(replicates.size() - found.replicate_scores.size());
+  const std::vector<double> scores = search.best_scores(replicates.all().rightCols(more));
+  found.replicate_scores.insert(found.replicate_scores.end(), scores.begin(), scores.end());
+  found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
+}
+
+bool explains_more_than_of_noise(const Search& search, const Space& space, Replicates& replicates, const Choice& best,
+                                 double freedom, const DiagnoseOptions& options) {
+  const auto ratio = [&](double share) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); };
+  const double here = ratio(best.gain / space.chi2()) - best.cost;
+  std::vector<double> of_noise;
+  const auto look_at = [&](std::size_t count) {
+    replicates.draw_up_to(count);
+    const auto more = static_cast<Index>(replicates.size() - of_noise.size());
+    for (const double score : search.best_scores(of_size_one(replicates.all().rightCols(more), freedom)))
+      of_noise.push_back(ratio((score + best.cost) / freedom) - best.cost);
+  };
+  look_at(std::min(kFirstReplicates, options.noise_replicates));
+  if (loses_to_noise(here, of_noise)) return false;
+  look_at(options.noise_replicates);
+  return here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,26 @@
+// What a residual may depend on, as functions without a shape of their own, and how much of it each variable explains:
+// one number for `ecs model compare` and `diagnose`. Does not live here: whether noise does as much
+// (model/diagnosis/structure.hpp), what effect it may be (search.hpp). Internal to model/ (Eigen).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "model/data/observations.hpp"
+
+namespace ecs::model {
+
+/// What a residual may depend on, whatever the shape.
+struct Variable {
+  std::string name;         ///< "x_mm", "approach", "run", …
+  Eigen::MatrixXd columns;  ///< functions of it (readings × functions), not whitened
+};
+[[nodiscard]] std::vector<Variable> variables_of(const Observations& data);
+
+/// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
+/// does, 0 … 1.
+[[nodiscard]] double share_of(const Variable& variable, const Eigen::VectorXd& residual, double noise_um);
+
+}  // namespace ecs::model

@@ -1,0 +1,78 @@
+// A tie that former readings left open: new ones rule alternatives out, speak for one of them, or say nothing.
+#include "model/diagnosis/ties.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/measuring_session.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using namespace ecs::model::test::effects;
+
+namespace {
+
+/// Offset, scale and a backlash that could be a following error as well.
+Model backlash_or_lag() {
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  model.effects.back().tied_with = "servo_lag:X:EX";
+  return model;
+}
+
+/// Readings on the fly; the third run at `last_feed_mm_min`, the others at 2,000 mm/min.
+Observations at_feeds(const Model& model, double last_feed_mm_min, const Truth& truth) {
+  const auto set =
+      session({}, truth, [&](laser::Reading& r) { r.feed_mm_min = r.run == 3 ? last_feed_mm_min : 2000.0; });
+  return observations_of(set, model, mill());
+}
+
+double lost_motion(const laser::Reading& r) { return 2.0 * d(r); }
+double following_error(const laser::Reading& r) { return 1e-3 * *r.feed_mm_min * d(r); }
+
+}  // namespace
+
+TEST_CASE("readings at one feed leave backlash and following error tied") {
+  const Model model = backlash_or_lag();
+  const auto decided = decided_ties(model, at_feeds(model, 2000.0, lost_motion));
+  REQUIRE(decided);
+  CHECK(decided->notes.empty());
+  CHECK(decided->model.effects.back().tied_with == "servo_lag:X:EX");
+}
+
+TEST_CASE("readings at two feeds rule the following error out where the reversal stays the same") {
+  const Model model = backlash_or_lag();
+  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
+  REQUIRE(decided);
+  REQUIRE(decided->notes.size() == 1);
+  CHECK(decided->notes[0] == "these readings rule out servo_lag:X:EX: it is backlash:X:EX");
+  CHECK(decided->model.effects.back().tied_with.empty());
+}
+
+TEST_CASE("an alternative that fits better is told, and the model stays as it is") {
+  const Model model = backlash_or_lag();
+  const auto decided = decided_ties(model, at_feeds(model, 500.0, following_error));
+  REQUIRE(decided);
+  REQUIRE(decided->notes.size() == 1);
+  CHECK(decided->notes[0] ==
+        "these readings speak for servo_lag:X:EX rather than backlash:X:EX: remove backlash:X:EX, then add it");
+  CHECK(decided->model.effects == model.effects);
+}
+
+TEST_CASE("of several alternatives those that are ruled out go, with approach and sensor in their names") {
+  Model model = backlash_or_lag();
+  model.effects.back().tied_with =
+      "servo_lag:X:EX, sag:X:EX, cyclic:X:EX, reverse, thermal_drift:X:EX with t_no_such_degC";
+  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
+  REQUIRE(decided);
+  // a wave of the reverse readings alone, longer than the line, is a backlash; a sensor that is not there shows nothing
+  CHECK(decided->model.effects.back().tied_with == "cyclic:X:EX, reverse, thermal_drift:X:EX with t_no_such_degC");
+}
+
+TEST_CASE("a model without ties is returned as it is") {
+  const Model model = straight();
+  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
+  REQUIRE(decided);
+  CHECK(decided->notes.empty());
+  CHECK(decided->model.effects == model.effects);
+}
