@@ -90,6 +90,18 @@ std::optional<long long> integer_in(std::string_view text) {
   return value;
 }
 
+bool assigns(std::string_view formula) {
+  for (std::size_t at = formula.find('='); at != std::string_view::npos; at = formula.find('=', at + 1)) {
+    const char before = at > 0 ? formula[at - 1] : ' ';
+    const char after = at + 1 < formula.size() ? formula[at + 1] : ' ';
+    if (after == '=')
+      ++at;
+    else if (before != '!' && before != '<' && before != '>')
+      return true;
+  }
+  return false;
+}
+
 std::string shortest(double value) { return fmt::format("{}", value); }
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {

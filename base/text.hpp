@@ -29,6 +29,9 @@ namespace ecs {
 /// The whole of `text` as a decimal integer; else nothing.
 [[nodiscard]] std::optional<long long> integer_in(std::string_view text);
 
+/// Whether a formula in the notation of muParser assigns (=, +=, …); a comparison (==, <=, …) does not.
+[[nodiscard]] bool assigns(std::string_view formula);
+
 /// Shortest decimal that reads back as the same double ("0.1", "-38.8", "1e-07").
 [[nodiscard]] std::string shortest(double value);
 

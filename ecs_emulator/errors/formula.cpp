@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include "base/text.hpp"
+
 namespace ecs::emulator {
 
 struct Formula::Parser {
@@ -16,25 +18,8 @@ Formula::Formula(Formula&&) noexcept = default;
 Formula& Formula::operator=(Formula&&) noexcept = default;
 Formula::~Formula() = default;
 
-namespace {
-
-/// The library's assignments (=, +=, …) would change the variables of every other formula.
-bool assigns(const std::string& expression) {
-  for (std::size_t at = expression.find('='); at != std::string::npos; at = expression.find('=', at + 1)) {
-    const char before = at > 0 ? expression[at - 1] : ' ';
-    const char after = at + 1 < expression.size() ? expression[at + 1] : ' ';
-    if (after == '=')
-      ++at;
-    else if (before != '!' && before != '<' && before != '>')
-      return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 Result<Formula> Formula::compile(const std::string& expression, Variables& variables) {
-  if (assigns(expression))
+  if (assigns(expression))  // would change the variables of every other formula
     return problem(ProblemKind::bad_input,
                    fmt::format("formula \"{}\": expected a value, got an assignment; == compares", expression));
   auto parser = std::make_unique<Parser>();

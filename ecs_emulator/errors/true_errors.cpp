@@ -18,9 +18,12 @@ struct TrueErrors::Parts : ErrorParts {
   void set(const MachineState& state, const Heat& from);
   void set_moving(const MachineState& state, Axis axis, double from_mm);
   [[nodiscard]] double value_of(const FileEffect& one, const MachineState& state, const Heat& from);
-  /// What is wrong with a contribution at the ends, the middle and the datum of its axis, if anything.
-  [[nodiscard]] std::optional<std::string> out_of_reach(const params::Machine& machine,
-                                                        const Contribution& contribution);
+  /// What is wrong with a curve at the ends, the middle and the datum of its axis, if anything.
+  /// @param from_mm  where the positions of the curve count from
+  [[nodiscard]] std::optional<std::string> out_of_reach(const params::MachineAxis& facts, Axis axis, double from_mm,
+                                                        const ErrorCurve& curve);
+  /// What is wrong with a formula of `[temperature]` within a day, if anything.
+  [[nodiscard]] std::optional<std::string> no_temperature(const TemperatureFormula& sensor);
   /// A sensor of `[temperature]`; leaves the formulas' time at `time_s`.
   [[nodiscard]] double formula_degC(const std::string& sensor, double time_s);
   class StateConditions;
@@ -175,31 +178,47 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
     if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
       complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));
   }
-  for (const Contribution& contribution : parts_->contributions)
-    if (auto wrong = parts_->out_of_reach(machine, contribution))
-      problems.push_back({ProblemKind::bad_input, *wrong, parts_->file, contribution.line, 0, {}});
+  const auto judge = [&](const std::string& what, Axis axis, bool from_datum, const ErrorCurve& curve, int line) {
+    const auto& facts = machine.axes[index_of(axis)];
+    if (!facts) return;
+    if (const auto wrong = parts_->out_of_reach(*facts, axis, from_datum ? facts->datum_mm : 0.0, curve))
+      problems.push_back({ProblemKind::bad_input, what + ": " + *wrong, parts_->file, line, 0, {}});
+  };
+  for (const Contribution& one : parts_->contributions)
+    judge(fmt::format("contribution to {}", name_of(one.component)), moving_axis(one.component), false, one.curve,
+          one.line);
+  for (const FileEffect& one : parts_->effects)
+    if (one.curve) judge("effect " + name_of(one.effect), *one.effect.axis, true, *one.curve, 0);
+  for (const TemperatureFormula& sensor : parts_->temperatures)
+    if (auto wrong = parts_->no_temperature(sensor))
+      problems.push_back({ProblemKind::bad_input, *wrong, parts_->file, 0, 0, {}});
   if (problems.empty()) return {};
   return tl::unexpected(folded(std::move(problems)));
 }
 
-std::optional<std::string> TrueErrors::Parts::out_of_reach(const params::Machine& machine,
-                                                           const Contribution& contribution) {
-  const Axis axis = moving_axis(contribution.component);
-  const auto& facts = machine.axes[index_of(axis)];
-  if (!facts) return std::nullopt;
-  const auto [low_mm, high_mm] = facts->travel_mm;
+std::optional<std::string> TrueErrors::Parts::out_of_reach(const params::MachineAxis& facts, Axis axis, double from_mm,
+                                                           const ErrorCurve& curve) {
+  const auto [low_mm, high_mm] = facts.travel_mm;
   MachineState state;
-  for (const double at_mm : {low_mm, std::midpoint(low_mm, high_mm), high_mm, facts->datum_mm})
+  for (const double at_mm : {low_mm, std::midpoint(low_mm, high_mm), high_mm, facts.datum_mm})
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
       state.position_mm[index_of(axis)] = at_mm;
       state.approach[index_of(axis)] = approach;
-      set_moving(state, axis, 0.0);
-      const auto& formula = contribution.curve.formula;
-      const double value = formula ? formula->raw() : contribution.curve.value(variables);
+      set_moving(state, axis, from_mm);
+      const double value = curve.formula ? curve.formula->raw() : curve.value(variables);
       if (!(std::abs(value) <= kLargestError))
-        return fmt::format("contribution to {}: expected values within {} um or um/m, at {} mm it is {}",
-                           name_of(contribution.component), kLargestError, at_mm, value);
+        return fmt::format("expected values within {} um or um/m, at {} mm it is {}", kLargestError, at_mm, value);
     }
+  return std::nullopt;
+}
+
+std::optional<std::string> TrueErrors::Parts::no_temperature(const TemperatureFormula& sensor) {
+  for (const double at_s : {0.0, 60.0, 3'600.0, 86'400.0}) {
+    variables.t = at_s;
+    const double degC = sensor.formula.raw();
+    if (!std::isfinite(degC))
+      return fmt::format("temperature.{}: expected finite values, at {} s it is {}", sensor.name, at_s, degC);
+  }
   return std::nullopt;
 }
 

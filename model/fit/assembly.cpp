@@ -30,6 +30,7 @@ Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressor
     const auto fitted = effect.fitted.find(parameter.name);
     start.push_back(!parameter.value && fitted != effect.fitted.end() ? fitted->second : start_of(parameter));
   }
+  if (const auto finite = formulas->finite_at(start); !finite) return tl::unexpected(finite.error());
   const std::vector<bool> linear = formulas->linear_parameters(start);
   for (std::size_t i = 0; i < start.size(); ++i) {
     const bool held = effect.user[i].value.has_value();

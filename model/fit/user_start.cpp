@@ -57,7 +57,8 @@ EffectInstance with_best_start(const Model& model, const EffectInstance& candida
       with.effects.back().fitted[parameter.name] = start_at(parameter, trial, d);
     }
     auto assembly = Assembly::of(with, regressors);
-    if (!assembly) return candidate;
+    if (!assembly && trial == 0) return candidate;
+    if (!assembly) continue;  // a start from which its formula has no finite values
     const CoreFit fit = fitted(*assembly, regressors, {true, true});
     const double squares = fit.residual.squaredNorm();
     if (!std::isfinite(squares) || (trial > 0 && squares >= least)) continue;

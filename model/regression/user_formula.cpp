@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <muParser.h>
+
+#include "base/text.hpp"
 
 namespace ecs::model {
 namespace {
@@ -39,16 +42,29 @@ std::vector<std::string> names_of(const std::map<std::string, const Column*>& co
   return names;
 }
 
+/// @param character  of the formula, from 1; 0: all of it
+Problem bad_formula(const std::string& effect, const UserFormula& formula, const std::string& what,
+                    std::size_t character = 0) {
+  const std::string place = character == 0 ? std::string() : fmt::format(", character {}", character);
+  return {ProblemKind::bad_input,
+          fmt::format("effect \"{}\", formula \"{}\"{}: {}", effect, formula.text, place, what),
+          {},
+          0,
+          0,
+          {}};
+}
+
 }  // namespace
 
 struct UserFormulas::Parts {
   struct Compiled {
-    Sense sense = Sense::EX;
+    UserFormula formula;
     std::unique_ptr<mu::Parser> parser;
     std::vector<std::pair<double*, const Column*>> optional_columns;
   };
 
   const Observations* data = nullptr;
+  std::string effect;
   std::vector<double> parameters;
   std::array<double, kRowNumbers> row{};
   std::map<std::string, double> cells;
@@ -60,6 +76,15 @@ struct UserFormulas::Parts {
     row[4] = data->approach[k];
     row[5] = data->run[k];
     row[6] = data->compensated[k] ? 1.0 : 0.0;
+  }
+
+  /// Nothing where a cell is missing.
+  std::optional<double> value(const Compiled& compiled, std::size_t k) {
+    load(k);
+    for (const auto& [cell, column] : compiled.optional_columns) *cell = (*column)[k];
+    const bool complete = std::none_of(compiled.optional_columns.begin(), compiled.optional_columns.end(),
+                                       [](const auto& each) { return std::isnan(*each.first); });
+    return complete ? std::optional(compiled.parser->Eval()) : std::nullopt;
   }
 };
 
@@ -78,12 +103,17 @@ double start_of(const UserParameter& parameter) {
 Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const Observations& data) {
   auto parts = std::make_unique<Parts>();
   parts->data = &data;
+  parts->effect = effect.name;
   for (const UserParameter& parameter : effect.user) parts->parameters.push_back(start_of(parameter));
   const auto columns = optional_columns_of(data);
   for (const auto& each : columns) parts->cells[each.first] = 0.0;
   std::vector<Problem> problems;
   for (const UserFormula& formula : effect.formulas) {
-    Parts::Compiled compiled{formula.sense, std::make_unique<mu::Parser>(), {}};
+    if (assigns(formula.text)) {
+      problems.push_back(bad_formula(effect.name, formula, "expected a value, got an assignment; == compares"));
+      continue;
+    }
+    Parts::Compiled compiled{formula, std::make_unique<mu::Parser>(), {}};
     mu::Parser& parser = *compiled.parser;
     try {
       for (std::size_t i = 0; i < effect.user.size(); ++i) parser.DefineVar(effect.user[i].name, &parts->parameters[i]);
@@ -97,14 +127,10 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
         if (column != columns.end()) compiled.optional_columns.emplace_back(&parts->cells[used.first], column->second);
       }
     } catch (const mu::ParserError& error) {
-      problems.push_back(
-          {ProblemKind::bad_input,
-           fmt::format("effect \"{}\", formula \"{}\", character {}: {} The data have the columns {}", effect.name,
-                       formula.text, error.GetPos() + 1, error.GetMsg(), fmt::join(names_of(columns), ", ")),
-           {},
-           0,
-           0,
-           {}});
+      problems.push_back(bad_formula(
+          effect.name, formula,
+          fmt::format("{} The data have the columns {}", error.GetMsg(), fmt::join(names_of(columns), ", ")),
+          static_cast<std::size_t>(error.GetPos()) + 1));
     }
     parts->formulas.push_back(std::move(compiled));
   }
@@ -117,17 +143,30 @@ std::vector<double> UserFormulas::values(const std::vector<double>& parameters) 
   std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
   std::vector<double> values(parts.data->size(), 0.0);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    for (const Parts::Compiled& formula : parts.formulas) {
-      if (formula.sense != parts.data->sense[k]) continue;
-      parts.load(k);
-      for (const auto& [cell, column] : formula.optional_columns) *cell = (*column)[k];
-      const bool complete = std::none_of(formula.optional_columns.begin(), formula.optional_columns.end(),
-                                         [](const auto& each) { return std::isnan(*each.first); });
-      const double value = complete ? formula.parser->Eval() : kNotMeasured;
+    for (const Parts::Compiled& compiled : parts.formulas) {
+      if (compiled.formula.sense != parts.data->sense[k]) continue;
+      const double value = parts.value(compiled, k).value_or(kNotMeasured);
       values[k] += std::isfinite(value) ? value : kNotMeasured;
     }
   }
   return values;
+}
+
+Result<void> UserFormulas::finite_at(const std::vector<double>& parameters) const {
+  Parts& parts = *parts_;
+  std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
+  for (const Parts::Compiled& compiled : parts.formulas)
+    for (std::size_t k = 0; k < parts.data->size(); ++k) {
+      if (compiled.formula.sense != parts.data->sense[k]) continue;
+      const auto value = parts.value(compiled, k);
+      if (!value || std::isfinite(*value)) continue;
+      return tl::unexpected(bad_formula(
+          parts.effect, compiled.formula,
+          fmt::format("expected a finite value at every reading, got {} at reading {} (x_mm {}, y_mm {}, z_mm {}); "
+                      "exclude such places with condition ? value : 0",
+                      *value, k + 1, parts.row[0], parts.row[1], parts.row[2])));
+    }
+  return {};
 }
 
 std::vector<std::string> UserFormulas::optional_columns() const {

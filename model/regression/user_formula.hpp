@@ -17,15 +17,18 @@ class UserFormulas {
  public:
   /// Compiles the formulas of a user effect against the columns that the data have. Variables: every parameter, x_mm
   /// y_mm z_mm (machine coordinates), p_mm (moving axis, from its datum), approach, run, compensated, and the optional
-  /// columns by name. Refuses what muParser refuses, with its place, and names the columns there are.
+  /// columns by name. Refuses what muParser refuses, with its place, and names the columns there are; and what assigns.
   [[nodiscard]] static Result<UserFormulas> compile(const EffectInstance& effect, const Observations& data);
   UserFormulas(UserFormulas&&) noexcept;
   UserFormulas& operator=(UserFormulas&&) noexcept;
   ~UserFormulas();
 
-  /// Values at these parameters (in the order of `effect.user`), one per reading; kNotMeasured where a cell is missing,
-  /// 0 where no formula is for that sense.
+  /// Values at these parameters (in the order of `effect.user`), one per reading; kNotMeasured where a cell is missing
+  /// or the value is not finite, 0 where no formula is for that sense.
   [[nodiscard]] std::vector<double> values(const std::vector<double>& parameters) const;
+
+  /// Refuses formulas that have no finite value at a reading whose cells are all there, and names the first such one.
+  [[nodiscard]] Result<void> finite_at(const std::vector<double>& parameters) const;
 
   /// Optional columns that the formulas read, each once.
   [[nodiscard]] std::vector<std::string> optional_columns() const;

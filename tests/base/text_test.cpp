@@ -52,6 +52,13 @@ TEST_CASE("a number is the whole text, finite and decimal") {
     CHECK_MESSAGE(!number_in(wrong), wrong);
 }
 
+TEST_CASE("an assignment in a formula is told from comparisons") {
+  for (const char* formula : {"a=5", "a = 5", "a += 1", "sin(a=1)", "a==b=c", "=", "a="})
+    CHECK_MESSAGE(assigns(formula), formula);
+  for (const char* formula : {"", "a", "a == b", "a<=b", "a >= b", "a!=b", "a == b ? c != d : e <= f"})
+    CHECK_MESSAGE(!assigns(formula), formula);
+}
+
 TEST_CASE("numbers do not depend on the locale") {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) MESSAGE("de_DE is not installed: tested in " << before);

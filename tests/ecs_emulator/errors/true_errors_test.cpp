@@ -129,6 +129,11 @@ TEST_CASE("what no machine can do is refused with its line before anything moves
   CHECK(refusal("[[contribution]]\ncomponent = \"EYZ\"\nformula = \"p\"\n").find("has no Z") != std::string::npos);
   CHECK(refusal(head + "formula = \"d = 5\"\n").find("assignment") != std::string::npos);
   CHECK(refusal(head + "formula = \"p += 1\"\n").find("assignment") != std::string::npos);
+  CHECK(refusal(head + "formula = \"p + sin(d=5)\"\n").find("assignment") != std::string::npos);
+  CHECK(refusal(head + "formula = \"0/0\"\n").find("EXX") != std::string::npos);
+  CHECK(refusal("[temperature]\noil = \"20 + log(t)\"\n").find("temperature.oil: expected finite") !=
+        std::string::npos);
+  CHECK(refusal("[temperature]\noil = \"t = 5\"\n").find("assignment") != std::string::npos);
   CHECK(refusal(head + "formula = \"p >= 1 && p != 2 || d == 1 ? 1 : 0\"\n") == "");
   CHECK(refusal(head + "formula = \"0.01*p + d\"\n") == "");
 }

@@ -170,6 +170,26 @@ TEST_CASE("a formula with an unknown name is refused with the columns there are"
   CHECK(to_text(found.error()).find("t_material_degC") != std::string::npos);
 }
 
+TEST_CASE("a formula that assigns, or has no finite value at a reading, is refused with its words") {
+  const auto refusal = [](const std::string& formula) {
+    Model model;
+    EffectInstance user = effect(effects::user, Axis::X, Sense::EX);
+    user.name = "tilt";
+    user.formulas = {{Sense::EX, formula}};
+    user.user = {{"a", "um", {}, {}, {}, {}}};
+    model.effects.push_back(user);
+    const auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+    const auto found = fit(model, observations_of(set, model, mill()));
+    return found ? std::string() : to_text(found.error());
+  };
+  for (const char* assigning : {"a=5", "a*p_mm + (a=5)", "sin(x_mm = 3)", "a += 1", "a *= p_mm", "a, x_mm = 2"})
+    CHECK_MESSAGE(refusal(assigning).find("assignment") != std::string::npos, assigning);
+  CHECK(refusal("a*(p_mm <= -10 ? 1 : 0) + a*(p_mm == 0 ? 1 : p_mm != 3)").empty());
+  for (const char* endless : {"a/0", "a*log(-1 - p_mm*p_mm)", "a*sqrt(-1)", "a*1e308*1e308*p_mm"})
+    CHECK_MESSAGE(refusal(endless).find("expected a finite value at every reading") != std::string::npos, endless);
+  CHECK(refusal("a/p_mm").find("reading") != std::string::npos);
+}
+
 TEST_CASE("the comparison says in which direction and where the model fails") {
   const Model model = straight();
   const auto set = measured({}, 0.2, [](const laser::Reading& r) { return 2.0 * d(r); });
