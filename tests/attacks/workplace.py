@@ -199,6 +199,9 @@ SAYS_DOUBT = re.compile(r"it is not known which map is active|the active map is 
                         r"the old map is active unless")
 
 
+DOUBLED = re.compile(r"\b([a-z]{2,})[ ,;:]+\1\b")
+
+
 def judged(code, said, before, sent, now, begun=True):
     """The verdict on an upload: exit code and words of `ecs` against the names of the maps in the unit.
 
@@ -214,6 +217,10 @@ def judged(code, said, before, sent, now, begun=True):
         return "kept, not begun"  # before the program had begun to listen for signals
     if code < 0:
         return "crash, exit %d" % code
+    if DOUBLED.search(said):
+        return "WRONG a word twice: %s" % DOUBLED.search(said).group(0)
+    if code != 0 and '"verified":true' in said:
+        return "WRONG exit %d with success" % code
     if code == 0:
         return "right" if now == sent else "WRONG success told, old active"
     if now == sent != before:
