@@ -1,6 +1,13 @@
 // How a command line is answered: exit codes, JSON, messages.
-#include <doctest/doctest.h>
+#include "app/cli/program.hpp"
 
+#include <csignal>
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/interrupt.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -20,6 +27,37 @@ TEST_CASE("the program alone lists its verbs and names the link, and does nothin
   const Ran json = ran({"--json"});
   CHECK(one_object(json.out));
   CHECK(json.json()["verbs"].size() > 20);
+}
+
+struct NoArguments : VerbArguments {};
+
+/// Exit code of a program whose verb ends well after SIGINT has come.
+int exit_code_after_signal(bool finished) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    catch_signals();
+    ::raise(SIGINT);
+    const VerbDefinition done = finished ? verb<NoArguments>("work", "ends its work", "ecs work",
+                                                             [](VerbContext&, const NoArguments&) -> Result<Outcome> {
+                                                               return Outcome{"done\n", "{}", kDone, true};
+                                                             })
+                                         : verb<NoArguments>("work", "looks on", "ecs work",
+                                                             [](VerbContext&, const NoArguments&) -> Result<Outcome> {
+                                                               return Outcome{"seen\n", "{}", kDone, false};
+                                                             });
+    std::ostringstream out, messages;
+    ::_exit(run_command_line({{}, {&done}}, {"work"}, out, messages));
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+TEST_CASE(
+    "a signal that came when everything was done does not make the exit code, one that cut something short does") {
+  CHECK(exit_code_after_signal(true) == 0);
+  CHECK(exit_code_after_signal(false) == 128 + SIGINT);
 }
 
 TEST_CASE("a misspelt verb is a usage error that names the nearest one") {
@@ -161,6 +199,7 @@ TEST_CASE("a missing file is exit code 3 and named in the JSON error") {
   CHECK(r.json()["error"]["file"] == "no/such/file.toml");
   CHECK(ran({"memory", "show", "no/such/file"}).code == 3);
   CHECK(ran({"utility", "status", "--from", "no/such/file"}).code == 3);
+  CHECK(ran({"utility", "status", "--from", "", "--link", "tcp:127.0.0.1:1"}).code == 3);  // no unit is asked instead
   CHECK(ran({"utility", "datum", "show", "no/such/file"}).code == 3);
   CHECK(ran({"batch", "no/such/file"}).code == 3);
 }

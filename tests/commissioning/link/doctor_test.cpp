@@ -47,6 +47,22 @@ TEST_CASE("the doctor only reads: the unit is given no command") {
   CHECK(shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { return model.log; }).empty());
 }
 
+TEST_CASE("answers to another host's requests are reported as such, not as late ones, and the advice is to end it") {
+  for (const int replies : {1, 1000}) {
+    CAPTURE(replies);
+    auto shop = protocol::Workshop::on_tcp();
+    shop.in_server(
+        [=](protocol::ModbusServer&, protocol::UnitModel& model) { return model.foreign_replies = replies; });
+    const Diagnosis diagnosis = examined(choice_of(shop.address()));
+    CHECK(diagnosis.works == (replies == 1));
+    CHECK(finding(diagnosis, "late answers") == nullptr);
+    const DoctorFinding* found = finding(diagnosis, replies == 1 ? "another host" : "link");
+    REQUIRE(found);
+    CHECK(found->state == FindingState::problem);
+    CHECK((found->message + found->action).find("end the other program") != std::string::npos);
+  }
+}
+
 TEST_CASE("a host that refuses the connection is a problem of the link, with something to do") {
   const Diagnosis diagnosis = examined(parsed_link("tcp:127.0.0.1:1", "--link").value());
   CHECK_FALSE(diagnosis.works);
