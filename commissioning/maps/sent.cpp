@@ -28,10 +28,10 @@ Result<laser::ImageContent> expected_content(const laser::ErrorMap& map, const s
 }  // namespace
 
 Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client) {
-  const auto state = client.state();
-  if (!state) return tl::unexpected(state.error());
-  if (state->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
-  return std::optional(state->block_check_expected);
+  const auto map = client.active_map();
+  if (!map) return tl::unexpected(map.error());
+  if (map->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
+  return std::optional(map->block_check_expected);
 }
 
 Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, const std::string& file,

@@ -54,6 +54,7 @@ void Unit::start_up() {
   isolate();
   ticks_ = 0;
   uptime_s_ = silent_s_ = 0.0;
+  outputs_ended_ms_.reset();
   overruns_ = 0;
   watchdog_trips_ = 0;
   staging_ = entering_compensation_ = restart_ = false;
@@ -78,8 +79,9 @@ void Unit::reload_parameters() {
 /// A host that has gone away leaves no axis under a compensation of its own.
 void Unit::watch_host() {
   if (silent_s_ < kOutputHold_s) return;
-  for (const AxisDrive& drive : drives_)
-    if (drive.relay_closed) return isolate();
+  if (std::none_of(drives_.begin(), drives_.end(), [](const AxisDrive& drive) { return drive.relay_closed; })) return;
+  isolate();
+  outputs_ended_ms_ = clock().ms;
 }
 
 /// Relays off and every D/A converter to zero.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/tick.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
@@ -86,6 +87,9 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::MonitorSample monitor() override;
   void host_armed() override {
     if (powered_ && mode_ == UnitMode::starting) enter_integration();
+  }
+  [[nodiscard]] std::optional<std::uint64_t> take_outputs_ended() override {
+    return std::exchange(outputs_ended_ms_, std::nullopt);
   }
   [[nodiscard]] protocol::UnitClock clock() override { return {starts_, static_cast<std::uint64_t>(uptime_s_ * 1e3)}; }
   [[nodiscard]] protocol::UnitError read_memory(Address address, std::span<std::uint8_t> out) override;
@@ -167,6 +171,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   std::uint64_t ticks_ = 0;
   double uptime_s_ = 0.0;
   double silent_s_ = 0.0;  ///< since the last command
+  std::optional<std::uint64_t> outputs_ended_ms_;
   std::uint32_t overruns_ = 0;
   std::uint16_t watchdog_trips_ = 0;
   std::uint32_t samples_ = 0;

@@ -57,13 +57,6 @@ Result<UnitStatus> UnitClient::status() {
   return status;
 }
 
-Result<UnitStatus> UnitClient::state() {
-  return link_.ask(kEcho, kEchoOnly, kStatusHead).and_then([](Registers head) {
-    head.resize(kStatus.count, 0);
-    return status_in(head);
-  });
-}
-
 Result<std::vector<Registers>> UnitClient::event_blocks(std::size_t most) {
   std::vector<Registers> blocks;
   if (most == 0) return blocks;

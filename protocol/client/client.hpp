@@ -60,8 +60,8 @@ class UnitClient {
 
   [[nodiscard]] Result<Identity> identity();
   [[nodiscard]] Result<UnitStatus> status();  ///< two reads: state, then pointers
-  /// One short read: modes, faults and the active image; nothing of loop, axes and pointers.
-  [[nodiscard]] Result<UnitStatus> state();
+  /// Which map the unit that answered first holds; a problem where another one answers.
+  [[nodiscard]] Result<ActiveMap> active_map();
   [[nodiscard]] Result<MonitorSample> monitor();
   /// What hosts did to the unit, or tried: the newest `most` as the blocks they came in, the oldest first.
   [[nodiscard]] Result<std::vector<Registers>> event_blocks(std::size_t most);
@@ -139,17 +139,18 @@ class UnitClient {
   [[nodiscard]] Result<SessionState> session_now();
   [[nodiscard]] Result<void> make_ready(Command& command);
   [[nodiscard]] Result<SessionState> armed_session();
+  [[nodiscard]] std::string reason_of(UnitError error) const;
+  [[nodiscard]] Result<CommandResult> outcome_of(const Command& command, const CommandResult& result) const;
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
-  [[nodiscard]] Result<UnitStatus> status_when_idle();
-  [[nodiscard]] static bool names(const UnitStatus& now, std::span<const std::uint8_t> image);
-  [[nodiscard]] Result<bool> holds(const UnitStatus& now, const SentImage& sent);
-  [[nodiscard]] Result<void> same_unit();
-  [[nodiscard]] Result<std::uint32_t> commit_staged(const UnitStatus& before, const SentImage& sent);
+  [[nodiscard]] Result<ActiveMap> active_map_when_idle();
+  [[nodiscard]] static bool names(const ActiveMap& now, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<bool> holds(const ActiveMap& now, const SentImage& sent);
+  [[nodiscard]] Result<std::uint32_t> commit_staged(const ActiveMap& before, const SentImage& sent);
   [[nodiscard]] Result<std::uint32_t> confirmed(std::uint32_t commit, const SentImage& sent);
-  [[nodiscard]] Result<std::uint32_t> settled(const UnitStatus& before, const SentImage& sent, Problem why,
+  [[nodiscard]] Result<std::uint32_t> settled(const ActiveMap& before, const SentImage& sent, Problem why,
                                               bool cancelled);
   [[nodiscard]] Result<void> run_acting(const Command& command, std::chrono::milliseconds limit,
                                         std::string_view if_unanswered);
@@ -157,15 +158,16 @@ class UnitClient {
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
   [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window);
   [[nodiscard]] Result<void> write_window(const WindowFrames& frames, const FrameCallback& sent);
+  [[nodiscard]] Result<void> fill_window(const WindowFrames& frames, const FrameCallback& sent);
   [[nodiscard]] Result<void> send_missing(const WindowOpen& window, const WindowFrames& frames, std::uint64_t received,
                                           const FrameCallback& sent);
   [[nodiscard]] Result<std::vector<bool>> held_at(Address bank, std::span<const std::uint8_t> image);
-  [[nodiscard]] Result<Beginning> beginning_for(const UnitStatus& before, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<Beginning> beginning_for(const ActiveMap& before, std::span<const std::uint8_t> image);
   [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const std::vector<bool>& held,
                                    const ProgressCallback& progress, UploadReport& report);
-  [[nodiscard]] Problem given_up(Problem why, const UnitStatus& before);
-  [[nodiscard]] Result<UnitStatus> abandoned();
-  [[nodiscard]] Result<void> nothing_else_committed(const UnitStatus& before);
+  [[nodiscard]] Problem given_up(Problem why, const ActiveMap& before);
+  [[nodiscard]] Result<ActiveMap> abandoned();
+  [[nodiscard]] Result<void> nothing_else_committed(const ActiveMap& before);
 
   Link link_;
   std::string serial_number_;  ///< of the unit that answered first: no other one is sent a map
@@ -173,8 +175,10 @@ class UnitClient {
   std::string arm_code_;
   std::string code_in_proof_;  ///< that the command arm proves for the session it is given in
   bool wants_code_ = false;
-  std::uint32_t session_ = 0;   ///< 0: none is open
-  std::uint16_t sequence_ = 0;  ///< of the last command
+  std::uint32_t session_ = 0;                   ///< 0: none is open
+  std::uint32_t armed_in_ = 0;                  ///< the session in which this host was seen armed last; 0: in none
+  UnitError window_refusal_ = UnitError::none;  ///< of the window that was asked for last
+  std::uint16_t sequence_ = 0;                  ///< of the last command
   std::uint16_t window_tag_ = 0;
   std::uint32_t token_ = 0;  ///< of the staging that was begun last
 };

@@ -19,6 +19,7 @@ constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole ba
 constexpr milliseconds kRamTestLimit = 10min;
 constexpr milliseconds kFirstPoll = 5ms;
 constexpr milliseconds kSlowestPoll = 200ms;
+constexpr int kMostArmings = 3;  ///< for one command, of a unit that starts again and again
 
 Command command_of(CommandCode code) {
   Command command;
@@ -32,32 +33,36 @@ Command command_of(CommandCode code, Axis axis) {
   return command;
 }
 
-std::string reason_in(const CommandResult& result) {
-  if (result.text.empty()) return std::string(text_of(result.error));
-  if (result.error == UnitError::none) return result.text;
-  return fmt::format("{}: {}", text_of(result.error), result.text);
+constexpr std::string_view kOpensByItself =
+    "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
+
+}  // namespace
+
+/// In words, with what this client knows of its arming.
+std::string UnitClient::reason_of(UnitError error) const {
+  if (error != UnitError::not_armed || armed_in_ == 0) return std::string(text_of(error));
+  return fmt::format("{}; {}",
+                     armed_in_ == session_ ? "the time for which this host was armed has ended"
+                                           : "the unit was restarted since this host was armed",
+                     text_of(error));
 }
 
-Result<CommandResult> outcome_of(const Command& command, const CommandResult& result) {
+Result<CommandResult> UnitClient::outcome_of(const Command& command, const CommandResult& result) const {
   const bool forgotten = result.error == UnitError::session_unknown;
+  std::string reason = result.error == UnitError::none ? std::string() : reason_of(result.error);
+  if (!result.text.empty()) reason += (reason.empty() ? "" : ": ") + result.text;
   switch (forgotten ? CommandState::idle : result.state) {
     case CommandState::done:
       return result;
     case CommandState::refused:
-      return problem(ProblemKind::refused,
-                     fmt::format("the unit refuses to {}: {}", name_of(command.code), reason_in(result)));
+      return problem(ProblemKind::refused, fmt::format("the unit refuses to {}: {}", name_of(command.code), reason));
     case CommandState::failed:
-      return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason_in(result)));
+      return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason));
     default:
       return problem(ProblemKind::link,
                      fmt::format("{}: the unit has forgotten the command; was it restarted?", name_of(command.code)));
   }
 }
-
-constexpr std::string_view kOpensByItself =
-    "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
-
-}  // namespace
 
 Result<CommandResult> UnitClient::result_now() {
   return link_.ask(kResultSelect, registers_of(ResultSelect{session_, sequence_}, 0), kCommandResult)
@@ -80,19 +85,25 @@ Result<SessionState> UnitClient::session_now() {
   if (state->session == 0) return problem(ProblemKind::link, "the unit opens no session; is another host using it?");
   if (state->session != session_) sequence_ = state->sequence;
   session_ = state->session;
+  if (state->armed_s > 0) armed_in_ = session_;
   return state;
 }
 
-/// The session as it is now, armed if the code is known.
+/// The session as it is now, armed if the code is known; once more where the unit starts between arming and looking.
 Result<SessionState> UnitClient::armed_session() {
   auto now = session_now();
-  if (!now || now->armed_s > 0 || arm_code_.empty()) return now;
-  const std::string code = std::exchange(arm_code_, {});
-  const auto done = arm(code);
-  wants_code_ = !done && done.error().kind == ProblemKind::refused;
-  if (!wants_code_) arm_code_ = code;  // a wrong one is not shown again
-  if (!done) return tl::unexpected(done.error());
-  return session_now();
+  for (int armings = 0; now && now->armed_s == 0 && knows_code(); ++armings) {
+    if (armings == kMostArmings)
+      return problem(ProblemKind::link, "the unit is armed, but restarts each time; look at its supply and its faults");
+    const std::string code = std::exchange(arm_code_, {});
+    const auto done = arm(code);
+    wants_code_ = !done && done.error().kind == ProblemKind::refused;
+    if (!wants_code_) arm_code_ = code;  // a wrong one is not shown again
+    if (!done) return tl::unexpected(done.error());
+    armed_in_ = session_;
+    now = session_now();
+  }
+  return now;
 }
 
 /// Session, number, proof and, where the command acts at once, the unit's clock as it is now.
@@ -119,8 +130,11 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     const bool unknown = first->error == UnitError::session_unknown;
     if (unknown) session_ = 0;
     if (first->error == UnitError::not_armed) wants_code_ = true;
-    // A session that was there just before: the unit has started, and may have carried the command out before that.
-    const bool not_taken = unknown ? !needs_arming(command.code) : first->error == UnitError::late;
+    // A session that was there just before: the unit has started, and may have carried the command out before that,
+    // which counts but for a staging, whose end the start was.
+    const bool once = needs_arming(command.code) && command.code != CommandCode::begin_staging;
+    const bool lapsed = first->error == UnitError::not_armed && knows_code();
+    const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
     if (!not_taken || std::chrono::steady_clock::now() > until)
       return wait_for(command, std::move(*first), limit, busy);
   }

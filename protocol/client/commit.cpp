@@ -17,19 +17,19 @@ constexpr std::chrono::milliseconds kIdlePoll = 200ms;
 constexpr std::string_view kHowToFindOut =
     "`ecs map verify` compares the unit with a map, `ecs utility status` names the commit";
 
-std::string another_is_active(const UnitStatus& now) {
+std::string another_is_active(const ActiveMap& now) {
   return fmt::format(
       "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
       "link now; compare before compensating",
       now.image_length_bytes, now.commit_sequence);
 }
 
-std::string not_taken(const UnitStatus& before) {
+std::string not_taken(const ActiveMap& before) {
   if (before.active_bank == Bank::none) return "; the unit has not taken the map: it holds none, as before";
   return fmt::format("; the unit has not taken the new map: the old map is active (commit {})", before.commit_sequence);
 }
 
-std::string unknown_after(const UnitStatus& before) {
+std::string unknown_after(const ActiveMap& before) {
   return fmt::format(
       "; the commit had been sent and its reply did not come: it is not known which map is active, the unit may have "
       "taken the new map (commit {} was active before); {}",
@@ -38,23 +38,31 @@ std::string unknown_after(const UnitStatus& before) {
 
 }  // namespace
 
-/// The status once no command is under way; a problem if one stays busy.
-Result<UnitStatus> UnitClient::status_when_idle() {
+Result<ActiveMap> UnitClient::active_map() {
+  auto now = link_.ask(kEcho, Registers{0}, kActiveMap).and_then(active_map_in);
+  if (now && serial_number_.empty()) serial_number_ = now->serial_number;
+  if (!now || now->serial_number == serial_number_) return now;
+  return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
+                                                now->serial_number, serial_number_));
+}
+
+/// The same once no command is under way; a problem if one stays busy.
+Result<ActiveMap> UnitClient::active_map_when_idle() {
   if (!link_.connected())
     if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
   const auto until = std::chrono::steady_clock::now() + kIdleLimit;
   for (;;) {
     const auto result = result_now();
     if (!result) return tl::unexpected(result.error());
-    if (result->state != CommandState::busy) return status();
+    if (result->state != CommandState::busy) return active_map();
     if (std::chrono::steady_clock::now() >= until || !link_.pause(kIdlePoll))
       return problem(ProblemKind::link, "another command of the unit does not end");
   }
 }
 
-/// The status says that the active image is this one: by length, and by the block check that the unit computes over it.
+/// The active image is this one: by length, and by the block check that the unit computes over it.
 /// An image that is not sound has none that could tell.
-bool UnitClient::names(const UnitStatus& now, std::span<const std::uint8_t> image) {
+bool UnitClient::names(const ActiveMap& now, std::span<const std::uint8_t> image) {
   if (now.active_bank == Bank::none || now.image_length_bytes != image.size()) return false;
   const ImageVerdict verdict = check_image(image);
   return verdict.fault == ImageFault::none && verdict.total_bytes == image.size() &&
@@ -62,36 +70,23 @@ bool UnitClient::names(const UnitStatus& now, std::span<const std::uint8_t> imag
 }
 
 /// Whether the active map is the one sent: its sequence alone does not tell whose it is.
-Result<bool> UnitClient::holds(const UnitStatus& now, const SentImage& sent) {
+Result<bool> UnitClient::holds(const ActiveMap& now, const SentImage& sent) {
   if (names(now, sent.bytes)) return true;
   if (now.active_bank == Bank::none || now.image_length_bytes != sent.bytes.size()) return false;
   return check_memory(address_of(now.active_bank), static_cast<std::uint32_t>(sent.bytes.size()))
       .map([&](std::uint32_t found) { return found == sent.crc; });
 }
 
-/// The unit that answered first still answers.
-Result<void> UnitClient::same_unit() {
-  const auto now = link_.ask(kEcho, Registers{0}, kIdentityHead).and_then([](Registers head) {
-    head.resize(kIdentity.count, 0);
-    return identity_in(head);
-  });
-  if (!now) return tl::unexpected(now.error());
-  if (now->serial_number == serial_number_) return {};
-  return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
-                                                now->serial_number, serial_number_));
-}
-
 /// A commit was given and it was not answered with `done`: the unit itself says what became of it. One that is still on
-/// its way does nothing after an abandon that the unit has answered, so "not taken" is what the status says after that.
-Result<std::uint32_t> UnitClient::settled(const UnitStatus& before, const SentImage& sent, Problem why,
-                                          bool cancelled) {
-  auto now = status_when_idle();
+/// its way does nothing after an abandon that the unit has answered, so "not taken" is what it says after that.
+Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentImage& sent, Problem why, bool cancelled) {
+  auto now = active_map_when_idle();
   if (now && now->commit_sequence == before.commit_sequence) now = abandoned();
-  const auto same = now ? same_unit() : Result<void>();
   const bool changed = now && now->commit_sequence != before.commit_sequence;
   const auto ours = changed ? holds(*now, sent) : Result<bool>(false);
-  if (!now || !same || !ours)
-    why.message += (same ? std::string() : "; " + same.error().message) + unknown_after(before);
+  const bool other_unit = !now && link_.last_failure() == LinkFailure::none;
+  if (!now || !ours)
+    why.message += (other_unit ? "; " + now.error().message : std::string()) + unknown_after(before);
   else if (!changed)
     why.message += not_taken(before);
   else if (!*ours)
@@ -115,9 +110,8 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
                                "afterwards: {}; {}",
                                commit, why.message, kHowToFindOut));
   };
-  const auto now = state();
+  const auto now = active_map();
   if (!now) return in_doubt(now.error());
-  if (const auto same = same_unit(); !same) return in_doubt(same.error());
   const auto ours = now->commit_sequence == commit ? holds(*now, sent) : Result<bool>(false);
   if (!ours) return in_doubt(ours.error());
   if (*ours) return commit;
@@ -125,9 +119,8 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
 }
 
 /// This unit and its active map are those of the beginning of the transfer.
-Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
-  if (auto same = same_unit(); !same) return same;
-  const auto now = state();
+Result<void> UnitClient::nothing_else_committed(const ActiveMap& before) {
+  const auto now = active_map();
   if (!now) return tl::unexpected(now.error());
   if (now->commit_sequence == before.commit_sequence && now->active_bank == before.active_bank) return {};
   return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
@@ -135,11 +128,10 @@ Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
 
 /// Takes back what was staged before any commit, even after a cancel, and says which map is active. What the unit has
 /// refused needs no taking back: what is staged there now is another host's.
-Problem UnitClient::given_up(Problem why, const UnitStatus& before) {
+Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
   link_.heed_cancel(false);
-  const auto same = link_.connected() ? same_unit() : problem(ProblemKind::link, "");
-  const auto left = [&] { return why.kind == ProblemKind::refused ? status() : abandoned(); };
-  const auto now = same ? left() : tl::unexpected(same.error());
+  const bool refused = why.kind == ProblemKind::refused;
+  const auto now = !link_.connected() ? problem(ProblemKind::link, "") : refused ? active_map() : abandoned();
   link_.heed_cancel(true);
   if (!now)
     why.message +=
@@ -152,14 +144,14 @@ Problem UnitClient::given_up(Problem why, const UnitStatus& before) {
   return why;
 }
 
-/// What is staged is dropped: the status afterwards.
-Result<UnitStatus> UnitClient::abandoned() {
+/// What is staged is dropped: the active map afterwards.
+Result<ActiveMap> UnitClient::abandoned() {
   const auto done = abandon_staged();
   if (!done && link_.last_failure() != LinkFailure::none) return tl::unexpected(done.error());
-  return status();
+  return active_map();
 }
 
-Result<std::uint32_t> UnitClient::commit_staged(const UnitStatus& before, const SentImage& sent) {
+Result<std::uint32_t> UnitClient::commit_staged(const ActiveMap& before, const SentImage& sent) {
   Command command;
   command.code = CommandCode::commit_staged;
   command.length = static_cast<std::uint32_t>(sent.bytes.size());

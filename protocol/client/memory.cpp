@@ -89,11 +89,12 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
   if (!ack) return ack;
   const bool ours = ack->tag == window.tag && ack->address == window.address && ack->length == window.length;
   if (!ours) ack->error = UnitError::token_expired;
+  window_refusal_ = ack->error;
   if (ack->error == UnitError::session_unknown) session_ = 0;
   if (ack->error == UnitError::not_armed) wants_code_ = true;
   if (ack->error != UnitError::none)
-    return problem(ProblemKind::refused,
-                   fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address, text_of(ack->error)));
+    return problem(ProblemKind::refused, fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address,
+                                                     reason_of(ack->error)));
   return ack;
 }
 
@@ -115,7 +116,17 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
   return {};
 }
 
+/// Where the time of the arming ends meanwhile and the code is known, the host is armed again and the window sent anew.
 Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCallback& sent) {
+  window_refusal_ = UnitError::none;
+  auto done = fill_window(frames, sent);
+  if (done || window_refusal_ != UnitError::not_armed || !knows_code()) return done;
+  const std::uint32_t session = session_;
+  if (const auto armed = armed_session(); !armed) return tl::unexpected(armed.error());
+  return session_ == session ? fill_window(frames, sent) : done;
+}
+
+Result<void> UnitClient::fill_window(const WindowFrames& frames, const FrameCallback& sent) {
   if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
   if (++window_tag_ == 0) ++window_tag_;
   const WindowOpen window{window_tag_,

@@ -22,7 +22,7 @@ constexpr double kNearlyAll = 0.8;
 /// Where a map is staged while that bank is active.
 Address inactive_bank_beside(Bank active) { return active == Bank::A ? kBankB.first : kBankA.first; }
 
-Problem wrong_bank(Address named, const UnitStatus& before) {
+Problem wrong_bank(Address named, const ActiveMap& before) {
   return {ProblemKind::link,
           fmt::format("the unit names 0x{:06X} to write the map to, expected 0x{:06X}, the bank beside the active one; "
                       "another host uses the unit, or its answers are wrong; nothing was written",
@@ -107,7 +107,7 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
 
 /// Where the staging begins: the active map, or what an earlier transfer has left, whichever has more of the image.
 /// What was left is not asked for where the active map has nearly all.
-Result<UnitClient::Beginning> UnitClient::beginning_for(const UnitStatus& before, Image image) {
+Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image) {
   Beginning beginning{StagingFrom::active, {}};
   if (before.active_bank != Bank::none) {
     auto active = held_at(address_of(before.active_bank), image);
@@ -152,15 +152,12 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 }
 
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress) {
-  if (serial_number_.empty())
-    if (const auto first = identity(); !first) return tl::unexpected(first.error());
-  const auto before = state();
+  const auto before = active_map();
   if (!before) return tl::unexpected(before.error());
   const SentImage sent{image, crc32_of(image)};
   UploadReport report{image.size(), 0, before->commit_sequence, true};
   if (names(*before, image)) {
     if (progress) progress({image.size(), image.size(), 0.0});
-    if (const auto same = same_unit(); !same) return tl::unexpected(same.error());
     return report;
   }
   const auto beginning = beginning_for(*before, image);

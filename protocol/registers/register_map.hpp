@@ -41,18 +41,17 @@ inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 p
 
 // Answer blocks: read only; the first register is the echo.
 inline constexpr Block kIdentity{0x0100, 54};
-inline constexpr Block kVersion{0x0100, 2};        ///< its beginning, which every version has: echo, protocol version
-inline constexpr Block kIdentityHead{0x0100, 12};  ///< up to the serial number
+inline constexpr Block kVersion{0x0100, 2};  ///< its beginning, which every version has: echo, protocol version
 inline constexpr Block kStatus{0x0180, 58};
-inline constexpr Block kStatusHead{0x0180, 18};  ///< up to the length of the active image
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
 inline constexpr Block kCommandResult{0x0300, 51};
 inline constexpr Block kWindowAck{0x0380, 13};
-inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
-inline constexpr Block kChecks{0x0480, 121};  ///< echo, the CRC-32 of each piece (2), up to 60
-inline constexpr Block kEvents{0x0500, 96};   ///< echo, newest number (2), 3 events of 31 registers
-inline constexpr Block kSession{0x0580, 12};  ///< the host's own session, how long it is armed, and the unit's clock
+inline constexpr Block kMemory{0x0400, 125};    ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
+inline constexpr Block kChecks{0x0480, 121};    ///< echo, the CRC-32 of each piece (2), up to 60
+inline constexpr Block kEvents{0x0500, 96};     ///< echo, newest number (2), 3 events of 31 registers
+inline constexpr Block kSession{0x0580, 12};    ///< the host's own session, how long it is armed, and the unit's clock
+inline constexpr Block kActiveMap{0x0590, 18};  ///< what a transfer looks at again and again, of one unit at one time
 inline constexpr std::uint16_t kRegisterSpace = 0x0600;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.

@@ -78,6 +78,17 @@ struct UnitStatus {
   friend bool operator==(const UnitStatus&, const UnitStatus&) = default;
 };
 
+/// What a transfer looks at: who answers and which map it holds, from one read.
+struct ActiveMap {
+  std::string serial_number;
+  std::uint32_t block_check_expected = 0;  ///< as in the status
+  std::uint32_t block_check_found = 0;
+  Bank active_bank = Bank::none;
+  std::uint32_t commit_sequence = 0;
+  std::uint32_t image_length_bytes = 0;
+  friend bool operator==(const ActiveMap&, const ActiveMap&) = default;
+};
+
 struct AxisSample {
   bool present = false;
   double position_mm = 0.0;

@@ -74,6 +74,16 @@ void pointer_fields(Pass& pass, T& status) {
 }
 
 template <class Pass, class T>
+void fields(Pass& pass, T& map) requires std::is_same_v<std::remove_const_t<T>, ActiveMap> {
+  pass.text(map.serial_number, kSerialNumberBytes, "serial number");
+  pass.number(map.block_check_expected, "block check");
+  pass.number(map.block_check_found, "block check");
+  pass.one_of(map.active_bank, 3, "active bank");
+  pass.number(map.commit_sequence, "commit sequence");
+  pass.number(map.image_length_bytes, "image length");
+}
+
+template <class Pass, class T>
 void sample_fields(Pass& pass, T& axis, Axis which) {
   pass.letter(axis.present, which);
   pass.real(axis.position_mm, "position");
@@ -268,6 +278,7 @@ Result<T> from(std::span<const std::uint16_t> block, std::string_view what) {
 
 Registers registers_of(const Identity& identity, std::uint16_t echo) { return with_echo(identity, echo); }
 Registers registers_of(const UnitStatus& status, std::uint16_t echo) { return with_echo(status, echo); }
+Registers registers_of(const ActiveMap& map, std::uint16_t echo) { return with_echo(map, echo); }
 Registers registers_of(const MonitorSample& sample, std::uint16_t echo) { return with_echo(sample, echo); }
 Registers registers_of(const CommandResult& result, std::uint16_t echo) { return with_echo(result, echo); }
 Registers registers_of(const WindowAck& ack, std::uint16_t echo) { return with_echo(ack, echo); }
@@ -290,6 +301,9 @@ Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo) {
 
 Result<Identity> identity_in(std::span<const std::uint16_t> block) { return from<Identity>(block, "the identity"); }
 Result<UnitStatus> status_in(std::span<const std::uint16_t> block) { return from<UnitStatus>(block, "the status"); }
+Result<ActiveMap> active_map_in(std::span<const std::uint16_t> block) {
+  return from<ActiveMap>(block, "the active map");
+}
 Result<MonitorSample> monitor_in(std::span<const std::uint16_t> block) {
   return from<MonitorSample>(block, "the monitor sample");
 }

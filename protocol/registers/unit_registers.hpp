@@ -14,6 +14,7 @@ namespace ecs::protocol {
 [[nodiscard]] Registers registers_of(const Identity& identity, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const UnitStatus& status, std::uint16_t echo);  ///< without the pointers
 [[nodiscard]] Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const ActiveMap& map, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const MonitorSample& sample, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const CommandResult& result, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const WindowAck& ack, std::uint16_t echo);
@@ -37,6 +38,7 @@ namespace ecs::protocol {
 [[nodiscard]] Result<Identity> identity_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<UnitStatus> status_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<void> take_pointers(std::span<const std::uint16_t> block, UnitStatus& status);
+[[nodiscard]] Result<ActiveMap> active_map_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<MonitorSample> monitor_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<CommandResult> command_result_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<WindowAck> window_ack_in(std::span<const std::uint16_t> block);

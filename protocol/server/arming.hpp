@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "protocol/server/host_sessions.hpp"
@@ -14,6 +15,12 @@ namespace ecs::protocol {
 inline constexpr std::size_t kArmedHosts = 8;
 /// After the n-th wrong code in a row no code is looked at for 2^(n-1) s, at most so long.
 inline constexpr std::uint16_t kLongestWait_s = 60;
+
+/// A host whose time has ended.
+struct ArmingEnd {
+  SessionOpen host;
+  std::uint64_t at_ms = 0;  ///< of the unit's clock
+};
 
 class Arming {
  public:
@@ -26,13 +33,15 @@ class Arming {
   [[nodiscard]] std::uint32_t left_s(const HostSession& session, std::uint64_t now_ms) const;
   /// Before another code is looked at.
   [[nodiscard]] std::uint16_t wait_s(std::uint64_t now_ms) const;
+  /// A host whose time has ended since this was last asked; each is told once, who ended it itself is not.
+  [[nodiscard]] std::optional<ArmingEnd> take_ended(std::uint64_t now_ms);
   /// At a start of the unit: nobody is armed, and wrong codes are forgotten.
   void begin_again();
 
  private:
   struct Armed {
-    std::uint64_t key = 0;
-    std::uint64_t until_ms = 0;
+    SessionOpen host;
+    std::uint64_t until_ms = 0;  ///< 0: free
   };
   std::string code_;
   std::array<Armed, kArmedHosts> armed_{};

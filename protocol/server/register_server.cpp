@@ -14,13 +14,19 @@ namespace ecs::protocol {
 
 namespace {
 
-constexpr std::array kAnswers{kIdentity,  kStatus, kMonitor, kPointers, kCommandResult,
-                              kWindowAck, kMemory, kChecks,  kSession,  kEvents};
+constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
+                              kMemory,   kChecks, kSession, kEvents,   kActiveMap};
 constexpr std::array kEchoed{kEcho,    kReadSelect,   kCheckSelect, kWindowOpen,
                              kCommand, kResultSelect, kSessionOpen, kEventSelect};
 constexpr std::array kWithCheck{kWindowOpen, kCommand, kSessionOpen};
 /// What names a session; never read back, and its answer is given once.
 constexpr std::array kOfSession{kWindowOpen, kCommand, kResultSelect, kSessionOpen};
+
+ActiveMap active_map_of(UnitPort& unit) {
+  const UnitStatus status = unit.status();
+  return {unit.identity().serial_number, status.block_check_expected, status.block_check_found, status.active_bank,
+          status.commit_sequence,        status.image_length_bytes};
+}
 
 bool is_one_of(const auto& blocks, const Block& block) {
   return std::find(blocks.begin(), blocks.end(), block) != blocks.end();
@@ -69,11 +75,15 @@ tl::expected<Registers, ModbusException> RegisterServer::read(std::uint16_t firs
 Registers RegisterServer::answer(const Block& block) {
   if (block == kIdentity) return registers_of(unit_->identity(), echo_);
   if (block == kStatus) return registers_of(unit_->status(), echo_);
+  if (block == kActiveMap) return registers_of(active_map_of(*unit_), echo_);
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
   if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
   if (block == kCommandResult) return registers_of(result_selected(), echo_);
   if (block == kSession) return registers_of(session_asked(), echo_);
-  if (block == kEvents) return registers_of(events_.page(event_select_.first), echo_);
+  if (block == kEvents) {
+    note_what_has_ended();
+    return registers_of(events_.page(event_select_.first), echo_);
+  }
   const Block asked = std::exchange(asked_, Block{});
   return registers_of(asked == kWindowOpen && refused_window_ ? *refused_window_ : window_.ack(), echo_);
 }
@@ -145,7 +155,7 @@ void RegisterServer::forget_hosts_of_another_start() {
 
 void RegisterServer::act_on(const Block& block, std::span<const std::uint16_t> whole) {
   asked_ = block;
-  forget_hosts_of_another_start();
+  note_what_has_ended();
   if (block == kSessionOpen) {
     if (const auto host = session_open_in(whole)) open_session(*host);
   } else if (block == kWindowOpen) {
@@ -206,7 +216,7 @@ void RegisterServer::open_window(const WindowOpen& window) {
   written.state = error == UnitError::none ? CommandState::done : CommandState::refused;
   written.error = error;
   written.text = stretch_in_words(window.address, window.length);
-  note(*session, std::move(written));
+  note(session->host, unit_->clock().ms, std::move(written));
 }
 
 bool RegisterServer::may_write(std::uint32_t session_id) {
@@ -214,13 +224,31 @@ bool RegisterServer::may_write(std::uint32_t session_id) {
   return session != nullptr && arming_.left_s(*session, unit_->clock().ms) > 0;
 }
 
-std::uint32_t RegisterServer::note(const HostSession& session, HostEvent event) {
-  const UnitClock clock = unit_->clock();
-  event.unit_time_s = static_cast<std::uint32_t>(clock.ms / 1000);
-  event.unix_time_s = session.host.unix_time_s;
-  event.starts = static_cast<std::uint16_t>(clock.starts);
-  event.host = session.host.host;
+std::uint32_t RegisterServer::note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event) {
+  event.unit_time_s = static_cast<std::uint32_t>(at_ms / 1000);
+  event.unix_time_s = host.unix_time_s;
+  event.starts = static_cast<std::uint16_t>(unit_->clock().starts);
+  event.host = host.host;
   return events_.add(std::move(event));
+}
+
+/// A host that falls silent loses what it was given; the list of events says when.
+void RegisterServer::note_what_has_ended() {
+  forget_hosts_of_another_start();
+  HostEvent ended;
+  ended.error = UnitError::time_out;
+  if (const auto at_ms = unit_->take_outputs_ended()) {
+    ended.code = CommandCode::output_compensation;
+    ended.state = CommandState::failed;
+    ended.text = "relay opened";
+    note(output_host_, *at_ms, ended);
+  }
+  while (const auto arming = arming_.take_ended(unit_->clock().ms)) {
+    ended.code = CommandCode::arm;
+    ended.state = CommandState::done;
+    ended.text = "has ended";
+    note(arming->host, arming->at_ms, ended);
+  }
 }
 
 /// A command that comes again, or after a later one of its session, does nothing.
@@ -233,13 +261,14 @@ void RegisterServer::take_command(const Command& command) {
   result.session = command.session;
   result.sequence = command.sequence;
   if (result.state == CommandState::done && switches_off(command.code)) ++stops_;
+  if (result.state == CommandState::done && command.relay_on) output_host_ = session->host;
   if (needs_arming(command.code) || switches_off(command.code) || command.code == CommandCode::arm) {
     HostEvent event;
     event.code = command.code;
     event.state = result.state;
     event.error = result.error;
     event.text = arguments_in_words(command);
-    const std::uint32_t number = note(*session, std::move(event));
+    const std::uint32_t number = note(session->host, unit_->clock().ms, std::move(event));
     if (result.state == CommandState::busy) busy_event_ = number;
   }
   session->result = std::move(result);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,6 +32,8 @@ class UnitPort {
   [[nodiscard]] virtual UnitClock clock() = 0;
   /// A host has armed the unit.
   virtual void host_armed() {}
+  /// When, by clock(), it has switched its outputs off because no command came any more; each time is told once.
+  [[nodiscard]] virtual std::optional<std::uint64_t> take_outputs_ended() { return std::nullopt; }
 
   /// Fills `out`, all of it or (any error but `none`) nothing.
   [[nodiscard]] virtual UnitError read_memory(Address address, std::span<std::uint8_t> out) = 0;
@@ -68,7 +71,8 @@ class RegisterServer : public RegisterHandler {
   [[nodiscard]] UnitError refusal_of(const Command& command, const HostSession& session) const;
   [[nodiscard]] CommandResult armed(const Command& command, const HostSession& session);
   [[nodiscard]] bool may_write(std::uint32_t session_id);
-  std::uint32_t note(const HostSession& session, HostEvent event);
+  std::uint32_t note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event);
+  void note_what_has_ended();
   [[nodiscard]] CommandResult begun(const Command& command);
   [[nodiscard]] CommandResult check_memory(const Command& command);
   void look_at_busy_command();
@@ -91,6 +95,7 @@ class RegisterServer : public RegisterHandler {
   ResultSelect busy_;       ///< the command that the unit works on …
   bool port_busy_ = false;  ///< … if it does
   std::uint32_t busy_event_ = 0;
+  SessionOpen output_host_;  ///< who closed a relay last
   EventSelect event_select_;
 };
 

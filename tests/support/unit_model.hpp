@@ -44,7 +44,10 @@ class UnitModel : public UnitPort {
   bool names_active_bank = false;    ///< as the one to write
   std::function<void()> after_commit;
   UnitClock unit_clock{1, 5'000};
-  int foreign_echo = -1;  ///< the next monitor block carries it, as if another host had asked
+  int starts_on_arming = 0;     ///< so often it starts as soon as it has answered that a host is armed
+  bool starts_on_look = false;  ///< it starts as soon as it has answered to an armed host how long it is armed
+  std::optional<std::uint64_t> outputs_ended_ms;
+  int foreign_replies = 0;  ///< so many of the next identity and monitor blocks are as if another host had asked
 
   Identity identity() override {
     return {kProtocolVersion, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
@@ -75,6 +78,18 @@ class UnitModel : public UnitPort {
     return sample;
   }
   UnitClock clock() override { return unit_clock; }
+  void host_armed() override { just_armed = true; }
+  /// Its last answer is on the line.
+  void answered() {
+    if (std::exchange(just_armed, false) && starts_on_arming > 0) {
+      --starts_on_arming;
+      ++unit_clock.starts;
+    }
+    if (std::exchange(just_looked, false) && std::exchange(starts_on_look, false)) ++unit_clock.starts;
+  }
+  bool just_armed = false;
+  bool just_looked = false;
+  std::optional<std::uint64_t> take_outputs_ended() override { return std::exchange(outputs_ended_ms, std::nullopt); }
   UnitError read_memory(Address address, std::span<std::uint8_t> out) override {
     auto* bank = bank_at(address, out.size());
     if (bank == nullptr) return UnitError::address_unknown;
@@ -230,12 +245,16 @@ class LosingServer : public RegisterServer {
   LosingServer(UnitModel& model, const std::string& code) : RegisterServer(model, code), model_(&model) {}
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     auto block = RegisterServer::read(first, count);
-    if (block && first == kMonitor.first && model_->foreign_echo >= 0) {
-      block->front() = static_cast<std::uint16_t>(block->front() + std::exchange(model_->foreign_echo, -1));
+    const bool asked_often = first == kMonitor.first || first == kIdentity.first;
+    if (block && asked_often && model_->foreign_replies > 0) {
+      --model_->foreign_replies;
+      block->front() = static_cast<std::uint16_t>(block->front() + 5000);
     }
+    if (block && first == kSession.first) model_->just_looked = session_state_in(*block).value().armed_s > 0;
     return block;
   }
   [[nodiscard]] bool silent() const override {
+    model_->answered();
     if (model_->replies_left == 0) return true;
     if (model_->replies_left > 0) --model_->replies_left;
     return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0;

@@ -328,7 +328,9 @@ namespace {
 /// A peer that answers every request with bytes of no end, one every few milliseconds.
 class Dripping {
  public:
-  Dripping() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  /// @param head  what comes first, at once
+  explicit Dripping(std::string head = {"\0\1\0\0\0\170\1\27\164", 9})
+      : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in place{};
     place.sin_family = AF_INET;
     place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -338,11 +340,11 @@ class Dripping {
     REQUIRE(::listen(listener_, 1) == 0);
     REQUIRE(::getsockname(listener_, general, &size) == 0);
     port = ntohs(place.sin_port);
-    thread_ = std::jthread([this](const std::stop_token& stop) {
+    thread_ = std::jthread([this, head](const std::stop_token& stop) {
       const int peer = ::accept(listener_, nullptr, nullptr);
-      const char head[] = {0, 1, 0, 0, 0, 120, 1, 23, 116};
-      for (std::size_t k = 0; !stop.stop_requested(); ++k) {
-        const char byte = k < sizeof head ? head[k] : 'x';
+      (void)::send(peer, head.data(), head.size(), MSG_NOSIGNAL);
+      while (!stop.stop_requested()) {
+        const char byte = 'x';
         if (::send(peer, &byte, 1, MSG_NOSIGNAL) < 0) break;
         std::this_thread::sleep_for(20ms);
       }
@@ -383,11 +385,27 @@ TEST_CASE("answers to another host's requests do not count as late ones") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   REQUIRE(unit.monitor().has_value());
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_echo = 5000; });
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_replies = 1; });
   const auto sample = unit.monitor();
   CHECK(sample.has_value());
   CHECK(unit.link().statistics().foreign_replies == 1);
   CHECK(unit.link().statistics().stale_replies == 0);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_replies = 100; });
+  const auto none = unit.monitor();
+  REQUIRE_FALSE(none.has_value());
+  CHECK(says(none.error(), "end the other program, or take it off the link"));
+}
+
+TEST_CASE("a TCP peer that is no unit is told from a disturbed line: there is no CRC on TCP") {
+  Dripping peer("HTTP/1.0 400 Bad Request\r\n\r\n");
+  const LinkAddress address{TcpPeer{"127.0.0.1", peer.port}, 1};
+  LinkTiming timing = timing_of(address);
+  timing.tries = 1;
+  UnitClient unit(Link::open(address, {nullptr, timing}).value());
+  const auto answer = unit.identity();
+  REQUIRE_FALSE(answer.has_value());
+  CHECK(says(answer.error(), "no answers of a unit"));
+  CHECK_FALSE(says(answer.error(), "CRC"));
 }
 
 TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
@@ -425,6 +443,48 @@ TEST_CASE("TCP beyond this computer needs a token at both ends") {
   const auto client = UnitClient::connect({TcpPeer{"192.0.2.1", 502}, 1});
   REQUIRE_FALSE(client.has_value());
   CHECK(says(client.error(), "?token=FILE"));
+}
+
+TEST_CASE("a unit that starts between arm and begin is armed again by a host that knows the code") {
+  Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+  auto unit = shop.client();
+  unit.know_code("271828");
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_arming = 2; });
+  CHECK(unit.begin_staging(StagingFrom::cleared).has_value());
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.unit_clock.starts; }) == 3);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_arming = 100; });
+  REQUIRE(unit.disarm());
+  const auto hopeless = unit.begin_staging(StagingFrom::cleared);
+  REQUIRE_FALSE(hopeless);
+  CHECK(says(hopeless.error(), "restarts each time"));
+}
+
+TEST_CASE("a unit that starts between the look at the session and begin begins all the same") {
+  Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+  auto unit = shop.client();
+  unit.know_code("271828");
+  REQUIRE(unit.begin_staging(StagingFrom::cleared));
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_look = true; });
+  CHECK(unit.begin_staging(StagingFrom::cleared).has_value());
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.unit_clock.starts; }) == 2);
+}
+
+TEST_CASE("a host without the code says whether its time has ended or the unit was restarted since it was armed") {
+  Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+  auto unit = shop.client();
+  REQUIRE(unit.arm("271828", 1));
+  REQUIRE(unit.clear_fault());
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.unit_clock.ms += 60'000; });
+  const auto late = unit.clear_fault();
+  REQUIRE_FALSE(late);
+  CHECK(says(late.error(), "the time for which this host was armed has ended; the unit is read-only"));
+  REQUIRE(unit.arm("271828", 1));
+  REQUIRE(unit.clear_fault());
+  shop.in_server([](ModbusServer&, UnitModel& model) { ++model.unit_clock.starts; });
+  const auto restarted = unit.clear_fault();
+  REQUIRE_FALSE(restarted);
+  CHECK(says(restarted.error(), "the unit was restarted since this host was armed"));
+  CHECK(unit.take_wants_code());
 }
 
 TEST_CASE("a host arms a unit that was restarted since the host opened its session") {

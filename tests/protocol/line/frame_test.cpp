@@ -53,7 +53,7 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   for (const Block& block :
        {kEcho,          kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen,
         kEventSelect,   kToken,      kBlockWrite,  kIdentity,   kStatus,  kMonitor,      kPointers,
-        kCommandResult, kWindowAck,  kMemory,      kChecks,     kSession, kEvents}) {
+        kCommandResult, kWindowAck,  kMemory,      kChecks,     kSession, kEvents,       kActiveMap}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
     CHECK_MESSAGE(document->find(row) != std::string::npos, row);
   }

@@ -92,7 +92,7 @@
 #define FOR_UNIT(m, u) ((m) == OLD || UNITS == 1 || (m) == (u) + 1)
 #endif
 
-mtype:request = { identity, status, checks, session_open, command, window_open, block, acknowledgement }
+mtype:request = { identity, active_map, checks, session_open, command, window_open, block, acknowledgement }
 mtype:code = { arm, disarm, begin_staging, commit_staged, abandon_staged, output_compensation, output_off }
 mtype:error = { none, idle, no_answer, no_staging, check_mismatch, address_protected, token_expired, other_machine,
                 session_unknown, late, overtaken, not_armed, wrong_code }
@@ -133,8 +133,9 @@ typedef Answer {
   byte stops;
   bool armed;
   byte token;
-  byte value;    /* identity: serial number; status: map of the active image; begin staging: bank; checks,
-                    acknowledgement: bits of blocks */
+  byte value;    /* identity: serial number; active map: the map; begin staging: bank; checks, acknowledgement: bits of
+                    blocks */
+  byte serial;   /* active map: serial number */
   byte commit;   /* commit sequence */
   bit bank;      /* active bank */
   bool agrees;   /* acknowledgement: CRC of the window in memory is that of what was sent */
@@ -206,7 +207,7 @@ bool knows[HOSTS];     /* the host knows the unit's code */
 byte offs;                            /* times that anybody has switched off */
 byte acted[HOSTS * PROGRAMS];         /* commands that have acted */
 byte met[HOSTS * PROGRAMS];           /* the unit that answered first */
-bool truth[HOSTS * PROGRAMS];         /* at its last reading of the status: that unit's active map is the program's */
+bool truth[HOSTS * PROGRAMS];         /* at its last reading of the active map: that unit's active map is the program's */
 bool committed[HOSTS * PROGRAMS];     /* the program's commit was carried out */
 bool denied[HOSTS * PROGRAMS];        /* it has told that its map was not taken */
 
@@ -550,7 +551,8 @@ inline acknowledge() {
               ((WINDOW.received & 2) == 0 || unit[u].memory[AT(WINDOW.bank, 1)] == CONTENT(rq.map, 1))
 }
 
-inline tell_status() {
+inline tell_active_map() {
+  an.serial = u;
   an.bank = unit[u].active_bank;
   an.commit = unit[u].commit;
   an.value = (HOLDS(u, unit[u].active_bank, unit[u].map) -> unit[u].map : NOTHING);
@@ -571,7 +573,7 @@ inline compare_checks() {
 
 inline clear_answer() {
   an.kind = identity; an.ok = false; an.error = none; an.session = 0; an.sequence = 0; an.clock = 0; an.stops = 0; an.armed = false;
-  an.token = 0; an.value = 0; an.commit = 0; an.bank = 0; an.agrees = false; an.staging = 0; an.at = 0; an.offs = 0
+  an.token = 0; an.value = 0; an.serial = 0; an.commit = 0; an.bank = 0; an.agrees = false; an.staging = 0; an.at = 0; an.offs = 0
 }
 
 /* A window that takes nothing more is as good as any other that does not: the fewer states. */
@@ -591,7 +593,7 @@ inline serve() {
   an.kind = rq.kind;
   if
   :: rq.kind == identity -> an.value = u
-  :: rq.kind == status -> tell_status()
+  :: rq.kind == active_map -> tell_active_map()
   :: rq.kind == checks -> compare_checks()
   :: rq.kind == session_open -> open_session()
   :: rq.kind == command -> take_command()
@@ -759,19 +761,20 @@ inline arm_host() {
   REQUIRE(right_code_is_accepted, (result != wrong_code))
 }
 
-/* UnitClient::armed_session: `result` is none if the session is open; it is armed if the code is known */
+/* UnitClient::armed_session: `result` is none if the session is open; it is armed if the code is known, once more where
+ * the unit was restarted since */
 inline open_session_for(writing) {
   session_now();
   result = (in.ok -> none : no_answer);
-  if
-  :: in.ok && (writing) && !in.armed && knows[h] ->
+  do
+  :: result == none && (writing) && !in.armed && knows[h] ->
      arm_host();
      if
      :: result == none -> session_now(); result = (in.ok -> none : no_answer)
-     :: else
+     :: else -> break
      fi
-  :: else
-  fi
+  :: else -> break
+  od
 }
 
 /* UnitClient::run with make_ready, of the command `doing`: `result` is the error that it ended with; what else was
@@ -816,10 +819,12 @@ inline give(which) {
      :: result == session_unknown -> session = 0;
 #ifndef REGIVEN_AFRESH
         if
-        :: NEEDS_ARMING(doing) -> break /* its session was there just before: it may have been carried out */
+        :: NEEDS_ARMING(doing) && doing != begin_staging ->
+           break /* its session was there just before: it may have been carried out */
         :: else
         fi
 #endif
+     :: result == not_armed && knows[h] /* the time has ended since: armed again */
      :: result == late -> reached(9) /* by the host's clock there is time yet */
      :: else -> break
      fi
@@ -843,36 +848,53 @@ inline send_block(b, in_ram) {
 }
 
 /* UnitClient::write_window: `result` is none if everything is there */
-inline write_window(in_ram) {
+inline request_window(in_ram) {
   clear_request(window_open);
   out.tag = (in_ram -> 2 + h : 1);
   out.token = token;
   out.bank = bank;
-  out.ram = in_ram;
+  out.ram = in_ram
+}
+
+inline write_window(in_ram) {
+  request_window(in_ram);
   do
   :: ask();
      if
      :: !in.ok -> result = no_answer; break
-     :: in.ok && in.error != none -> result = in.error; break
+     :: in.ok && in.error == not_armed && knows[h] -> /* the time has ended since: armed again, if in this session */
+        given_at = session;
+        open_session_for(true);
+        if
+        :: result == none && session == given_at -> reached(16); given_at = 0; request_window(in_ram)
+        :: else -> given_at = 0; result = not_armed; break
+        fi
+     :: in.ok && in.error != none && !(in.error == not_armed && knows[h]) -> result = in.error; break
      :: in.ok && in.error == none && (in.value | held) == ALL ->
         result = (in.agrees -> none : check_mismatch);
         break
-     :: else
-     fi;
-     missing = ALL - (in.value | held);
-     send_block(0, in_ram);
-     send_block(1, in_ram);
-     missing = 0;
-     refused = false;
-     if
-     :: result = no_answer; break /* no block comes through, or it is killed */
-     :: true
-     fi;
-     clear_request(acknowledgement);
-     out.tag = (in_ram -> 2 + h : 1);
-     out.bank = bank
+     :: else ->
+        missing = ALL - (in.value | held);
+        send_block(0, in_ram);
+        send_block(1, in_ram);
+        missing = 0;
+        refused = false;
+        if
+        :: result = no_answer; break /* no block comes through, or it is killed */
+        :: true
+        fi;
+        clear_request(acknowledgement);
+        out.tag = (in_ram -> 2 + h : 1);
+        out.bank = bank
+     fi
   od
 }
+
+#ifdef NO_SAME_UNIT
+#define OF_ANOTHER_UNIT false
+#else
+#define OF_ANOTHER_UNIT (in.serial != serial)
+#endif
 
 #if OPERATORS < HOSTS
 /* `ecs map send`, PROGRAMS times: the second one goes on where the first one was killed, or sends the same map again. */
@@ -894,10 +916,10 @@ next_program:
     :: else -> serial = in.value; met[p] = in.value
     fi;
     /* upload_image */
-    clear_request(status);
+    clear_request(active_map);
     ask();
     if
-    :: !in.ok -> goto ended
+    :: !in.ok || OF_ANOTHER_UNIT -> goto ended
     :: else -> before_bank = in.bank; before_commit = in.commit
     fi;
     if
@@ -945,19 +967,11 @@ begun:
     :: else
     fi;
     /* nothing_else_committed */
-#ifndef NO_SAME_UNIT
-    clear_request(identity);
+    clear_request(active_map);
     ask();
     if
-    :: !in.ok || in.value != serial -> result = no_answer; goto given_up
-    :: else
-    fi;
-#endif
-    clear_request(status);
-    ask();
-    if
-    :: !in.ok -> result = no_answer; goto given_up
-    :: in.ok && (in.commit != before_commit || in.bank != before_bank) -> result = idle; goto given_up
+    :: !in.ok || OF_ANOTHER_UNIT -> result = no_answer; goto given_up
+    :: in.ok && !OF_ANOTHER_UNIT && (in.commit != before_commit || in.bank != before_bank) -> result = idle; goto given_up
     :: else
     fi;
     doing = commit_staged;
@@ -973,11 +987,12 @@ give_command:
     fi;
 
     /* confirmed: whether it still is, at the end of this link */
-    clear_request(status);
+    clear_request(active_map);
     ask();
     if
     :: !in.ok -> goto ended /* told: taken, not looked at afterwards */
-    :: in.ok && (in.commit != commit || in.value != h + 1) -> reached(6); goto ended /* told: another map is active */
+    :: in.ok && OF_ANOTHER_UNIT -> reached(14); goto ended /* the same, and that another unit answers */
+    :: in.ok && !OF_ANOTHER_UNIT && (in.commit != commit || in.value != h + 1) -> reached(6); goto ended /* told: another map is active */
     :: else
     fi;
     reached(1);
@@ -986,36 +1001,28 @@ give_command:
 settled: /* the commit was not answered with `done`: the unit itself says what became of it */
     settling = true;
     doing = abandon_staged;
-#ifndef STATUS_BEFORE_ABANDON
+#ifndef LOOK_BEFORE_ABANDON
     goto give_command;
 abandoned:
 #endif
-    clear_request(status);
+    clear_request(active_map);
     ask();
     if
-    :: !in.ok -> goto ended /* told: not known which map is active */
-    :: in.ok && in.commit != before_commit ->
+    :: !in.ok || OF_ANOTHER_UNIT -> goto ended /* told: not known which map is active */
+    :: in.ok && !OF_ANOTHER_UNIT && in.commit != before_commit ->
        if
        :: in.value != h + 1 -> goto ended /* told: another map is active */
        :: else -> reached(2); goto same_map
        fi
     :: else
     fi;
-#ifndef STATUS_BEFORE_ABANDON
+#ifndef LOOK_BEFORE_ABANDON
     if
     :: result == no_answer -> reached(7); goto ended /* told: not known */
     :: else
     fi;
 #endif
-#ifndef NO_SAME_UNIT
-    clear_request(identity);
-    ask();
-    if
-    :: !in.ok || in.value != serial -> goto ended /* told: not known */
-    :: else
-    fi;
-#endif
-#ifdef STATUS_BEFORE_ABANDON
+#ifdef LOOK_BEFORE_ABANDON
     goto give_command;
 abandoned:
 #endif
@@ -1024,16 +1031,7 @@ abandoned:
     denied[p] = true;
     goto ended;
 
-same_map: /* the status names the map that was to be sent: success, if this unit gave it */
-#ifndef NO_SAME_UNIT
-    clear_request(identity);
-    ask();
-    if
-    :: !in.ok -> goto ended
-    :: in.ok && in.value != serial -> reached(14); goto ended /* told: another unit answers */
-    :: else
-    fi;
-#endif
+same_map: /* this unit names the map that was to be sent: success */
     REQUIRE(success_is_true, truth[p]);
     if
     :: !committed[p] -> reached(3)

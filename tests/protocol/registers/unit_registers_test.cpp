@@ -87,6 +87,7 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(Identity{}, 0).size() == kIdentity.count);
   CHECK(registers_of(UnitStatus{}, 0).size() == kStatus.count);
   CHECK(pointer_registers_of(UnitStatus{}, 0).size() == kPointers.count);
+  CHECK(registers_of(ActiveMap{}, 0).size() == kActiveMap.count);
   CHECK(registers_of(MonitorSample{}, 0).size() == kMonitor.count);
   CHECK(registers_of(CommandResult{}, 0).size() == kCommandResult.count);
   CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
@@ -100,13 +101,13 @@ TEST_CASE("every block has the length that the register map gives it") {
 }
 
 TEST_CASE("answer blocks do not overlap and fit one read") {
-  const std::array blocks{kIdentity,  kStatus, kMonitor, kPointers, kCommandResult,
-                          kWindowAck, kMemory, kChecks,  kEvents,   kSession};
+  const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
+                          kMemory,   kChecks, kEvents,  kSession,  kActiveMap};
   for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
     CHECK(blocks[i].end() <= blocks[i + 1].first);
     CHECK(blocks[i].count <= kMostRead);
   }
-  CHECK(kSession.end() <= kRegisterSpace);
+  CHECK(kActiveMap.end() <= kRegisterSpace);
   CHECK(kWindowOpen.end() <= kCommand.first);
   CHECK(kCommand.end() <= kResultSelect.first);
   CHECK(kResultSelect.end() <= kSessionOpen.first);
@@ -119,6 +120,11 @@ TEST_CASE("typed values survive the way through registers") {
   CHECK(rc::check("identity", [] {
     const auto value = any_identity();
     RC_ASSERT(identity_in(registers_of(value, any<std::uint16_t>())).value() == value);
+  }));
+  CHECK(rc::check("active map", [] {
+    const ActiveMap value{any_identity().serial_number, any<std::uint32_t>(), any<std::uint32_t>(),
+                          *one_of_first<Bank>(3),       any<std::uint32_t>(), any<std::uint32_t>()};
+    RC_ASSERT(active_map_in(registers_of(value, any<std::uint16_t>())).value() == value);
   }));
   CHECK(rc::check("status with its pointers", [] {
     const auto value = any_status();

@@ -211,3 +211,34 @@ TEST_CASE("a command that takes time ends in the list of events as it ended, and
   }
   CHECK(events_of(server)[0].number == 102 - 64 + 1);
 }
+
+TEST_CASE("an arming that ends by itself and an output that ends without its host are events") {
+  UnitModel model;
+  RegisterServer server(model, kShownCode);
+  RegisterHost silent(server, 7), other(server, 8);
+  (void)silent.give(arming(silent, kShownCode, 2));
+  (void)other.give(arming(other, kShownCode, 30));
+  Command output{.code = CommandCode::output_compensation};
+  output.relay_on = true;
+  (void)silent.give(output);
+  model.unit_clock.ms += 60'000;
+  model.outputs_ended_ms = model.unit_clock.ms;
+  model.unit_clock.ms += 500'000;
+  const auto events = events_of(server, 4);
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].code == CommandCode::output_compensation);
+  CHECK(events[0].text == "relay opened");
+  CHECK(events[0].error == UnitError::time_out);
+  CHECK(events[0].state == CommandState::failed);
+  CHECK(events[0].host == "host 7");
+  CHECK(events[0].unit_time_s == 65);
+  CHECK(events[1].code == CommandCode::arm);
+  CHECK(events[1].text == "has ended");
+  CHECK(events[1].error == UnitError::time_out);
+  CHECK(events[1].host == "host 7");
+  CHECK(events[1].unit_time_s == 125);
+  CHECK(events_of(server, 6).empty());  // each is told once
+  (void)other.give(arming(other, "", 0));
+  model.unit_clock.ms += 10'000'000;
+  CHECK(events_of(server, 7).empty());  // who ends it itself
+}
