@@ -108,6 +108,7 @@ struct OptionAdder {
 void add_argument(CLI::App& app, const VerbArgument& argument) {
   CLI::Option* option = std::visit(OptionAdder{app, argument}, argument.into);
   option->required(argument.need == Need::required);
+  if (!argument.group.empty()) option->group(argument.group);
   if (const std::string preset = argument.preset(); !preset.empty()) option->default_str(preset);
 }
 
@@ -218,6 +219,7 @@ std::string wrapped_help(const std::string& help) {
   std::string out;
   bool example = false;
   for (std::string_view line : lines_of(help)) {
+    if (line.empty() && out.ends_with("\n\n")) continue;  // between groups of options
     example = example || line.starts_with("Example:");
     const std::size_t indent = line.starts_with("  ") ? kHelpColumn : 0;
     while (line.size() > kWide && !example) {

@@ -19,8 +19,7 @@ std::string VerbArgument::preset() const {
 }
 
 Verb& Verb::text(const std::string& name, std::string& into, const std::string& help, Need need) {
-  arguments_.push_back({name, &into, help, need});
-  return *this;
+  return add({name, &into, help, need});
 }
 
 Verb& Verb::output_file(const std::string& name, std::string& into, const std::string& help, Need need) {
@@ -30,25 +29,21 @@ Verb& Verb::output_file(const std::string& name, std::string& into, const std::s
 }
 
 Verb& Verb::texts(const std::string& name, std::vector<std::string>& into, const std::string& help, Need need) {
-  arguments_.push_back({name, &into, help, need});
-  return *this;
+  return add({name, &into, help, need});
 }
 
 Verb& Verb::number(const std::string& name, double& into, const std::string& help, Need need, double least,
                    double most) {
-  arguments_.push_back({name, &into, help, need, least, most});
-  return *this;
+  return add({name, &into, help, need, least, most});
 }
 
 Verb& Verb::number(const std::string& name, std::optional<double>& into, const std::string& help) {
   constexpr double most = std::numeric_limits<double>::max();
-  arguments_.push_back({name, &into, help, Need::optional, -most, most});
-  return *this;
+  return add({name, &into, help, Need::optional, -most, most});
 }
 
 Verb& Verb::integer(const std::string& name, int& into, const std::string& help, int least, int most, Need need) {
-  arguments_.push_back({name, &into, help, need, static_cast<double>(least), static_cast<double>(most)});
-  return *this;
+  return add({name, &into, help, need, static_cast<double>(least), static_cast<double>(most)});
 }
 
 Verb& Verb::choice(const std::string& name, std::string& into, std::vector<std::string> words, const std::string& help,
@@ -59,17 +54,21 @@ Verb& Verb::choice(const std::string& name, std::string& into, std::vector<std::
 }
 
 Verb& Verb::seed(std::optional<std::uint64_t>& into, const std::string& help) {
-  arguments_.push_back({"--seed", &into, help});
-  return *this;
+  return add({"--seed", &into, help});
 }
 
 Verb& Verb::flag(const std::string& name, bool& into, const std::string& help) {
-  arguments_.push_back({name, &into, help});
-  return *this;
+  return add({name, &into, help});
 }
 
 Verb& Verb::add(VerbArgument argument) {
+  if (argument.group.empty()) argument.group = group_;
   arguments_.push_back(std::move(argument));
+  return *this;
+}
+
+Verb& Verb::group(std::string heading) {
+  group_ = std::move(heading);
   return *this;
 }
 

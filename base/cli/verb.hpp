@@ -41,6 +41,7 @@ struct VerbArgument {
   std::vector<std::string> choices{};  ///< the words that are allowed, whatever their case; empty: any text
   bool by_commas = false;              ///< of many values: one word holds them, parted by commas
   bool is_output = false;              ///< names a file that the verb writes
+  std::string group{};                 ///< heading in the help; empty: with the other options
 
   [[nodiscard]] bool by_place() const { return !name.starts_with('-'); }
   [[nodiscard]] bool is_flag() const {
@@ -75,6 +76,8 @@ class Verb {
                Need need = Need::optional);
   Verb& flag(const std::string& name, bool& into, const std::string& help);
   Verb& add(VerbArgument argument);
+  /// The arguments that follow stand below this heading in the help, until the next one; empty: no heading.
+  Verb& group(std::string heading);
   /// Those of another verb, except that the values of --link and --arm-code go where this one takes them.
   Verb& add_all(const Verb& other);
   /// The verb talks to a unit: it takes --link.
@@ -95,6 +98,7 @@ class Verb {
   std::string* link_ = nullptr;
   std::string* arm_code_ = nullptr;
   bool writes_ = false;
+  std::string group_;
   std::vector<VerbArgument> arguments_;
 };
 
