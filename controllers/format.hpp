@@ -66,13 +66,13 @@ struct Holds {
 };
 
 struct ControllerFormat {
-  std::string_view id;           ///< "linuxcnc": verb `ecs export linuxcnc`
-  std::string_view title;        ///< "SINUMERIK 840D", heading of a report
-  std::string_view name;         ///< "SINUMERIK", within a sentence
-  std::string_view summary;      ///< help of the verb
-  std::string_view example;      ///< a whole command line
-  std::string_view output_help;  ///< of -o
-  std::string_view marks;        ///< by what a file is recognised, in words
+  std::string_view id;                ///< "linuxcnc": verb `ecs export linuxcnc`
+  std::string_view title;             ///< "SINUMERIK 840D", heading of a report
+  std::string_view name;              ///< "SINUMERIK", within a sentence
+  std::string_view summary = {};      ///< help of the verb
+  std::string_view example = {};      ///< a whole command line
+  std::string_view output_help = {};  ///< of -o
+  std::string_view marks;             ///< by what a file is recognised, in words
   Holds holds;
   double resolution_um = 0.0;  ///< of the values in a file
   bool tables_add_up = false;  ///< the controller adds several tables of one component
@@ -82,6 +82,7 @@ struct ControllerFormat {
   bool (*is_file)(std::string_view name) = nullptr;
   /// Whether decoded text is of this format.
   bool (*recognises)(std::string_view text) = nullptr;
+  /// None: the format is read only, and has no summary, example and resolution.
   Result<ControllerExport> (*write)(const ExportSource& source, const OptionValues& options) = nullptr;
   Result<ControllerTables> (*read)(const ReadRequest& request) = nullptr;
   /// Formats with lever arms: a map that was read, as parameters expect it. @param levers_from_lines  the curves are

@@ -7,14 +7,15 @@
 
 namespace ecs::controllers {
 
-extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat;
+extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kAerotech;
 
 std::span<const ControllerFormat* const> controller_formats() {
-  static constexpr std::array<const ControllerFormat*, 4> kFormats{
+  static constexpr std::array<const ControllerFormat*, 5> kFormats{
       &kLinuxCnc,
       &kSiemens,
       &kEtalon,
       &kTwinCat,
+      &kAerotech,
   };
   return kFormats;
 }

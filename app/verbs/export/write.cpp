@@ -114,7 +114,7 @@ const std::vector<VerbDefinition>& export_writers() {
   static const std::vector<VerbDefinition> writers = [] {
     std::vector<VerbDefinition> all;
     for (const controllers::ControllerFormat* format : controllers::controller_formats())
-      all.push_back(writer_of(*format));
+      if (format->write) all.push_back(writer_of(*format));
     return all;
   }();
   return writers;
