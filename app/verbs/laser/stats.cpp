@@ -1,19 +1,28 @@
-// `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files.
+// `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files; files of one line
+// are its runs.
+#include <algorithm>
+#include <functional>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/iso230.hpp"
+#include "laser/analysis/pipeline.hpp"
+#include "laser/analysis/run_drift.hpp"
 
 namespace ecs::app {
 namespace {
 
 struct StatsArguments : VerbArguments {
-  const std::vector<std::string>& files = texts("FILE", "measurement files", Need::required);
+  const std::vector<std::string>& files =
+      texts("FILE", "measurement files; those of one line are joined as its runs", Need::required);
   ImportOptions import{*this};
 };
 
@@ -39,12 +48,68 @@ Cell quantity_cell(std::string_view symbol, const std::optional<double>& value, 
           fmt::format("  {:<8} {:>12} {:<5} {}\n", symbol, number_cell(value, 3).text, unit, name)};
 }
 
-Cell iso230_cell(const laser::Iso230& iso, const std::string& file) {
+/// One measured line with the files that it comes from.
+struct MeasuredLine {
+  const laser::MeasurementSet& set;
+  const laser::Group& group;
+  std::vector<std::string> files;
+  /// Of a reading of the set.
+  std::function<std::string(std::size_t)> file_of;
+};
+
+Cell outliers_cell(const MeasuredLine& line) {
+  Cell list{Json::array(), {}};
+  for (const std::size_t i : laser::outliers_of(line.set, line.group)) {
+    const laser::Reading& reading = line.set.readings[i];
+    list.add({{{"file", line.file_of(i)},
+               {"line", reading.line},
+               {"row", reading.row},
+               {"run", reading.run},
+               {"position_mm", number_or_null(laser::target_mm(reading))},
+               {"reading", number_or_null(reading.error)}},
+              fmt::format("  outlier: {} {} at {:g}, run {}, is far from its repeats ({}:{}, row {})\n",
+                          shortest(reading.error), laser::unit_of(reading.sense), laser::target_mm(reading),
+                          reading.run, line.file_of(i), reading.line, reading.row)});
+  }
+  if (!list.text.empty()) list.text += "  `ecs laser process --exclude-row N` leaves a row out\n";
+  return list;
+}
+
+Cell drift_cell(const MeasuredLine& line) {
+  laser::Group without_outliers = line.group;
+  const auto outliers = laser::outliers_of(line.set, line.group);
+  std::erase_if(without_outliers.readings,
+                [&](std::size_t i) { return std::binary_search(outliers.begin(), outliers.end(), i); });
+  const auto drift = laser::run_drift_of(line.set, without_outliers);
+  if (!drift) return null_cell("");
+  const auto unit = laser::unit_of(line.group.sense);
+  Json runs = Json::array();
+  for (const laser::RunOffset& run : drift->runs)
+    runs.push_back({{"run", run.run}, {"offset", number_or_null(run.offset)}, {"sigma", number_or_null(run.sigma)}});
+  std::string text;
+  if (drift->drifts)
+    text += fmt::format("  drift: {:+.3g} +- {:.2g} {} per run, {:+.3g} {} from the first to the last run\n",
+                        drift->per_run, drift->per_run_sigma, unit, drift->first_to_last, unit);
+  for (const laser::RunOffset& run : drift->runs)
+    if (std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end())
+      text += fmt::format("  run {} is apart from the others: {:+.3g} +- {:.2g} {}\n", run.run, run.offset, run.sigma,
+                          unit);
+  return {{{"per_run", number_or_null(drift->per_run)},
+           {"per_run_sigma", number_or_null(drift->per_run_sigma)},
+           {"first_to_last", number_or_null(drift->first_to_last)},
+           {"drifts", drift->drifts},
+           {"apart", drift->apart},
+           {"runs", std::move(runs)}},
+          std::move(text)};
+}
+
+Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
       "{compensated}\n";
-  AnswerFields fields{{"file", word_cell(file)}};
+  AnswerFields fields{{"file", {line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))}},
+                      {"files", {line.files, {}}}};
   append(fields, measured_line_fields({iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}}));
   for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back({q.key, quantity_cell(q.symbol, iso.*q.value, unit, q.name)});
@@ -57,22 +122,70 @@ Cell iso230_cell(const laser::Iso230& iso, const std::string& file) {
                                           return Cell{target_json(target), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
+                  {"outliers", outliers_cell(line)},
+                  {"drift", drift_cell(line)},
                   {"notes", lines_cell(iso.notes, "  note: ")}});
-  return record_cell(layout + "{range}{notes}", fields);
+  return record_cell(layout + "{range}{outliers}{drift}{notes}", fields);
+}
+
+/// Files that are joined, and the set that they make.
+struct JoinedFiles {
+  std::vector<laser::MeasurementSet> sets;
+  laser::MeasurementSet all;
+
+  /// Of a reading of `all`, whose readings follow each other as those of the sets.
+  [[nodiscard]] std::string file_of(std::size_t reading) const {
+    for (const laser::MeasurementSet& set : sets) {
+      if (reading < set.readings.size()) return set.source;
+      reading -= set.readings.size();
+    }
+    return {};
+  }
+  [[nodiscard]] std::vector<std::string> files_of(const laser::Group& group) const {
+    std::vector<std::string> files;
+    for (const std::size_t i : group.readings)
+      if (const std::string file = file_of(i); std::find(files.begin(), files.end(), file) == files.end())
+        files.push_back(file);
+    return files;
+  }
+};
+
+/// Files of one machine belong together; those of another begin anew.
+std::vector<JoinedFiles> joined_by_machine(const std::vector<laser::MeasurementSet>& sets) {
+  std::vector<JoinedFiles> machines;
+  for (const laser::MeasurementSet& set : sets) {
+    const auto is_joined = [&](JoinedFiles& machine) {
+      auto with = machine.sets;
+      with.push_back(set);
+      auto all = joined(with);
+      if (all) machine = {std::move(with), std::move(*all)};
+      return all.has_value();
+    };
+    if (std::none_of(machines.begin(), machines.end(), is_joined)) machines.push_back({{set}, set});
+  }
+  return machines;
 }
 
 Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
-  Cell lines{Json::array(), {}};
+  std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : arguments.files) {
-    const auto imported = read_with_notes(context, file, arguments.import);
+    auto imported = read_with_notes(context, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
     if (imported->set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    const auto all = laser::iso230_of(imported->set);
-    if (!all) return tl::unexpected(all.error());
-    for (const laser::Iso230& iso : *all) {
+    imported->set.source = file;
+    imported->set.notes.clear();
+    sets.push_back(std::move(imported->set));
+  }
+  Cell lines{Json::array(), {}};
+  for (const JoinedFiles& machine : joined_by_machine(sets)) {
+    for (const std::string& note : machine.all.notes) context.console.note(note);
+    for (const laser::Group& group : laser::groups_of(machine.all)) {
+      const auto iso = laser::iso230_of(machine.all, group);
+      if (!iso) return tl::unexpected(iso.error());
       if (!lines.text.empty()) lines.text += "\n";
-      lines.add(iso230_cell(iso, file));
+      lines.add(iso230_cell(
+          *iso, {machine.all, group, machine.files_of(group), [&](std::size_t i) { return machine.file_of(i); }}));
     }
   }
   return outcome_of(record_cell("{lines}", {{"lines", lines}}));
@@ -81,7 +194,7 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
 }  // namespace
 
 extern const VerbDefinition kLaserStats = verb<StatsArguments>(
-    "laser stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
+    "laser stats", "accuracy and repeatability by ISO 230-2, outliers, drift between runs, the conditions not met",
     "ecs laser stats x_axis.csv y_axis.rtl --json", stats);
 
 }  // namespace ecs::app

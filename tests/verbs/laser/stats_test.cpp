@@ -1,0 +1,53 @@
+// `laser stats`: files of one line are its runs; outliers and drift between runs are told.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/support/folder.hpp"
+#include "tests/support/verb_run.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using doctest::Approx;
+
+namespace {
+
+/// Runs there and back over six targets, repeating within 0.2 um; `offset` of each run, one reading 9 um off.
+std::string file_of(int runs, double offset_per_run, bool outlier, const std::string& serial = "7") {
+  std::string text = "# serial_number: " + serial + "\naxis,x_mm,sense,reading,approach,run\n";
+  for (int run = 1; run <= runs; ++run)
+    for (const int approach : {1, -1})
+      for (int target = 0; target < 6; ++target) {
+        const double repeat = 0.1 * (((run * 7 + target * 3 + approach) % 5) - 2);
+        const bool bad = outlier && run == 2 && approach == 1 && target == 3;
+        text += fmt::format("X,{},EX,{:.3f},{},{}\n", 80 * target, offset_per_run * run + repeat + (bad ? 9.0 : 0.0),
+                            approach, run);
+      }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("files of one line are joined as its runs") {
+  const Folder folder;
+  const std::string a = folder.with("a.csv", file_of(2, 0.0, false)), b = folder.with("b.csv", file_of(3, 0.0, false));
+  const auto lines = ran({"laser", "stats", a, b, "--json"}).json()["lines"];
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0]["files"].size() == 2);
+  CHECK(lines[0]["targets"][0]["n_forward"] == 5);
+  const std::string other = folder.with("c.csv", file_of(2, 0.0, false, "8"));
+  CHECK(ran({"laser", "stats", a, other, "--json"}).json()["lines"].size() == 2);  // another machine
+}
+
+TEST_CASE("an outlier is told with its file and line, drift between runs with its size") {
+  const Folder folder;
+  const Ran text = ran({"laser", "stats", folder.with("x.csv", file_of(5, 1.0, false))});
+  CHECK(contains(text.out, "drift: +1 +- "));
+  CHECK(contains(text.out, "um per run, +4 um from the first to the last run"));
+  const auto line = ran({"laser", "stats", folder.with("y.csv", file_of(5, 0.0, true)), "--json"}).json()["lines"][0];
+  REQUIRE(line["outliers"].size() == 1);
+  CHECK(line["outliers"][0]["line"] == 18);
+  CHECK(line["outliers"][0]["run"] == 2);
+  const auto quiet = ran({"laser", "stats", folder.with("z.csv", file_of(5, 0.0, false)), "--json"}).json()["lines"][0];
+  CHECK(quiet["outliers"].empty());
+  CHECK(quiet["drift"]["drifts"] == false);
+}
