@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -38,9 +39,11 @@ class Findings {
 /// stays one line.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// Column, from 1, at which `word` begins. @pre word is part of line
+/// Column, from 1, at which `word` begins; 0 where it is no part of the line.
 [[nodiscard]] inline int column_of(std::string_view line, std::string_view word) {
-  return static_cast<int>(word.data() - line.data()) + 1;
+  const bool inside =
+      !std::less<>()(word.data(), line.data()) && !std::less<>()(line.data() + line.size(), word.data());
+  return inside ? static_cast<int>(word.data() - line.data()) + 1 : 0;
 }
 
 }  // namespace ecs::laser

@@ -101,4 +101,15 @@ AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines
           {"sensors", {laser::sensor_names_of(set), {}}}};
 }
 
+Cell conditions_cell(const std::vector<ConditionSummary>& conditions, std::string_view of) {
+  return list_cell(conditions, [&](const ConditionSummary& c) {
+    return record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} {of}\n",
+                       {{"name", word_cell(c.name)},
+                        {"readings", count_cell(c.readings)},
+                        {"of", shown_cell(std::string(of))},
+                        {"least", {number_or_null(c.least), fmt::format("{:.6g}", c.least)}},
+                        {"most", {number_or_null(c.most), fmt::format("{:.6g}", c.most)}}});
+  });
+}
+
 }  // namespace ecs::commissioning

@@ -13,4 +13,7 @@ namespace ecs::commissioning {
 /// table of 80 columns, the others a line for each entry. @param most_lines  rows of that table
 [[nodiscard]] AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines = SIZE_MAX);
 
+/// A line for each condition with its smallest and largest value. @param of  what is counted: "readings"
+[[nodiscard]] Cell conditions_cell(const std::vector<ConditionSummary>& conditions, std::string_view of);
+
 }  // namespace ecs::commissioning

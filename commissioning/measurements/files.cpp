@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
+#include "laser/import/environment.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -14,8 +15,8 @@ namespace {
 using laser::MeasurementSet;
 
 /// "y=-1400,z=0" into the entries it names.
-Result<Vector3> parked_in(std::string_view text) {
-  Vector3 parked{};
+Result<PerAxis<std::optional<double>>> parked_in(std::string_view text) {
+  PerAxis<std::optional<double>> parked{};
   for (const std::string_view part : split(text, ',')) {
     const auto sides = split(part, '=');
     const std::string name = lower(trimmed(sides.front()));
@@ -53,11 +54,17 @@ Result<char> delimiter_given(const std::string& name) {
                  fmt::format("--delimiter: expected one character, or blank, tab, comma, semicolon, got \"{}\"", name));
 }
 
+laser::TableValues values_given(const ImportArguments& arguments) {
+  if (arguments.values == "actual") return laser::TableValues::actual_positions;
+  if (arguments.values == "compensation") return laser::TableValues::compensations;
+  return laser::TableValues::errors;
+}
+
 Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments& arguments) {
   if (arguments.columns.empty()) {
     if (!arguments.matrix.empty()) return std::optional<laser::ColumnMapping>();
     if (arguments.skip > 0 || arguments.rows > 0 || !arguments.delimiter.empty() || !arguments.decimal.empty() ||
-        !arguments.values.empty())
+        (!arguments.values.empty() && arguments.channels.empty()))
       return problem(
           ProblemKind::usage,
           "--skip, --rows, --delimiter, --decimal and --values belong to --columns: give which column is what");
@@ -78,8 +85,7 @@ Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments&
   mapping->row_begins = std::move(*row_begins);
   mapping->channel_column = arguments.channel_column;
   mapping->target_lines = *target_lines;
-  if (arguments.values == "actual") mapping->values = laser::TableValues::actual_positions;
-  if (arguments.values == "compensation") mapping->values = laser::TableValues::compensations;
+  mapping->values = values_given(arguments);
   return std::optional(std::move(*mapping));
 }
 
@@ -154,9 +160,27 @@ Result<std::vector<int>> integers_in(const std::vector<std::string>& words, cons
   return numbers;
 }
 
+/// Joins the environment of another file by time.
+Result<void> with_environment(MeasurementSet& set, const ImportArguments& arguments) {
+  const auto log = laser::read_any(arguments.environment);
+  if (!log) return tl::unexpected(log.error());
+  if (log->environment.rows.empty())
+    return tl::unexpected(Problem{ProblemKind::usage,
+                                  fmt::format("--environment: expected temperatures, pressure or humidity over time (a "
+                                              "SIOS .pos, or a table whose heading names them), found {}",
+                                              log->format->title),
+                                  arguments.environment,
+                                  0,
+                                  0,
+                                  {}});
+  return laser::join_environment(set, log->environment, arguments.environment_every_s);
+}
+
 /// The option that a problem of usage asks for.
 std::string_view option_that_helps(const Problem& wrong) {
   const auto says = [&](std::string_view word) { return wrong.message.find(word) != std::string::npos; };
+  if (says("give --channels")) return "";
+  if (says("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";
@@ -182,6 +206,18 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   options.reading_unit = *reading_unit;
   options.mapping = std::move(*mapping);
   options.matrix = std::move(*matrix);
+  if (!arguments.channels.empty()) {
+    auto channels = laser::column_mapping(arguments.channels);
+    if (!channels) return tl::unexpected(channels.error());
+    options.channels = std::move(*channels);
+    options.channels->values = values_given(arguments);
+  }
+  if (arguments.join == "nearest") options.joining = laser::Joining::nearest;
+  if (arguments.join == "previous") options.joining = laser::Joining::previous;
+  options.greatest_gap_s = arguments.max_gap_s;
+  options.at_rest_mm = arguments.at_rest_mm;
+  options.average = arguments.average;
+  options.keep_set_up = arguments.keep_set_up;
   options.note = arguments.note;
   options.channel = arguments.channel;
   if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
@@ -189,7 +225,10 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   if (!arguments.parked.empty()) {
     const auto parked = parked_in(arguments.parked);
     if (!parked) return tl::unexpected(parked.error());
-    options.parked_mm = *parked;
+    for (const Axis axis : kAllAxes) {
+      options.parked_mm[index_of(axis)] = (*parked)[index_of(axis)].value_or(0.0);
+      options.parked_stated[index_of(axis)] = (*parked)[index_of(axis)].has_value();
+    }
   }
   options.encoding = encoding_named(arguments.encoding);
   options.accept_truncated = arguments.accept_truncated;
@@ -204,6 +243,9 @@ Result<laser::Imported> read_measurements(const std::string& file, const ImportA
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;
+  if (imported && !arguments.environment.empty())
+    if (const auto joined_to = with_environment(imported->set, arguments); !joined_to)
+      return tl::unexpected(joined_to.error());
   return imported;
 }
 

@@ -1,6 +1,7 @@
 // Measurement files: what a file does not say, given as words; reading one; joining several.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,14 @@ struct ImportArguments {
   std::string target_unit;
   std::string reading_unit;
   std::string channel;
+  std::string channels;  ///< "x_mm=ENC[mm],reading=AI1": channels of a log, joined by time
+  std::string join;      ///< linear, nearest, previous
+  std::optional<double> max_gap_s;
+  std::optional<double> at_rest_mm;           ///< only rows that stay within this
+  bool average = false;                       ///< readings at rest are one
+  std::string environment;                    ///< a file of air and temperatures over time
+  std::optional<double> environment_every_s;  ///< between its rows, where it has no time
+  bool keep_set_up = false;                   ///< shift and rotation of measured positions stay in the errors
   std::string columns;        ///< "x_mm=1,reading=3*0.001,run=2,approach=4": the file is a table, read by this
   int skip = 0;               ///< lines before the table
   int rows = 0;               ///< rows to take; 0: all

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Text = std::pair<const char*, std::string ImportArguments::*>;
-constexpr std::array<Text, 19> kTexts{{{"columns", &ImportArguments::columns},
+constexpr std::array<Text, 21> kTexts{{{"columns", &ImportArguments::columns},
                                        {"delimiter", &ImportArguments::delimiter},
                                        {"decimal", &ImportArguments::decimal},
                                        {"values", &ImportArguments::values},
@@ -30,6 +30,8 @@ constexpr std::array<Text, 19> kTexts{{{"columns", &ImportArguments::columns},
                                        {"target_unit", &ImportArguments::target_unit},
                                        {"reading_unit", &ImportArguments::reading_unit},
                                        {"channel", &ImportArguments::channel},
+                                       {"channels", &ImportArguments::channels},
+                                       {"join", &ImportArguments::join},
                                        {"matrix", &ImportArguments::matrix},
                                        {"section", &ImportArguments::section},
                                        {"line_prefix", &ImportArguments::line_prefix},
@@ -43,8 +45,14 @@ constexpr std::array<Count, 3> kCounts{{{"skip", &ImportArguments::skip},
                                         {"rows", &ImportArguments::rows},
                                         {"channel_column", &ImportArguments::channel_column}}};
 using Flag = std::pair<const char*, bool ImportArguments::*>;
-constexpr std::array<Flag, 2> kFlags{{{"accept_truncated", &ImportArguments::accept_truncated},
-                                      {"table_holds_errors", &ImportArguments::table_holds_errors}}};
+constexpr std::array<Flag, 4> kFlags{{{"accept_truncated", &ImportArguments::accept_truncated},
+                                      {"table_holds_errors", &ImportArguments::table_holds_errors},
+                                      {"average", &ImportArguments::average},
+                                      {"keep_set_up", &ImportArguments::keep_set_up}}};
+using Number = std::pair<const char*, std::optional<double> ImportArguments::*>;
+constexpr std::array<Number, 3> kNumbers{{{"max_gap_s", &ImportArguments::max_gap_s},
+                                          {"at_rest_mm", &ImportArguments::at_rest_mm},
+                                          {"environment_every_s", &ImportArguments::environment_every_s}}};
 
 bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".toml"); }
 
@@ -101,8 +109,16 @@ std::string take(ImportArguments& arguments, const ImportArguments& given, std::
     arguments.*member = given.*member || *value;
     return {};
   }
+  for (const auto& [name, member] : kNumbers) {
+    if (key != name) continue;
+    const auto value = node.value<double>();
+    if (!value || *value < 0.0) return "a number of at least 0";
+    if (!(given.*member)) arguments.*member = *value;
+    return {};
+  }
   return "a key of import profiles (columns, skip, rows, delimiter, decimal, values, axis, sense, parked, encoding, "
-         "target_unit, reading_unit, channel, channel_column, row_begins, target_lines, matrix, section, line_prefix, "
+         "target_unit, reading_unit, channel, channels, join, max_gap_s, at_rest_mm, average, environment_every_s, "
+         "keep_set_up, channel_column, row_begins, target_lines, matrix, section, line_prefix, "
          "absent, note, accept_truncated, table_holds_errors, recognised_by)";
 }
 
@@ -178,6 +194,8 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
     if (arguments.*member != open.*member) table.insert(key, arguments.*member);
   for (const auto& [key, member] : kCounts)
     if (arguments.*member != open.*member) table.insert(key, arguments.*member);
+  for (const auto& [key, member] : kNumbers)
+    if (arguments.*member) table.insert(key, *(arguments.*member));
   for (const auto& [key, member] : kFlags)
     if (arguments.*member) table.insert(key, true);
   if (table.empty())

@@ -86,4 +86,13 @@ std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set) {
   return all;
 }
 
+std::vector<ConditionSummary> conditions_in(const laser::EnvironmentSeries& series) {
+  std::vector<ConditionSummary> all;
+  for (const laser::EnvironmentRow& row : series.rows) {
+    take(all, "time_s", row.time_s);
+    for (std::size_t i = 0; i < series.columns.size(); ++i) take(all, series.columns[i], row.values[i]);
+  }
+  return all;
+}
+
 }  // namespace ecs::commissioning

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "laser/environment_series.hpp"
 #include "laser/groups.hpp"
 #include "laser/measurement_set.hpp"
 
@@ -38,5 +39,7 @@ struct ConditionSummary {
   double most = 0.0;
 };
 [[nodiscard]] std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set);
+/// The same of an environment log.
+[[nodiscard]] std::vector<ConditionSummary> conditions_in(const laser::EnvironmentSeries& series);
 
 }  // namespace ecs::commissioning

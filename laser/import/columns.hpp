@@ -78,14 +78,21 @@ struct ColumnMapping {
 struct TableShape {
   char delimiter = ',';
   std::size_t columns = 0;
-  std::size_t rows = 0;               ///< rows of numbers
-  int first_row_line = 0;             ///< from 1
-  std::vector<std::string> headings;  ///< of the line before the first row, if it has as many cells
+  std::vector<bool> is_number;  ///< of each column
+  std::size_t rows = 0;         ///< rows of numbers
+  int first_row_line = 0;       ///< from 1
+  int last_row_line = 0;
+  std::size_t lines_between = 0;      ///< lines among the rows that are neither rows nor comments nor empty
+  std::vector<std::string> headings;  ///< of the line above the first row, if it has as many words
   std::string first_row;
 };
 
-/// The longest stretch of rows with the same number of cells, at least half of them numbers; nothing if there is none.
+/// The rows like those of the longest stretch of rows: as many cells, at least half of them numbers. Comments and
+/// other lines between them do not end the table. Nothing if there is none.
 [[nodiscard]] std::optional<TableShape> table_shape(std::string_view text);
+
+/// A line that begins with '#', '!' or '%', or holds nothing.
+[[nodiscard]] bool is_comment(std::string_view line);
 
 /// The cells of a row; double quotes protect delimiters, blanks round cells go.
 [[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line, char delimiter);

@@ -2,102 +2,28 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/channels.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/motion.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/row_readings.hpp"
 #include "laser/import/rows.hpp"
 
 namespace ecs::laser {
 namespace {
-
-std::string joined_cells(const std::vector<std::string_view>& cells, const Field& field) {
-  return fmt::format("{}", fmt::join(cells.begin() + static_cast<std::ptrdiff_t>(field.index),
-                                     cells.begin() + static_cast<std::ptrdiff_t>(field.last() + 1), " "));
-}
-
-/// One row: its readings go to `set`.
-/// @return values that are left out
-int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run, Findings& findings) {
-  const auto& cells = row.cells;
-  Reading common;
-  common.line = row.number;
-  common.run = run;
-  common.axis = plan.axis.value_or(Axis::X);
-  common.position_mm = plan.parked_mm;
-  bool whole = true;
-  const auto bad = [&](const Field& field, const std::string& fault) {
-    findings.add(row.number, field.index < cells.size() ? column_of(row.line, cells[field.index]) : 0, fault);
-    whole = false;
-  };
-  for (const Field& field : plan.fields) {
-    if (field.last() >= cells.size()) {
-      bad(field,
-          fmt::format("{}: expected a column {}, found {} columns", field.rule.field, field.last() + 1, cells.size()));
-      return 0;
-    }
-    if (is_value(field.role)) continue;
-    if (const std::string fault = set_common(common, plan, field, joined_cells(cells, field)); !fault.empty())
-      bad(field, fault);
-  }
-  if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
-  const bool has_sense =
-      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) { return field.role == Role::sense; });
-  if (!has_sense) common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis)));
-  if (!whole) return 0;
-  const bool is_difference = row.target && plan.values != TableValues::actual_positions;
-  const double from = is_difference ? row.target->number : 0.0;
-  int left_out = 0;
-  for (const Field& field : plan.fields) {
-    if (!is_value(field.role)) continue;
-    const std::string_view cell = cells[field.index];
-    if (cell.empty() && field.role != Role::error) continue;
-    const auto value = cell_number(plan, cell);
-    if (!value && plan.leaves_words) {
-      ++left_out;
-      continue;
-    }
-    if (!value) {
-      bad(field, fmt::format("{}: expected a finite number, found {}", field.rule.field, in_quotes(cell)));
-      continue;
-    }
-    Reading reading = common;
-    if (field.role == Role::own_sense) reading.sense = *sense_named(field.rule.field);
-    if (const auto pass = pass_named(field.rule.field); pass && field.role == Role::pass) {
-      reading.approach = pass->approach;
-      reading.run = pass->run;
-    }
-    std::string fault = set_error(reading, plan, field, *value - from);
-    if (fault.empty() && !std::isfinite(reading.error))
-      fault = field.rule.field + ": expected a number that stays finite";
-    if (!fault.empty())
-      bad(field, fault);
-    else
-      set.readings.push_back(std::move(reading));
-  }
-  return left_out;
-}
-
-/// The axis of a table that maps one position and nothing that says more.
-std::optional<Axis> mapped_axis(const std::vector<Field>& fields) {
-  std::optional<Axis> found;
-  for (std::size_t i = 0; i < kAxes; ++i)
-    for (const Field& field : fields)
-      if (field.rule.field == kPositionColumns[i]) {
-        if (found) return std::nullopt;
-        found = static_cast<Axis>(i);
-      }
-  return found;
-}
 
 std::string near_heading(const std::string& wanted, const std::vector<std::string_view>& headings) {
   std::vector<std::string> names(headings.begin(), headings.end());
@@ -122,12 +48,7 @@ void find_headings(std::vector<Field>& fields, const std::vector<std::string_vie
   }
 }
 
-bool is_comment(std::string_view line) {
-  const std::string_view text = trimmed(line);
-  return text.empty() || text.starts_with('#') || text.starts_with('!') || text.starts_with('%');
-}
-
-/// A first row whose mapped cells hold no number at all is a heading.
+/// A line whose mapped cells hold no number at all is a heading, above the rows or among them.
 bool is_heading(const Plan& plan, const std::vector<std::string_view>& cells) {
   return std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& field) {
     return field.index < cells.size() && cell_number(plan, cells[field.index]).has_value();
@@ -140,100 +61,121 @@ char delimiter_of(const ColumnMapping& mapping, std::string_view text) {
   return shape ? shape->delimiter : ',';
 }
 
-std::vector<Field> fields_of(const ColumnMapping& mapping) {
-  std::vector<Field> fields;
-  for (const ColumnRule& rule : mapping.rules)
-    fields.push_back({rule, role_of(rule.field), static_cast<std::size_t>(std::max(0, rule.column - 1))});
-  return fields;
-}
-
-/// Rows, not readings, are stops: one row may hold several readings.
-void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
-  std::vector<double> targets;
-  std::vector<std::size_t> stop_of;
-  for (std::size_t i = 0; i < set.readings.size(); ++i) {
-    if (i == 0 || set.readings[i].line != set.readings[i - 1].line) targets.push_back(target_mm(set.readings[i]));
-    stop_of.push_back(targets.size() - 1);
-  }
-  const auto motion = motion_of(targets);
-  for (std::size_t i = 0; i < set.readings.size(); ++i) {
-    if (mapping.motion_approach) set.readings[i].approach = motion[stop_of[i]].approach;
-    if (mapping.motion_run) set.readings[i].run = motion[stop_of[i]].run;
-  }
-  set.notes.push_back("approach and run from the order of the targets, as asked");
-}
-
-/// Readings of the same line, target and approach are runs one after the other.
-void number_runs(MeasurementSet& set) {
-  std::map<std::tuple<Axis, Sense, Vector3, Approach>, int> seen;
-  bool repeated = false;
-  for (Reading& reading : set.readings) {
-    reading.run = ++seen[{reading.axis, reading.sense, reading.position_mm, reading.approach}];
-    repeated = repeated || reading.run > 1;
-  }
-  if (repeated) set.notes.push_back("no column for the run: repeats at a target are numbered in their order");
-}
-
-void begin_at_zero(MeasurementSet& set) {
-  std::optional<double> first;
-  for (const Reading& reading : set.readings)
-    if (reading.time_s) first = std::min(first.value_or(*reading.time_s), *reading.time_s);
-  for (Reading& reading : set.readings)
-    if (reading.time_s) *reading.time_s -= *first;
-}
-
-void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan) {
-  const bool has_run = std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) {
-    return field.rule.field == "run" || field.role == Role::pass || field.rule.field == "time_s" ||
-           field.role == Role::date_time;
-  });
-  if (mapping.motion_approach || mapping.motion_run) take_motion(set, mapping);
-  if (!has_run && !mapping.motion_run) number_runs(set);
-  if (has_role(plan.fields, Role::date_time)) begin_at_zero(set);
-  if (mapping.values == TableValues::actual_positions)
-    set.notes.push_back("values are positions: error = position - target");
-  if (mapping.values == TableValues::compensations) set.notes.push_back("values are compensations: error = -value");
-  for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].row = static_cast<int>(i) + 1;
-}
-
 struct TableLines {
   std::vector<TableRow> rows;
-  int passed_over = 0;  ///< lines that do not begin as rows
+  std::vector<int> passed_over;  ///< lines that do not begin as rows, or hold no numbers
+  int comments = 0;              ///< between the rows
+  int skipped = 0;               ///< rows above, among the lines to skip
+  int left = 0;                  ///< rows below, after those that were wanted
+};
+
+/// Every mapped value and position of the line is there, and a number.
+bool is_data(const Plan& plan, const std::vector<std::string_view>& cells, std::size_t width) {
+  return cells.size() == width && std::all_of(plan.fields.begin(), plan.fields.end(), [&](const Field& field) {
+           if (!is_value(field.role) && field.role != Role::position) return true;
+           return field.last() < cells.size() && cell_number(plan, cells[field.index]).has_value();
+         });
+}
+
+/// Takes the lines of a table one after the other.
+class LineTaker {
+ public:
+  LineTaker(Plan& plan, const ImportOptions& options, char delimiter, Findings& findings)
+      : plan_(plan),
+        options_(options),
+        mapping_(*options.mapping),
+        delimiter_(delimiter),
+        by_heading_(
+            std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; })),
+        findings_(findings) {}
+
+  void take(std::string_view line, int number) {
+    if (is_comment(line)) {
+      if (!trimmed(line).empty() && !table_.rows.empty()) ++comments_;
+      return;
+    }
+    if (const auto target = target_stated(line, options_)) {
+      row_.target = target;
+      ++row_.block;
+      return;
+    }
+    row_.number = number;
+    row_.line = line;
+    row_.cells = cells_of(line, delimiter_);
+    const bool is_first = !begun_;
+    begun_ = true;
+    if (is_first && by_heading_) return find_headings(plan_.fields, row_.cells, number, findings_);
+    if (mapping_.row_begins.empty() && is_heading(plan_, row_.cells)) {
+      if (!is_first) table_.passed_over.push_back(number);
+    } else if (begins_as(mapping_.row_begins, row_.cells)) {
+      table_.comments += std::exchange(comments_, 0);
+      table_.rows.push_back(row_);
+    } else {
+      table_.passed_over.push_back(number);
+    }
+  }
+
+  [[nodiscard]] bool is_full() const {
+    return mapping_.most_rows > 0 && table_.rows.size() == static_cast<std::size_t>(mapping_.most_rows);
+  }
+  /// How many of these lines look as the rows do.
+  [[nodiscard]] int like_rows(std::span<const std::string_view> lines) const {
+    if (table_.rows.empty()) return 0;
+    return static_cast<int>(std::count_if(lines.begin(), lines.end(), [&](std::string_view line) {
+      return !is_comment(line) && is_data(plan_, cells_of(line, delimiter_), table_.rows.front().cells.size());
+    }));
+  }
+  [[nodiscard]] TableLines& table() { return table_; }
+
+ private:
+  Plan& plan_;
+  const ImportOptions& options_;
+  const ColumnMapping& mapping_;
+  char delimiter_;
+  bool by_heading_;
+  Findings& findings_;
+  TableLines table_;
+  TableRow row_;
+  bool begun_ = false;
+  int comments_ = 0;  ///< since the last row
 };
 
 /// The rows below the heading, which gives the places of fields by heading.
 TableLines lines_in(std::string_view text, Plan& plan, const ImportOptions& options, Findings& findings) {
-  const ColumnMapping& mapping = *options.mapping;
-  const char delimiter = delimiter_of(mapping, text);
-  const bool by_heading =
-      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; });
-  TableLines table;
-  TableRow row;
-  bool begun = false;
   const auto lines = lines_of(text);
-  for (auto i = static_cast<std::size_t>(std::max(0, mapping.skip_lines)); i < lines.size(); ++i) {
-    if (is_comment(lines[i])) continue;
-    if (mapping.most_rows > 0 && table.rows.size() == static_cast<std::size_t>(mapping.most_rows)) break;
-    if (const auto target = target_stated(lines[i], options)) {
-      row.target = target;
-      ++row.block;
-      continue;
-    }
-    row.number = static_cast<int>(i) + 1;
-    row.line = lines[i];
-    row.cells = cells_of(lines[i], delimiter);
-    if (!begun && (by_heading || mapping.row_begins.empty())) {
-      begun = true;
-      if (by_heading) find_headings(plan.fields, row.cells, row.number, findings);
-      if (!findings.empty()) break;
-      if (by_heading || is_heading(plan, row.cells)) continue;
-    }
-    if (begins_as(mapping.row_begins, row.cells))
-      table.rows.push_back(row);
-    else
-      ++table.passed_over;
-  }
-  return table;
+  const std::size_t first = std::min(static_cast<std::size_t>(std::max(0, options.mapping->skip_lines)), lines.size());
+  LineTaker taker(plan, options, delimiter_of(*options.mapping, text), findings);
+  std::size_t i = first;
+  for (; i < lines.size() && findings.empty() && !taker.is_full(); ++i) taker.take(lines[i], static_cast<int>(i) + 1);
+  const std::span<const std::string_view> all(lines);
+  taker.table().skipped = taker.like_rows(all.first(first));
+  taker.table().left = taker.like_rows(all.subspan(i));
+  return std::move(taker.table());
+}
+
+/// "3, 7, 12 and 4 more"
+std::string numbers_text(const std::vector<int>& numbers) {
+  constexpr std::size_t kMost = 8;
+  const std::size_t shown = std::min(numbers.size(), kMost);
+  const std::vector<int> first(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(shown));
+  return fmt::format("{}{}", fmt::join(first, ", "),
+                     shown < numbers.size() ? fmt::format(" and {} more", numbers.size() - shown) : "");
+}
+
+/// What was in the file and is not in the readings.
+void note_left_out(MeasurementSet& set, const ImportOptions& options, const TableLines& table) {
+  const ColumnMapping& mapping = *options.mapping;
+  const auto note = [&](std::string text) { set.notes.push_back(std::move(text)); };
+  if (table.skipped > 0)
+    note(fmt::format("{} rows of numbers above line {} are skipped, as asked", table.skipped, mapping.skip_lines + 1));
+  if (table.left > 0)
+    note(fmt::format("{} rows below line {} are not taken, as asked", table.left, table.rows.back().number));
+  if (table.comments > 0) note(fmt::format("{} comments between the rows are passed over", table.comments));
+  if (!mapping.row_begins.empty() && !table.passed_over.empty())
+    note(fmt::format("{} lines that are no rows are passed over", table.passed_over.size()));
+  else if (!table.passed_over.empty())
+    note(fmt::format("{} lines without a number in the columns wanted are passed over: lines {}",
+                     table.passed_over.size(), numbers_text(table.passed_over)));
 }
 
 /// @param left_out  values that are no numbers
@@ -243,9 +185,33 @@ void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLin
                             ? "lines such as 3mm are the targets: error = value - target"
                             : "no line states a target: readings are the values, not deviations from targets");
   if (options.reading_unit) set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
-  if (table.passed_over > 0)
-    set.notes.push_back(fmt::format("{} lines that are no rows are passed over", table.passed_over));
+  note_left_out(set, options, table);
   if (left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", left_out));
+}
+
+/// The rows of a log by channel.
+ChannelLog channels_in(const Plan& plan, const ColumnMapping& mapping, const TableLines& table, Findings& findings) {
+  ChannelLog log;
+  const auto named = static_cast<std::size_t>(mapping.channel_column - 1);
+  for (const TableRow& row : table.rows) {
+    Reading when;
+    std::optional<double> value;
+    for (const Field& field : plan.fields) {
+      if (std::max(field.last(), named) >= row.cells.size()) {
+        findings.add(row.number, 1, fmt::format("expected {} columns, found {}", field.last() + 1, row.cells.size()));
+        return log;
+      }
+      if (is_value(field.role))
+        value = cell_number(plan, row.cells[field.index]);
+      else if (const std::string fault = set_common(when, plan, field, joined_cells(row.cells, field)); !fault.empty())
+        findings.add(row.number, column_of(row.line, row.cells[field.index]), fault);
+    }
+    if (value && when.time_s)
+      log.channels[std::string(row.cells[named])].push_back({*when.time_s, *value, row.number});
+    else
+      ++log.left_out;
+  }
+  return log;
 }
 
 /// Reads the table. The moving axis: column `axis`, the option, or the one position that is mapped; the sense: the
@@ -255,11 +221,18 @@ void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLin
 /// @pre options.mapping
 Result<MeasurementSet> read_columns(std::string_view text, const std::string& file_name, const ImportOptions& options) {
   const ColumnMapping& mapping = *options.mapping;
-  Plan plan{fields_of(mapping),         options.axis, options.sense, mapping.values, mapping.decimal, options.parked_mm,
-            !mapping.row_begins.empty()};
+  Plan plan{fields_of(mapping.rules), options.axis,      options.sense,         mapping.values,
+            mapping.decimal,          options.parked_mm, options.parked_stated, !mapping.row_begins.empty()};
   if (!plan.axis) plan.axis = mapped_axis(plan.fields);
   Findings findings(file_name);
   TableLines table = lines_in(text, plan, options, findings);
+  if (options.channels) {
+    if (mapping.channel_column == 0)
+      return tl::unexpected(usage(file_name, "channels: the rows of this table name no channel"));
+    ChannelLog log = channels_in(plan, mapping, table, findings);
+    if (!findings.empty()) return tl::unexpected(findings.as_problem());
+    return read_channels(std::move(log), file_name, options);
+  }
   const auto channel = keep_channel(table.rows, file_name, options);
   if (!channel) return tl::unexpected(channel.error());
   std::string fault = take_units(plan, options);

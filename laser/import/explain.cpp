@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +12,8 @@
 #include "laser/findings.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/registry.hpp"
+#include "laser/import/time.hpp"
+#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -22,9 +26,12 @@ struct Known {
   std::string_view is;
 };
 
-constexpr std::array<Known, 24> kKnown{{
-    {":start2d", "an Aerotech two-axis correction table: what a control adds, not what was measured"},
-    {":start ", "an Aerotech correction table: what a control adds, not what was measured"},
+constexpr std::array<Known, 22> kKnown{{
+    {":start2d",
+     "an Aerotech two-axis correction table: what a control adds, not what was measured (`ecs export read` makes a map "
+     "of it)"},
+    {":start ",
+     "an Aerotech correction table: what a control adds, not what was measured (`ecs export read` makes a map of it)"},
     {"$aa_enc_comp",
      "a SINUMERIK encoder error table: what a control adds, not what was measured (`ecs export read` makes a map of "
      "it)"},
@@ -41,27 +48,39 @@ constexpr std::array<Known, 24> kKnown{{
     {"scan procedure description file", "the description of a SIOS scan: its numbers are in the .pos and .dat files"},
     {"motion system test report", "a test report: the readings are in the .dat file beside it"},
     {"residraderrrms", "the result of a plate's fit: the hole positions are in the measurement file of the plate"},
-    {"{\"ts\":", "JSON lines of a probe: convert ts, z and the temperatures to a CSV first"},
     {"artefact.ball_spacing", "a simulated ball bar or step gauge on a measuring machine (MSL): points and deviations"},
     {"cmm_model.", "the parameters of a measuring machine's error model: no readings"},
     {"target pos (", "telemetry of servo drives in encoder counts: no unit of length is in it"},
     {"roundness deviation", "the Lissajous figure of an interferometer: radius over phase, no positions"},
-    {"sample temperature", "an environment table: no readings of an axis are in it"},
     {"refractive", "a table about the refractive index: no readings of an axis are in it"},
     {"vacuum_wavelength_nm", "a table of the refractive index of air: no readings of an axis are in it"},
     {"# source", "a description"},
     {"<html", "a web page"},
-    {"{\"", "JSON: convert it to a CSV first"},
+    {"{\"", "a JSON document: only JSON lines are read, an object with its time (ts, time_s, time) in each line"},
 }};
 
 bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'); }
 
-/// What the file is, if it is known by a mark.
-std::optional<std::string_view> known_as(std::string_view text) {
+/// What a file is, and where it says so.
+struct Recognised {
+  const Known* known = nullptr;
+  std::size_t at = 0;  ///< in the text
+};
+
+/// Nothing if no mark is in the text.
+std::optional<Recognised> recognised_in(std::string_view text) {
   const std::string head = lower(text.substr(0, kExplainedBytes));
   for (const Known& known : kKnown)
-    if (head.find(known.mark) != std::string::npos) return known.is;
+    if (const std::size_t at = head.find(known.mark); at != std::string::npos) return Recognised{&known, at};
   return std::nullopt;
+}
+
+/// Line and column of a place in a text, from 1.
+std::pair<int, int> place_of(std::string_view text, std::size_t at) {
+  const auto lines = lines_of(text.substr(0, at));
+  const bool begins = at == 0 || text[at - 1] == '\n' || text[at - 1] == '\r';
+  const int above = static_cast<int>(lines.size()) - (begins ? 0 : 1);
+  return {above + 1, begins ? 1 : static_cast<int>(lines.back().size()) + 1};
 }
 
 std::string_view delimiter_name(char delimiter) {
@@ -80,9 +99,10 @@ std::string_view delimiter_name(char delimiter) {
 }
 
 std::string table_text(const TableShape& shape) {
-  std::string text =
-      fmt::format("a table of {} rows and {} columns between {} begins in line {}: {}", shape.rows, shape.columns,
-                  delimiter_name(shape.delimiter), shape.first_row_line, in_quotes(shape.first_row));
+  std::string text = fmt::format("a table of {} rows and {} columns between {} is in lines {} to {}: {}", shape.rows,
+                                 shape.columns, delimiter_name(shape.delimiter), shape.first_row_line,
+                                 shape.last_row_line, in_quotes(shape.first_row));
+  if (shape.lines_between > 0) text += fmt::format(", with {} other lines between", shape.lines_between);
   if (!shape.headings.empty()) {
     std::vector<std::string> named;
     for (std::size_t i = 0; i < std::min<std::size_t>(shape.headings.size(), 12); ++i)
@@ -92,32 +112,76 @@ std::string table_text(const TableShape& shape) {
   return text;
 }
 
-std::string advice(const TableShape& shape) {
+/// Numbers from 1 of the columns that hold numbers, a leading count of the rows left out where others remain.
+std::vector<std::size_t> number_columns(std::string_view text, const TableShape& shape) {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < shape.is_number.size(); ++i)
+    if (shape.is_number[i]) columns.push_back(i + 1);
+  if (columns.size() < 3) return columns;
+  const auto lines = lines_of(text);
+  const std::size_t counted = columns.front() - 1;
+  std::optional<double> before;
+  for (auto i = static_cast<std::size_t>(shape.first_row_line) - 1; i < static_cast<std::size_t>(shape.last_row_line);
+       ++i) {
+    const auto cells = cells_of(lines[i], shape.delimiter);
+    const auto number = cells.size() == shape.columns ? number_or_comma(cells[counted]) : std::nullopt;
+    if (!number) continue;
+    if (before && *number != *before + 1.0) return columns;
+    before = number;
+  }
+  columns.erase(columns.begin());
+  return columns;
+}
+
+/// The column of dates and times, from 1.
+std::optional<std::size_t> time_column(std::string_view text, const TableShape& shape) {
+  const auto cells = cells_of(lines_of(text)[static_cast<std::size_t>(shape.first_row_line) - 1], shape.delimiter);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (seconds_in(cells[i])) return i + 1;
+  return std::nullopt;
+}
+
+/// Options that read the table as it is.
+std::string advice(std::string_view text, const TableShape& shape) {
+  const auto numbers = number_columns(text, shape);
+  const auto time = time_column(text, shape);
+  std::string columns = numbers.size() < 2 ? "" : fmt::format("x_mm={}[mm],", numbers.front());
+  columns += fmt::format("reading={}[um]", numbers.size() < 2 ? numbers.front() : numbers[1]);
+  columns += time ? fmt::format(",date_time={}", *time) : numbers.size() < 2 ? "" : ",approach=motion";
   const int skip = shape.first_row_line - 1;
-  return fmt::format(
-      "if it holds measurements, say which column is what: --columns \"x_mm=1[mm],reading=2[um],approach=motion\"{} "
-      "(docs/formats.md)",
-      skip > 0 ? fmt::format(" --skip {}", skip) : "");
+  return fmt::format("if it holds measurements, say which column is what: --columns \"{}\"{}{} (docs/formats.md)",
+                     columns, skip > 0 ? fmt::format(" --skip {}", skip) : "",
+                     numbers.size() >= 2 ? ""
+                     : time              ? " --axis X"
+                                         : " --axis X --parked x=0");
 }
 
 }  // namespace
 
-std::string explanation_of(std::string_view text) {
-  const auto known = known_as(text);
+Problem explanation_of(std::string_view text, const std::string& file_name) {
+  const auto recognised = recognised_in(text);
   std::string why = "not a measurement file that is known here: ";
-  why += known ? fmt::format("it seems to be {}", *known) : "nothing in it names a format that is known here";
+  why += recognised ? fmt::format("it seems to be {}", recognised->known->is)
+                    : "nothing in it names a format that is known here";
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
-  if (shape && shape->rows >= 2)
-    why += fmt::format("; {}; {}", table_text(*shape), advice(*shape));
+  const bool has_table = shape && shape->rows >= 2;
+  if (has_table)
+    why += fmt::format("; {}; {}", table_text(*shape), advice(text, *shape));
   else
     why += "; no table of numbers was found in it";
-  if (known) return why;
-  why += "; looked for: ";
-  std::vector<std::string_view> titles;
-  for (const FileFormat* format : file_formats())
-    if (format->recognises) titles.push_back(format->title);
-  why += fmt::format("{}", fmt::join(titles, ", "));
-  return why;
+  if (!recognised) {
+    why += "; looked for: ";
+    std::vector<std::string_view> titles;
+    for (const FileFormat* format : file_formats())
+      if (format->recognises) titles.push_back(format->title);
+    why += fmt::format("{}", fmt::join(titles, ", "));
+  }
+  auto [line, column] = std::pair{1, 1};
+  if (recognised)
+    std::tie(line, column) = place_of(text, recognised->at);
+  else if (has_table)
+    line = shape->first_row_line;
+  return {ProblemKind::bad_input, std::move(why), file_name, line, column, {}};
 }
 
 }  // namespace ecs::laser

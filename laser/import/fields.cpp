@@ -18,7 +18,7 @@ namespace {
 
 /// The kind of unit that a field may have; nothing: none.
 std::optional<UnitKind> kind_of(const Field& field) {
-  if (field.role == Role::position) return UnitKind::length;
+  if (field.role == Role::position || field.role == Role::measured) return UnitKind::length;
   if (is_sensor_column(field.rule.field)) return UnitKind::temperature;
   if (field.rule.field == "pressure_hPa") return UnitKind::pressure;
   if (field.rule.field == "time_s") return UnitKind::time;
@@ -48,6 +48,29 @@ std::string unit_fault(const Field& field, std::string_view shown, bool fits) {
   return fmt::format("columns: {}: {} is no unit of it", field.rule.field, shown);
 }
 
+std::string units_fault(const Plan& plan) {
+  for (const Field& field : plan.fields) {
+    if (!field.rule.unit || (is_value(field.role) && field.role != Role::measured)) continue;
+    const auto kind = kind_of(field);
+    if (const std::string fault = unit_fault(field, field.rule.unit->name, kind && *kind == field.rule.unit->kind);
+        !fault.empty())
+      return fault;
+  }
+  return {};
+}
+
+/// Each measured position needs its nominal one.
+std::string measured_fault(const std::vector<Field>& fields) {
+  for (const Field& field : fields) {
+    const auto axis = measured_direction(field.rule.field);
+    if (!axis) continue;
+    const std::string_view nominal = kPositionColumns[index_of(*axis)];
+    if (std::none_of(fields.begin(), fields.end(), [&](const Field& other) { return other.rule.field == nominal; }))
+      return fmt::format("columns: {} needs {}, the nominal position, found none", field.rule.field, nominal);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<Pass> pass_named(std::string_view field) {
@@ -62,9 +85,18 @@ std::optional<Pass> pass_named(std::string_view field) {
   return std::nullopt;
 }
 
+std::optional<Axis> measured_direction(std::string_view field) {
+  constexpr std::string_view kBefore = "measured_";
+  if (!field.starts_with(kBefore)) return std::nullopt;
+  for (const Axis axis : kAllAxes)
+    if (field.substr(kBefore.size()) == kPositionColumns[index_of(axis)]) return axis;
+  return std::nullopt;
+}
+
 Role role_of(std::string_view name) {
   if (std::find(kPositionColumns.begin(), kPositionColumns.end(), name) != kPositionColumns.end())
     return Role::position;
+  if (measured_direction(name)) return Role::measured;
   if (name == "reading") return Role::error;
   if (sense_named(name)) return Role::own_sense;
   if (pass_named(name)) return Role::pass;
@@ -74,7 +106,9 @@ Role role_of(std::string_view name) {
   return name == "date_time" ? Role::date_time : Role::other;
 }
 
-bool is_value(Role role) { return role == Role::error || role == Role::own_sense || role == Role::pass; }
+bool is_value(Role role) {
+  return role == Role::error || role == Role::own_sense || role == Role::pass || role == Role::measured;
+}
 
 bool has_role(const std::vector<Field>& fields, Role role) {
   return std::any_of(fields.begin(), fields.end(), [&](const Field& field) { return field.role == role; });
@@ -87,6 +121,11 @@ std::optional<double> cell_number(const Plan& plan, std::string_view cell) {
 
 std::string set_error(Reading& reading, const Plan& plan, const Field& field, double cell) {
   const ColumnRule& rule = field.rule;
+  if (field.role == Role::measured) {
+    const double measured_mm = converted(rule, cell) * rule.factor + rule.offset;
+    reading.error = (measured_mm - reading.position_mm[index_of(direction_of(reading.sense))]) * kUmPerMm;
+    return {};
+  }
   const bool angle = is_rotation(reading.sense);
   if (rule.unit)
     if (const std::string fault =
@@ -154,7 +193,8 @@ std::string take_units(Plan& plan, const ImportOptions& options) {
     return fmt::format("{} is no unit of length", options.target_unit->name);
   for (Field& field : plan.fields) {
     if (field.rule.unit) continue;
-    if (field.role == Role::position) field.rule.unit = options.target_unit;
+    if (field.role == Role::position || field.role == Role::measured) field.rule.unit = options.target_unit;
+    if (field.role == Role::measured) continue;
     if (!is_value(field.role) || !options.reading_unit) continue;
     const Sense sense = sense_named(field.rule.field).value_or(plan.sense.value_or(Sense::EX));
     const UnitKind kind = is_rotation(sense) ? UnitKind::angle : UnitKind::length;
@@ -167,23 +207,21 @@ std::string take_units(Plan& plan, const ImportOptions& options) {
 
 std::string plan_fault(const Plan& plan) {
   if (std::none_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return is_value(f.role); }))
-    return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN or reverseN, found none";
+    return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN, reverseN or measured_x_mm, found none";
+  if (std::string fault = measured_fault(plan.fields); !fault.empty()) return fault;
+  if (has_role(plan.fields, Role::measured)) return units_fault(plan);
   if (!has_role(plan.fields, Role::axis) && !plan.axis)
     return "columns: the table does not say which axis moved: give the axis X, Y or Z, or map its column";
   if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
+      !plan.parked_stated[index_of(*plan.axis)] &&
       std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& f) {
         return f.rule.field == kPositionColumns[index_of(*plan.axis)] || f.rule.field == "time_s";
       }))
-    return fmt::format("columns: expected {} (the target of the moving axis), found none",
-                       kPositionColumns[index_of(*plan.axis)]);
-  for (const Field& field : plan.fields) {
-    if (!field.rule.unit || is_value(field.role)) continue;
-    const auto kind = kind_of(field);
-    if (const std::string fault = unit_fault(field, field.rule.unit->name, kind && *kind == field.rule.unit->kind);
-        !fault.empty())
-      return fault;
-  }
-  return {};
+    return fmt::format(
+        "columns: expected {} (the target of the moving axis), found none; one target for all rows is given as "
+        "--parked {}=MM",
+        kPositionColumns[index_of(*plan.axis)], lower(std::string(1, letter_of(*plan.axis))));
+  return units_fault(plan);
 }
 
 }  // namespace ecs::laser

@@ -23,7 +23,18 @@ struct Pass {
 [[nodiscard]] std::optional<Pass> pass_named(std::string_view field);
 
 /// What a field does with its cell.
-enum class Role { position, error, own_sense, pass, axis, sense, approach, date_time, other };
+enum class Role {
+  position,
+  error,
+  own_sense,
+  pass,
+  measured,  ///< measured_x_mm: where a nominal position was found
+  axis,
+  sense,
+  approach,
+  date_time,
+  other
+};
 
 struct Field {
   ColumnRule rule;
@@ -31,6 +42,9 @@ struct Field {
   std::size_t index = 0;  ///< of the column, from 0
   [[nodiscard]] std::size_t last() const { return index + static_cast<std::size_t>(rule.columns - 1); }
 };
+
+/// The direction of "measured_x_mm".
+[[nodiscard]] std::optional<Axis> measured_direction(std::string_view field);
 
 [[nodiscard]] Role role_of(std::string_view field);
 
@@ -46,7 +60,8 @@ struct Plan {
   std::optional<Sense> sense;
   TableValues values = TableValues::errors;
   char decimal = '\0';
-  Vector3 parked_mm{};        ///< of the axes whose place is not mapped
+  Vector3 parked_mm{};  ///< of the axes whose place is not mapped
+  PerAxis<bool> parked_stated{};
   bool leaves_words = false;  ///< values that are no numbers are left out
 };
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/environment_record.hpp"
+#include "laser/environment_series.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
@@ -48,8 +48,7 @@ struct FileFormat {
   Result<MeasurementSet> (*read)(std::string_view text, const std::string& file_name,
                                  const ImportOptions& options) = nullptr;
   /// Reads an environment log, instead of readings.
-  Result<std::vector<EnvironmentRecord>> (*read_environment)(std::string_view text,
-                                                             const std::string& file_name) = nullptr;
+  Result<EnvironmentSeries> (*read_environment)(std::string_view text, const std::string& file_name) = nullptr;
   std::vector<std::string_view> written_extensions = {};  ///< ".rtl"; none: not written
   Result<std::string> (*write)(const MeasurementSet& set, const std::string& file_name) = nullptr;
   ErrorUnits units = ErrorUnits::usual;

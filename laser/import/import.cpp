@@ -1,11 +1,16 @@
 #include "laser/import/import.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "laser/import/at_rest.hpp"
+#include "laser/import/fields.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/registry.hpp"
 #include "laser/import/renishaw_file.hpp"
+#include "laser/import/set_up.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -14,10 +19,11 @@ namespace {
 Result<Imported> content_of(const FileFormat& format, std::string_view text, const std::string& file_name,
                             const ImportOptions& options) {
   if (format.read_environment) {
-    auto records = format.read_environment(text, file_name);
-    if (!records) return tl::unexpected(std::move(records.error()));
-    Imported imported{&format, {}, std::move(*records)};
+    auto series = format.read_environment(text, file_name);
+    if (!series) return tl::unexpected(std::move(series.error()));
+    Imported imported{&format, {}, std::move(*series)};
     imported.set.source = file_name;
+    imported.set.notes = imported.environment.notes;
     return imported;
   }
   auto set = format.read(text, file_name, options);
@@ -62,6 +68,11 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   return imported;
 }
 
+bool gives_measured_positions(const ImportOptions& options) {
+  return options.mapping && std::any_of(options.mapping->rules.begin(), options.mapping->rules.end(),
+                                        [](const ColumnRule& rule) { return measured_direction(rule.field); });
+}
+
 }  // namespace
 
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
@@ -73,9 +84,15 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   const FileFormat* format = options.mapping  ? file_format("mapped_columns")
                              : options.matrix ? file_format("mapped_matrix")
                                               : recognised_format(text->text, file_name);
-  if (!format) return problem_at(file_name, 0, 0, explanation_of(text->text));
+  if (!format) return tl::unexpected(explanation_of(text->text, file_name));
   auto imported = content_of(*format, text->text, file_name, options);
   if (!is_mapped) imported = rescaled(std::move(imported), options);
+  if (imported && !options.keep_set_up && gives_measured_positions(options)) take_out_set_up(imported->set);
+  if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
+    keep_at_rest(imported->set, options.at_rest_mm, options.average);
+    if (imported->set.readings.empty())
+      return problem_at(file_name, 0, 0, "expected readings at rest, found none: give a greater --at-rest");
+  }
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
   if (imported && text->encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));

@@ -14,8 +14,10 @@ extern const FileFormat kRenishawDynamic;
 extern const FileFormat kRenishawTable;
 extern const FileFormat kApiReport;
 extern const FileFormat kSiosEnvironment;
+extern const FileFormat kEnvironmentTable;
 extern const FileFormat kIso230Assignments;
 extern const FileFormat kPlate;
+extern const FileFormat kJsonLines;
 extern const FileFormat kMappedColumns;
 extern const FileFormat kMappedMatrix;
 
@@ -28,8 +30,10 @@ std::span<const FileFormat* const> file_formats() {
       &kRenishawTable,
       &kApiReport,
       &kSiosEnvironment,
+      &kEnvironmentTable,
       &kIso230Assignments,
       &kPlate,
+      &kJsonLines,
       &kMappedColumns,
       &kMappedMatrix,
   };

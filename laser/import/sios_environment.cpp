@@ -10,8 +10,10 @@
 namespace ecs::laser {
 namespace {
 
-Result<std::vector<EnvironmentRecord>> read_environment(std::string_view text, const std::string& file_name) {
-  std::vector<EnvironmentRecord> records;
+Result<EnvironmentSeries> read_sios_environment(std::string_view text, const std::string& file_name) {
+  EnvironmentSeries series;
+  series.columns = {"x_mm",         "y_mm",         "z_mm",         "t_air_degC",   "t_air_x_degC",
+                    "t_air_y_degC", "t_air_z_degC", "pressure_hPa", "humidity_pct", "t_material_degC"};
   Findings findings(file_name);
   const auto lines = lines_of(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -25,12 +27,13 @@ Result<std::vector<EnvironmentRecord>> read_environment(std::string_view text, c
       continue;
     }
     const auto& n = *row;
-    records.push_back(
-        {{n[0] * kMmPerM, n[1] * kMmPerM, n[2] * kMmPerM}, {n[3], n[4], n[5]}, n[6] / kPaPerHPa, n[7], n[8]});
+    series.rows.push_back({std::nullopt,
+                           {n[0] * kMmPerM, n[1] * kMmPerM, n[2] * kMmPerM, (n[3] + n[4] + n[5]) / 3.0, n[3], n[4],
+                            n[5], n[6] / kPaPerHPa, n[7], n[8]}});
   }
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  if (records.empty()) return problem_at(file_name, 0, 0, "expected environment records, found none");
-  return records;
+  if (series.rows.empty()) return problem_at(file_name, 0, 0, "expected environment records, found none");
+  return series;
 }
 
 /// Nine numbers, the seventh a pressure in Pa.
@@ -48,7 +51,7 @@ extern const FileFormat kSiosEnvironment{
     .title = "SIOS environment log (.pos)",
     .sample = "environment.pos",
     .recognises = recognises_environment,
-    .read_environment = read_environment,
+    .read_environment = read_sios_environment,
     .units = ErrorUnits::fixed,
 };
 

@@ -1,17 +1,19 @@
-// The shape of an unknown table: delimiter, columns, where its rows begin.
+// The shape of an unknown table: delimiter, columns, where its rows are.
 #include <algorithm>
 #include <array>
 
 #include "base/text.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/renishaw_file.hpp"
+#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
 
+bool is_number(std::string_view cell) { return number_or_comma(cell).has_value(); }
+
 std::size_t numbers_among(const std::vector<std::string_view>& cells) {
-  return static_cast<std::size_t>(std::count_if(
-      cells.begin(), cells.end(), [](std::string_view cell) { return number_or_comma(cell).has_value(); }));
+  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_number));
 }
 
 /// A row of a table: two cells or more, at least half of them numbers.
@@ -20,39 +22,100 @@ bool is_row(const std::vector<std::string_view>& cells) {
   return cells.size() >= 2 && numbers >= 1 && 2 * numbers >= cells.size();
 }
 
-std::optional<TableShape> shape_with(const std::vector<std::string_view>& lines, char delimiter) {
-  TableShape best;
-  std::size_t run = 0;
-  std::size_t width = 0;
-  std::size_t first = 0;
-  const auto keep = [&] {
-    if (run > best.rows) best = {delimiter, width, run, static_cast<int>(first) + 1, {}, {}};
-  };
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (trimmed(lines[i]).empty()) continue;
-    const auto cells = cells_of(lines[i], delimiter);
-    const bool row = is_row(cells);
-    if (row && cells.size() == width && run > 0) {
-      ++run;
-      continue;
+struct TableLine {
+  std::size_t index = 0;
+  std::vector<std::string_view> cells;
+};
+
+/// The lines that may be rows, comments and empty lines left out.
+std::vector<TableLine> lines_with(const std::vector<std::string_view>& lines, char delimiter) {
+  std::vector<TableLine> kept;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (!is_comment(lines[i])) kept.push_back({i, cells_of(lines[i], delimiter)});
+  return kept;
+}
+
+/// As many cells, numbers in the same ones; empty cells are of either kind.
+bool same_kinds(const std::vector<std::string_view>& a, const std::vector<std::string_view>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](std::string_view one, std::string_view other) {
+    return one.empty() || other.empty() || is_number(one) == is_number(other);
+  });
+}
+
+/// The first line of the longest stretch of rows of the same kinds of cells; the end if there is none.
+std::vector<TableLine>::const_iterator longest_stretch(const std::vector<TableLine>& lines) {
+  auto best = lines.end();
+  std::ptrdiff_t most = 0;
+  for (auto first = lines.begin(); first != lines.end();) {
+    const auto end = std::find_if(first, lines.end(), [&](const TableLine& line) {
+      return !is_row(line.cells) || !same_kinds(line.cells, first->cells);
+    });
+    if (end - first > most) {
+      most = end - first;
+      best = first;
     }
-    keep();
-    run = row ? 1 : 0;
-    width = cells.size();
-    first = i;
-  }
-  keep();
-  if (best.rows == 0) return std::nullopt;
-  const auto begin = static_cast<std::size_t>(best.first_row_line) - 1;
-  best.first_row = std::string(trimmed(lines[begin]));
-  if (begin > 0) {
-    const auto above = cells_of(lines[begin - 1], delimiter);
-    if (above.size() == best.columns && numbers_among(above) == 0) best.headings.assign(above.begin(), above.end());
+    first = end == first ? first + 1 : end;
   }
   return best;
 }
 
+/// As wide as the model, with numbers where it has some; a number may be missing.
+bool is_like(const std::vector<std::string_view>& cells, const std::vector<std::string_view>& model) {
+  if (cells.size() != model.size() || !is_row(cells)) return false;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (is_number(model[i]) && !is_number(cells[i]) && !cells[i].empty()) return false;
+  return true;
+}
+
+/// The line above the first row, a comment as well, if it has a word for each column.
+std::vector<std::string> headings_above(const std::vector<std::string_view>& lines, std::size_t first, char delimiter,
+                                        std::size_t columns) {
+  while (first-- > 0) {
+    std::string_view line = trimmed(lines[first]);
+    if (line.empty()) continue;
+    if (is_comment(line)) line.remove_prefix(std::min(line.find_first_not_of("#!%"), line.size()));
+    const auto cells = cells_of(line, delimiter);
+    if (cells.size() != columns || numbers_among(cells) > 0) return {};
+    return {cells.begin(), cells.end()};
+  }
+  return {};
+}
+
+std::optional<TableShape> shape_with(const std::vector<std::string_view>& lines, char delimiter) {
+  const auto candidates = lines_with(lines, delimiter);
+  const auto model = longest_stretch(candidates);
+  if (model == candidates.end()) return std::nullopt;
+  TableShape shape;
+  shape.delimiter = delimiter;
+  shape.columns = model->cells.size();
+  shape.is_number.assign(shape.columns, false);
+  std::size_t others = 0;  // since the last row
+  for (const TableLine& line : candidates) {
+    if (!is_like(line.cells, model->cells)) {
+      ++others;
+      continue;
+    }
+    if (shape.rows == 0) {
+      shape.first_row_line = static_cast<int>(line.index) + 1;
+      shape.first_row = std::string(trimmed(lines[line.index]));
+    } else {
+      shape.lines_between += others;
+    }
+    for (std::size_t i = 0; i < shape.columns; ++i) shape.is_number[i] = shape.is_number[i] || is_number(line.cells[i]);
+    others = 0;
+    ++shape.rows;
+    shape.last_row_line = static_cast<int>(line.index) + 1;
+  }
+  shape.headings = headings_above(lines, static_cast<std::size_t>(shape.first_row_line) - 1, delimiter, shape.columns);
+  return shape;
+}
+
 }  // namespace
+
+bool is_comment(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  return text.empty() || text.starts_with('#') || text.starts_with('!') || text.starts_with('%');
+}
 
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
   if (delimiter == ' ') return words_of(line);

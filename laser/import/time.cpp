@@ -1,7 +1,10 @@
 #include "laser/import/time.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "base/text.hpp"
 
@@ -53,6 +56,18 @@ std::optional<double> seconds_in(std::string_view text) {
   const auto date = date_s(whole.substr(0, gap));
   const auto time = time_of_day_s(trimmed(whole.substr(gap + 1)));
   return date && time ? std::optional(*date + *time) : std::nullopt;
+}
+
+std::string date_time_text(double seconds) {
+  using namespace std::chrono;
+  constexpr double kDay_s = 86'400.0, kLatest_s = 3e11;
+  if (!(seconds >= kDay_s) || seconds > kLatest_s) return {};
+  const double days = std::floor(seconds / kDay_s);
+  const year_month_day date(sys_days(std::chrono::days(static_cast<int>(days))));
+  const auto ms = static_cast<long long>(std::floor((seconds - days * kDay_s) * 1000.0));
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}.{:03}", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), ms / 3'600'000,
+                     ms / 60'000 % 60, ms / 1000 % 60, ms % 1000);
 }
 
 }  // namespace ecs::laser

@@ -41,8 +41,8 @@ double printed_sign(Component c) {
 
 class Builder {
  public:
-  Builder(const MapRecipe& recipe, const UnitParameters& parameters)
-      : recipe_(recipe), needed_(components_needed(parameters)) {
+  Builder(const MapRecipe& recipe, const UnitParameters& parameters, const FileReader& read)
+      : recipe_(recipe), needed_(components_needed(parameters)), files_(read) {
     built_.parameters = parameters;
   }
 
@@ -294,8 +294,8 @@ class Builder {
 
 }  // namespace
 
-Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters) {
-  return Builder(recipe, parameters).build();
+Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters, const FileReader& read) {
+  return Builder(recipe, parameters, read).build();
 }
 
 }  // namespace ecs::laser

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "laser/import/import.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/map/recipe.hpp"
 
@@ -36,6 +37,7 @@ struct BuiltMap {
 /// the measurement line of the parameters, readings taken with compensation active, fewer than two targets, files of
 /// different machines or serial numbers, a component that the parameters do not use. What is merely missing is
 /// not refused here: findings_for() lists it, and map send refuses it.
-[[nodiscard]] Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters);
+[[nodiscard]] Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters,
+                                         const FileReader& read = read_plain);
 
 }  // namespace ecs::laser

@@ -12,6 +12,7 @@
 #include "core/component.hpp"
 #include "core/parameters.hpp"
 #include "laser/analysis/process.hpp"
+#include "laser/import/import.hpp"
 #include "laser/map/error_map.hpp"
 
 namespace ecs::laser {
@@ -61,6 +62,7 @@ struct SuggestedRecipe {
   std::vector<std::string> unused;
 };
 [[nodiscard]] Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>& files,
-                                                     const UnitParameters& parameters);
+                                                     const UnitParameters& parameters,
+                                                     const FileReader& read = read_plain);
 
 }  // namespace ecs::laser

@@ -7,7 +7,6 @@
 
 #include "base/file.hpp"
 #include "laser/groups.hpp"
-#include "laser/import/import.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -100,7 +99,7 @@ Result<const MeasuredFiles::Loaded*> MeasuredFiles::load(const std::filesystem::
   if (const auto known = files_.find(path); known != files_.end()) return &known->second;
   const auto bytes = read_file(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  auto imported = parse_any(*bytes, path.string(), ImportOptions{});
+  auto imported = read_(path);
   if (!imported) return tl::unexpected(imported.error());
   Loaded loaded{std::move(imported->set), sha256_hex(*bytes)};
   remember(machines_, metadata_value(loaded.set, "machine"), path);

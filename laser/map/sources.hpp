@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
 #include "laser/analysis/curve.hpp"
+#include "laser/import/import.hpp"
 #include "laser/map/error_map.hpp"
 
 namespace ecs::laser {
@@ -29,6 +31,8 @@ struct SourceCurve {
 
 class MeasuredFiles {
  public:
+  explicit MeasuredFiles(FileReader read) : read_(std::move(read)) {}
+
   /// The averaged curve of the one measurement line in a file that fits, without the excluded runs. Refused, naming
   /// file and component: no such readings (and what there is), more than one line of them, readings taken with
   /// compensation active, fewer than two targets, an excluded run that is not there.
@@ -46,6 +50,7 @@ class MeasuredFiles {
   };
   [[nodiscard]] Result<const Loaded*> load(const std::filesystem::path& path);
 
+  FileReader read_;
   std::map<std::filesystem::path, Loaded> files_;
   std::map<std::string, std::string> machines_;
   std::map<std::string, std::string> serial_numbers_;

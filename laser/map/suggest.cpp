@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "laser/groups.hpp"
-#include "laser/import/import.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/map/sources.hpp"
 
@@ -142,11 +141,11 @@ class Suggestion {
 }  // namespace
 
 Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>& files,
-                                       const UnitParameters& parameters) {
+                                       const UnitParameters& parameters, const FileReader& read) {
   std::vector<MeasuredLine> lines;
   std::vector<Problem> problems;
   for (const std::filesystem::path& file : files) {
-    const auto imported = read_any(file, ImportOptions{});
+    const auto imported = read(file);
     if (!imported) {
       problems.push_back(imported.error());
       continue;

@@ -46,7 +46,7 @@ inline std::pair<int, int> check_corpus(const std::filesystem::path& root, const
       REQUIRE_MESSAGE(imported.has_value(), to_text(imported.error()));
       CHECK(imported->format->id == expected->format);
       const std::size_t count =
-          imported->environment.empty() ? imported->set.readings.size() : imported->environment.size();
+          imported->environment.rows.empty() ? imported->set.readings.size() : imported->environment.rows.size();
       CHECK(count > 0);
       if (expected->count > 0) CHECK(count == expected->count);
       ++read;

@@ -38,10 +38,14 @@ constexpr std::size_t kLinesShown = 20;
 Cell file_cell(const std::string& file, const laser::Imported& imported) {
   AnswerFields fields{{"file", word_cell(file)}, {"format", word_cell(imported.format->title)}};
   append(fields, set_fields(imported.set, kLinesShown));
-  const Cell records = count_cell(imported.environment.size());
-  fields.push_back({"environment_records", imported.environment.empty() ? shown_cell(records.text) : records});
+  const Cell records = count_cell(imported.environment.rows.size());
+  fields.push_back({"environment_records", imported.environment.rows.empty() ? shown_cell(records.text) : records});
+  fields.push_back({"environment", imported.environment.rows.empty()
+                                       ? shown_cell({})
+                                       : conditions_cell(conditions_in(imported.environment), "rows")});
   return record_cell(imported.set.readings.empty()
-                         ? "{file}: {format}\n  no readings; {environment_records} records of the environment\n{notes}"
+                         ? "{file}: {format}\n  no readings; {environment_records} records of the environment, to be "
+                           "joined by --environment\n{environment}{notes}"
                          : "{file}: {format}\n{lines}{notes}",
                      fields);
 }

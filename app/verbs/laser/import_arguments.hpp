@@ -9,9 +9,9 @@
 
 namespace ecs::app {
 
-/// Adds --axis --sense --parked --encoding --accept-truncated --table-holds-errors --target-unit --reading-unit
-/// --channel, and --columns --skip --rows --delimiter --decimal --values --profile.
-void take_import_options(Verb& verb, ImportArguments& arguments);
+/// Adds the options of `laser import`: those that most files need, then the others below headings of their own.
+/// @param sense_option  where --sense means something else to the verb
+void take_import_options(Verb& verb, ImportArguments& arguments, const std::string& sense_option = "--sense");
 struct ImportOptions : ImportArguments {
   explicit ImportOptions(Verb& verb) { take_import_options(verb, *this); }
 };

@@ -45,23 +45,14 @@ Cell targets_cell(const std::vector<laser::TargetReadings>& targets) {
                                "reverse", "n", "unknown", "n", "reversal"));
 }
 
-Cell conditions_cell(const std::vector<ConditionSummary>& conditions) {
-  return list_cell(conditions, [](const ConditionSummary& c) {
-    return record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} readings\n",
-                       {{"name", word_cell(c.name)},
-                        {"readings", count_cell(c.readings)},
-                        {"least", {number_or_null(c.least), fmt::format("{:.6g}", c.least)}},
-                        {"most", {number_or_null(c.most), fmt::format("{:.6g}", c.most)}}});
-  });
-}
-
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const auto imported = read_measurements(arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::MeasurementSet& set = imported->set;
   AnswerFields fields{{"file", word_cell(arguments.file)}, {"format", word_cell(imported->format->title)}};
   append(fields, set_fields(set));
-  const Cell conditions = conditions_cell(conditions_in(set));
+  const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported->environment), "rows")
+                                               : conditions_cell(conditions_in(set), "readings");
   fields.push_back({"conditions", conditions.json.empty() ? shown_cell({}) : conditions});
   Cell answer = record_cell("{file}: {format}, {readings} readings\n{metadata}{notes}{conditions}\n{lines}", fields);
   const auto groups = laser::groups_of(set);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
+#include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
@@ -42,6 +43,11 @@ struct BuildArguments : VerbArguments {
   const std::string& customer = text("--customer", "for the header");
   const std::string& engineer = text("--engineer", "for the header");
   const std::string& date = text("--date", "for the header, as in 2026-03-12");
+  ImportOptions import{*this};
+
+  [[nodiscard]] laser::FileReader reader() const {
+    return [this](const std::filesystem::path& file) { return read_measurements(file.string(), import); };
+  }
 };
 
 struct Recipe {
@@ -59,7 +65,8 @@ Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& 
     if (!recipe) return tl::unexpected(recipe.error());
     return Recipe{std::move(*recipe), arguments.files.front(), {}};
   }
-  auto suggested = laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters);
+  auto suggested = laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters,
+                                          arguments.reader());
   if (!suggested) return tl::unexpected(suggested.error());
   return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
 }
@@ -104,23 +111,15 @@ struct Built {
   }
 };
 
-/// A file that does not say its axis or sense can be made to, by importing it.
-Problem with_hint(Problem why) {
-  if (why.kind == ProblemKind::usage && !why.file.empty())
-    why.message += "; make a CSV that states it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
-  for (Problem& other : why.also) other = with_hint(std::move(other));
-  return why;
-}
-
 Result<Built> built(const BuildArguments& arguments) {
   const auto parameters = arguments.params_out.empty() ? params::read_parameters(arguments.params)
                                                        : params::read_whole_parameters(arguments.params);
   if (!parameters) return tl::unexpected(parameters.error());
   auto recipe = recipe_of(arguments, parameters->parameters);
-  if (!recipe) return tl::unexpected(with_hint(recipe.error()));
+  if (!recipe) return tl::unexpected(recipe.error());
   if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
-  auto map = laser::build_map(recipe->recipe, parameters->parameters);
-  if (!map) return tl::unexpected(with_hint(map.error()));
+  auto map = laser::build_map(recipe->recipe, parameters->parameters, arguments.reader());
+  if (!map) return tl::unexpected(map.error());
   laser::MapHeader& header = map->map.header;
   if (header.machine.empty()) header.machine = parameters->identity.machine;
   if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;

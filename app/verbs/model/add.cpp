@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/effect_words.hpp"
@@ -30,6 +31,8 @@ struct AddArguments : VerbArguments {
   const std::string& machine = text("--machine", kMachineHelp);
   const std::vector<std::string>& alternatives =
       texts("--or", "what `diagnose` cannot tell it from: kept with it until a measurement decides");
+  ImportArguments import;
+  AddArguments() { take_import_options(*this, import, "--reading-sense"); }
 };
 
 /// "servo_lag:X:EX, scale:X:EX", as a model keeps them.
@@ -54,10 +57,10 @@ Result<model::AddRequest> request_of(const AddArguments& arguments) {
                              arguments.code));
 }
 
-/// A measurement that does not say its axis or sense is made to with `laser import`: --sense means the effect's here.
+/// --sense means the effect's here.
 Problem with_hint(Problem why) {
-  if (why.kind == ProblemKind::usage && !why.file.empty())
-    why.message += "; make a CSV that states it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+  if (const std::size_t at = why.message.find("--sense EX"); at != std::string::npos)
+    why.message.replace(at, 7, "--reading-sense");
   return why;
 }
 
@@ -89,7 +92,7 @@ Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   inputs.push_back(arguments.machine);
   if (const auto distinct = check_output_not_input(arguments.output, inputs); !distinct)
     return tl::unexpected(distinct.error());
-  const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, {}});
+  const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, arguments.import});
   if (!work) return tl::unexpected(with_hint(work.error()));
   auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.model));

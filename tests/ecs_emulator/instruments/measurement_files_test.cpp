@@ -135,13 +135,13 @@ TEST_CASE("weather written to an environment log is read back") {
   MeasurementFolder folder;
   const auto back = folder.written_and_read(there_and_back(), "a.env.pos", along_x());
   CHECK(back.format->id == "sios_environment");
-  REQUIRE(back.environment.size() == 16);
-  CHECK(back.environment[3].stage_mm[0] == doctest::Approx(-300.0));
-  CHECK(back.environment[3].stage_mm[1] == doctest::Approx(-700.0));
-  CHECK(back.environment[3].air_degC[2] == doctest::Approx(20.53));
-  CHECK(back.environment[3].pressure_hPa == doctest::Approx(1011.5));
-  CHECK(back.environment[3].humidity_pct == doctest::Approx(43.5));
-  CHECK(back.environment[3].sample_degC == doctest::Approx(21.25));
+  REQUIRE(back.environment.rows.size() == 16);
+  CHECK(back.environment.value(3, "x_mm").value() == doctest::Approx(-300.0));
+  CHECK(back.environment.value(3, "y_mm").value() == doctest::Approx(-700.0));
+  CHECK(back.environment.value(3, "t_air_z_degC").value() == doctest::Approx(20.53));
+  CHECK(back.environment.value(3, "pressure_hPa").value() == doctest::Approx(1011.5));
+  CHECK(back.environment.value(3, "humidity_pct").value() == doctest::Approx(43.5));
+  CHECK(back.environment.value(3, "t_material_degC").value() == doctest::Approx(21.25));
 }
 
 TEST_CASE("a capture comes back sample by sample") {

@@ -259,7 +259,7 @@ TEST_CASE("a wrong mapping is refused rule by rule") {
 TEST_CASE("a table that nothing else reads is described, with the option that imports it") {
   const auto why = parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {});
   REQUIRE_FALSE(why.has_value());
-  CHECK(contains(why.error().message, "2 rows and 2 columns between semicolons begins in line 3"));
+  CHECK(contains(why.error().message, "2 rows and 2 columns between semicolons is in lines 3 to 4"));
   CHECK(contains(why.error().message, "1 \"pos\", 2 \"dev\""));
   CHECK(contains(why.error().message, "--columns"));
   CHECK(contains(why.error().message, "--skip 2"));

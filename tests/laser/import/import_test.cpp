@@ -167,11 +167,11 @@ TEST_CASE("an API report gives the two directions rather than their mean") {
 TEST_CASE("an environment log gives records and no readings") {
   const Imported file = imported("environment.pos");
   CHECK(file.format->id == "sios_environment");
-  REQUIRE(file.environment.size() == 2);
-  CHECK(file.environment[0].stage_mm[0] == Approx(12.8479997342998));
-  CHECK(file.environment[0].air_degC[1] == Approx(21.56));
-  CHECK(file.environment[1].pressure_hPa == Approx(992.3));
-  CHECK(file.environment[1].sample_degC == Approx(23.1));
+  REQUIRE(file.environment.rows.size() == 2);
+  CHECK(file.environment.value(0, "x_mm").value() == Approx(12.8479997342998));
+  CHECK(file.environment.value(0, "t_air_y_degC").value() == Approx(21.56));
+  CHECK(file.environment.value(1, "pressure_hPa").value() == Approx(992.3));
+  CHECK(file.environment.value(1, "t_material_degC").value() == Approx(23.1));
   CHECK(file.set.readings.empty());
 }
 
@@ -253,6 +253,6 @@ TEST_CASE("incomplete or mixed sets are not written as run files") {
 TEST_CASE("real environment logs are read completely") {
   const auto log = read_any("samples/real/nmm-environment/T22-0263_L2_16_1.pos", {});
   REQUIRE(log.has_value());
-  CHECK(log->environment.size() == 251);
-  CHECK(log->environment[0].pressure_hPa == Approx(976.35));
+  CHECK(log->environment.rows.size() == 251);
+  CHECK(log->environment.value(0, "pressure_hPa").value() == Approx(976.35));
 }

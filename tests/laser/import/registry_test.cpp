@@ -34,7 +34,7 @@ TEST_CASE("every file format that is found by content recognises and reads its s
     const auto imported = read_any(sample(std::string(format->sample)), along_x());
     REQUIRE_MESSAGE(imported, to_text(imported.error()));
     CHECK(imported->format == format);
-    CHECK(imported->set.readings.size() + imported->environment.size() > 0);
+    CHECK(imported->set.readings.size() + imported->environment.rows.size() > 0);
   }
 }
 

@@ -161,11 +161,11 @@ TEST_CASE("environment records come back through a log") {
   REQUIRE(text.has_value());
   const auto back = parse_any(*text, "e.pos", {});
   REQUIRE(back.has_value());
-  REQUIRE(back->environment.size() == 2);
+  REQUIRE(back->environment.rows.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    CHECK(back->environment[i].pressure_hPa == Approx(records[i].pressure_hPa));
-    CHECK(back->environment[i].stage_mm[1] == Approx(records[i].stage_mm[1]));
-    CHECK(back->environment[i].sample_degC == Approx(records[i].sample_degC));
+    CHECK(back->environment.value(i, "pressure_hPa").value() == Approx(records[i].pressure_hPa));
+    CHECK(back->environment.value(i, "y_mm").value() == Approx(records[i].stage_mm[1]));
+    CHECK(back->environment.value(i, "t_material_degC").value() == Approx(records[i].sample_degC));
   }
 }
 

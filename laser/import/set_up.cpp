@@ -1,0 +1,135 @@
+#include "laser/import/set_up.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+
+namespace ecs::laser {
+namespace {
+
+Eigen::Vector3d vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
+Vector3 array_of(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+Eigen::Vector3d centre_of(const std::vector<Vector3>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Vector3& point : points) sum += vector_of(point);
+  return sum / static_cast<double>(points.size());
+}
+
+/// The readings of one row, by direction.
+struct MeasuredPoint {
+  Vector3 nominal_mm{};
+  PerAxis<Reading*> errors{};
+  [[nodiscard]] Vector3 measured_mm() const {
+    Vector3 measured = nominal_mm;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (errors[i]) measured[i] += errors[i]->error / kUmPerMm;
+    return measured;
+  }
+};
+
+std::vector<MeasuredPoint> points_in(MeasurementSet& set) {
+  std::map<int, MeasuredPoint> by_line;
+  for (Reading& reading : set.readings) {
+    if (is_rotation(reading.sense)) continue;
+    MeasuredPoint& point = by_line[reading.line];
+    point.nominal_mm = reading.position_mm;
+    point.errors[index_of(direction_of(reading.sense))] = &reading;
+  }
+  std::vector<MeasuredPoint> points;
+  for (const auto& [line, point] : by_line) points.push_back(point);
+  return points;
+}
+
+double rms_of(const std::vector<MeasuredPoint>& points) {
+  double squares = 0.0, count = 0.0;
+  for (const MeasuredPoint& point : points)
+    for (const Reading* reading : point.errors)
+      if (reading) {
+        squares += reading->error * reading->error;
+        count += 1.0;
+      }
+  return std::sqrt(squares / std::max(1.0, count));
+}
+
+}  // namespace
+
+std::optional<RigidSetUp> rigid_set_up(const std::vector<Vector3>& nominal_mm,
+                                       const std::vector<Vector3>& measured_mm) {
+  constexpr double kFlat = 1e-6;  // of the largest extent: the points have none in that direction
+  if (nominal_mm.size() < 2) return std::nullopt;
+  const Eigen::Vector3d centre = centre_of(nominal_mm), measured_centre = centre_of(measured_mm);
+  Eigen::Matrix3d product = Eigen::Matrix3d::Zero(), extent = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < nominal_mm.size(); ++i) {
+    const Eigen::Vector3d nominal = vector_of(nominal_mm[i]) - centre;
+    product += nominal * (vector_of(measured_mm[i]) - measured_centre).transpose();
+    extent += nominal * nominal.transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d keeps_hand = Eigen::Matrix3d::Identity();
+  keeps_hand(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  Eigen::Matrix3d rotation = svd.matrixV() * keeps_hand * svd.matrixU().transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> spread(extent, Eigen::ComputeFullU);
+  const Eigen::Vector3d sizes = spread.singularValues();
+  RigidSetUp set_up;
+  if (!(sizes[0] > 0.0)) {
+    rotation = Eigen::Matrix3d::Identity();
+    set_up.rotations = 0;
+  } else if (sizes[1] < kFlat * kFlat * sizes[0]) {
+    // points on a line tell nothing about the rotation round it: the shortest rotation of the line itself
+    const Eigen::Vector3d line = spread.matrixU().col(0);
+    Eigen::Vector3d turned = product.transpose() * line;
+    rotation = turned.norm() > 0.0 ? Eigen::Quaterniond::FromTwoVectors(line, turned).toRotationMatrix()
+                                   : Eigen::Matrix3d::Identity();
+    set_up.rotations = 2;
+  }
+  const Eigen::AngleAxisd turn(rotation);
+  set_up.centre_mm = array_of(centre);
+  set_up.shift_um = array_of((measured_centre - centre) * kUmPerMm);
+  set_up.rotation_um_m = array_of(turn.axis() * turn.angle() * 1e6);
+  for (std::size_t i = 0; i < kAxes; ++i) set_up.matrix[i] = array_of(rotation.row(static_cast<Eigen::Index>(i)));
+  return set_up;
+}
+
+Vector3 set_up_error_um(const RigidSetUp& set_up, const Vector3& nominal_mm) {
+  const Eigen::Vector3d from_centre = vector_of(nominal_mm) - vector_of(set_up.centre_mm);
+  Vector3 error{};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    error[i] = set_up.shift_um[i] +
+               (vector_of(set_up.matrix[i]).dot(from_centre) - from_centre[static_cast<Eigen::Index>(i)]) * kUmPerMm;
+  return error;
+}
+
+void take_out_set_up(MeasurementSet& set) {
+  const auto points = points_in(set);
+  std::vector<Vector3> nominal, measured;
+  for (const MeasuredPoint& point : points) {
+    nominal.push_back(point.nominal_mm);
+    measured.push_back(point.measured_mm());
+  }
+  const auto set_up = rigid_set_up(nominal, measured);
+  if (!set_up) return;
+  const double before = rms_of(points);
+  for (const MeasuredPoint& point : points) {
+    const Vector3 error = set_up_error_um(*set_up, point.nominal_mm);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (point.errors[i]) point.errors[i]->error -= error[i];
+  }
+  const Vector3& shift = set_up->shift_um;
+  const Vector3& turn = set_up->rotation_um_m;
+  set.notes.push_back(
+      fmt::format("set-up taken out: shift X {:+.2f}, Y {:+.2f}, Z {:+.2f} um, rotation about X {:+.2f}, Y {:+.2f}, Z "
+                  "{:+.2f} um/m; rms "
+                  "of the errors {:.3g} -> {:.3g} um (--keep-set-up leaves it in)",
+                  shift[0], shift[1], shift[2], turn[0], turn[1], turn[2], before, rms_of(points)));
+  if (set_up->rotations < 3)
+    set.notes.push_back(set_up->rotations == 2 ? "set-up: the points lie on a line, the rotation round it is not known"
+                                               : "set-up: the points are at one place, no rotation is known");
+}
+
+}  // namespace ecs::laser

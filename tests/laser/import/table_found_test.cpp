@@ -1,0 +1,109 @@
+// The table found in an unknown file is whole, what is suggested imports it, and nothing is dropped without a word.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "laser/import/columns.hpp"
+#include "laser/import/import.hpp"
+#include "tests/support/import_options.hpp"
+#include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+
+namespace {
+
+std::string rows(int from, int to) {
+  std::string text;
+  for (int i = from; i < to; ++i) text += fmt::format("{} {} {}.5\n", i, 10 * i, i);
+  return text;
+}
+
+/// 96 rows in three parts between comments, empty lines and a heading.
+std::string parted() {
+  return "# log of a gauge\n# nr pos err\n" + rows(0, 30) + "# run 2\n\n" + rows(30, 54) + "operator changed\n" +
+         rows(54, 96);
+}
+
+MeasurementSet read_table(const std::string& text, const std::string& columns, int skip = 0, int most = 0) {
+  ImportOptions options = by_columns(columns, skip);
+  options.mapping->most_rows = most;
+  const auto read = parse_any(text, "table.txt", options);
+  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
+  return read->set;
+}
+
+Problem refused(const std::string& text, const ImportOptions& options = {}) {
+  const auto read = parse_any(text, "table.txt", options);
+  REQUIRE_FALSE(read.has_value());
+  return read.error();
+}
+
+}  // namespace
+
+TEST_CASE("a table goes on after comments, empty lines and other lines") {
+  const auto shape = table_shape(parted());
+  REQUIRE(shape.has_value());
+  CHECK(shape->rows == 96);
+  CHECK(shape->first_row_line == 3);
+  CHECK(shape->last_row_line == 101);
+  CHECK(shape->lines_between == 1);
+  CHECK(shape->headings == std::vector<std::string>{"nr", "pos", "err"});
+}
+
+TEST_CASE("lines of the head that hold a number are no rows of the table below") {
+  const auto shape = table_shape("probe,7\nserial,12\n0.0,1.5\n10.0,2.5\n20.0,3.5\n");
+  REQUIRE(shape.has_value());
+  CHECK(shape->rows == 3);
+  CHECK(shape->first_row_line == 3);
+}
+
+TEST_CASE("what is suggested for a table imports every row of it") {
+  const Problem why = refused(parted());
+  CHECK(why.line == 3);
+  CHECK(why.column == 1);
+  CHECK(contains(why.message, "a table of 96 rows and 3 columns between blanks is in lines 3 to 101"));
+  CHECK(contains(why.message, "--columns \"x_mm=2[mm],reading=3[um],approach=motion\" --skip 2"));
+  const auto set = read_table(parted(), "x_mm=2[mm],reading=3[um],approach=motion", 2);
+  CHECK(set.readings.size() == 96);
+  CHECK(says(set.notes, "1 comments between the rows are passed over"));
+  CHECK(says(set.notes, "1 lines without a number in the columns wanted are passed over: lines 59"));
+}
+
+TEST_CASE("a time column is suggested as the time") {
+  const Problem why = refused("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12,10,2\n2024-05-06 09:10:13,20,4\n");
+  CHECK(contains(why.message, "--columns \"x_mm=2[mm],reading=3[um],date_time=1\""));
+}
+
+TEST_CASE("rows that are skipped or not taken are counted in a note") {
+  const auto set = read_table(parted(), "x_mm=2,reading=3", 60);
+  CHECK(set.readings.size() == 41);
+  CHECK(says(set.notes, "55 rows of numbers above line 61 are skipped, as asked"));
+  const auto begin = read_table(parted(), "x_mm=2,reading=3", 2, 10);
+  CHECK(begin.readings.size() == 10);
+  CHECK(says(begin.notes, "86 rows below line 12 are not taken, as asked"));
+}
+
+TEST_CASE("a bad cell among the rows is refused with its line and column, quoted and empty cells too") {
+  const Problem word = refused("0,1\n10,bad\n20,3\n", by_columns("x_mm=1,reading=2"));
+  CHECK(word.line == 2);
+  CHECK(word.column == 4);
+  const Problem empty = refused("x,y\n,1\n2,\n3,4\n", by_columns("x_mm=1,reading=2"));
+  CHECK(empty.line == 2);
+  CHECK(empty.column == 1);
+  REQUIRE(empty.also.size() == 1);
+  CHECK(empty.also[0].line == 3);
+  CHECK(empty.also[0].column == 3);
+  const Problem quoted = refused("0;\"1\"\n10;\"  x\"\n20;3\n", by_columns("x_mm=1,reading=2"));
+  CHECK(quoted.line == 2);
+  CHECK(quoted.column == 5);
+  const Problem few = refused("0 1\n10\n", by_columns("x_mm=1,reading=2"));
+  CHECK(few.line == 2);
+}
+
+TEST_CASE("a known file is refused where it says what it is") {
+  const Problem why = refused("; made\n; by hand\n  :START2D 1 2 1 2 5 5 2\n0 0 0 0\n:END\n");
+  CHECK(why.line == 3);
+  CHECK(why.column == 3);
+  CHECK(contains(why.message, "ecs export read"));
+}

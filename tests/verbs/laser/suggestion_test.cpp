@@ -1,0 +1,97 @@
+// Every file comes in with what the program itself suggests, or is refused with line, column and the way in.
+#include <filesystem>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "app/cli/catalogue.hpp"
+#include "tests/support/real_data.hpp"
+#include "tests/support/verb_run.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+
+namespace {
+
+/// The options in a message, from --columns to the reference to the documentation; empty: none are suggested.
+std::vector<std::string> suggested_options(const std::string& message) {
+  const std::size_t from = message.find("--columns \"");
+  if (from == std::string::npos) return {};
+  return split_words(message.substr(from, message.find(" (docs/formats.md)", from) - from));
+}
+
+/// What a refusal asks for: axis and sense, or which table it is.
+std::vector<std::string> options_asked_for(const std::string& message) {
+  if (contains(message, "(--axis X, --sense EX)")) return {"--axis", "X"};
+  if (contains(message, "give one of ")) {
+    const std::size_t name = message.find("give one of ") + 12;
+    return {"--axis", "X", "--channel", message.substr(name, message.find(' ', name) - name)};
+  }
+  return suggested_options(message);
+}
+
+struct Tried {
+  int read = 0;
+  int by_suggestion = 0;
+  int refused = 0;
+  int bad_cells = 0;  ///< of them: refused although the options suggested were given
+};
+
+/// Imports every file below a folder, and again with what a refusal suggests until it is read or nothing is suggested.
+Tried tried(const std::filesystem::path& root) {
+  Tried all;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file() || name == "SOURCE.md" || name == "README.md" || entry.path().extension() == ".toml")
+      continue;
+    const std::string file = entry.path().string();
+    CAPTURE(file);
+    std::vector<std::string> options;
+    Ran ran_last = ran({"laser", "import", file});
+    if (ran_last.code == 0) {
+      ++all.read;
+      continue;
+    }
+    bool asked = false;
+    for (int round = 0; round < 3 && ran_last.code != 0; ++round) {
+      const auto more = options_asked_for(ran_last.messages);
+      if (more.empty()) break;
+      asked = true;
+      options.insert(options.end(), more.begin(), more.end());
+      std::vector<std::string> words{"laser", "import", file};
+      words.insert(words.end(), options.begin(), options.end());
+      ran_last = ran(words);
+    }
+    if (asked && ran_last.code == 0) {
+      ++all.by_suggestion;
+      continue;
+    }
+    ++all.refused;
+    const std::string place = ran_last.messages.substr(ran_last.messages.find(file) + file.size(), 12);
+    CHECK_MESSAGE((place.size() > 4 && place[0] == ':' && std::isdigit(place[1]) != 0), ran_last.messages);
+    all.bad_cells += asked ? 1 : 0;
+    CHECK_MESSAGE((contains(ran_last.messages, "it seems to be") || contains(ran_last.messages, "expected")),
+                  ran_last.messages);
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("every real and made-up file here comes in as suggested, or is refused with its place and the way in") {
+  const Tried real = tried("samples/real");
+  CHECK(real.read >= 8);
+  CHECK(real.by_suggestion >= 3);
+  CHECK(real.bad_cells == 0);
+  const Tried made = tried("samples/made_up");
+  CHECK(made.read == 6);
+  CHECK(made.bad_cells == 1);  // the empty cell of blank.csv, which is there to be refused
+}
+
+TEST_CASE("so does every further real file") {
+  const char* const root = std::getenv("ECS_REAL_DATA");
+  SKIP_UNLESS(root != nullptr, kNoRealData);
+  const Tried further = tried(root);
+  CHECK(further.read + further.by_suggestion >= 40);
+  CHECK(further.bad_cells <= 1);  // blank.csv
+}
