@@ -180,7 +180,7 @@ Result<void> with_environment(MeasurementSet& set, const ImportArguments& argume
 std::string_view option_that_helps(const Problem& wrong) {
   const auto says = [&](std::string_view word) { return wrong.message.find(word) != std::string::npos; };
   if (says("give --channels")) return "";
-  if (says("channels:")) return " (--channels)";
+  if (wrong.message.starts_with("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";

@@ -83,6 +83,9 @@ struct TableShape {
   int first_row_line = 0;       ///< from 1
   int last_row_line = 0;
   std::size_t lines_between = 0;      ///< lines among the rows that are neither rows nor comments nor empty
+  bool is_mixed = false;              ///< lines below the first row hold other numbers: tables of several kinds
+  int stretch_line = 0;               ///< where the longest stretch of rows begins
+  std::size_t stretch_rows = 0;       ///< how many rows it has
   std::vector<std::string> headings;  ///< of the line above the first row, if it has as many words
   std::string first_row;
 };

@@ -103,6 +103,9 @@ std::string table_text(const TableShape& shape) {
                                  shape.columns, delimiter_name(shape.delimiter), shape.first_row_line,
                                  shape.last_row_line, in_quotes(shape.first_row));
   if (shape.lines_between > 0) text += fmt::format(", with {} other lines between", shape.lines_between);
+  if (shape.is_mixed)
+    text += fmt::format("; other numbers follow, {} rows from line {} on stand together", shape.stretch_rows,
+                        shape.stretch_line);
   if (!shape.headings.empty()) {
     std::vector<std::string> named;
     for (std::size_t i = 0; i < std::min<std::size_t>(shape.headings.size(), 12); ++i)
@@ -148,12 +151,29 @@ std::string advice(std::string_view text, const TableShape& shape) {
   std::string columns = numbers.size() < 2 ? "" : fmt::format("x_mm={}[mm],", numbers.front());
   columns += fmt::format("reading={}[um]", numbers.size() < 2 ? numbers.front() : numbers[1]);
   columns += time ? fmt::format(",date_time={}", *time) : numbers.size() < 2 ? "" : ",approach=motion";
-  const int skip = shape.first_row_line - 1;
+  const int skip = (shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1;
   return fmt::format("if it holds measurements, say which column is what: --columns \"{}\"{}{} (docs/formats.md)",
                      columns, skip > 0 ? fmt::format(" --skip {}", skip) : "",
                      numbers.size() >= 2 ? ""
                      : time              ? " --axis X"
                                          : " --axis X --parked x=0");
+}
+
+/// A list of single numbers is no table: what it lacks, or nothing.
+std::string list_text(std::string_view text) {
+  constexpr int kLeast = 3;
+  int count = 0, first = 0;
+  const auto lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!number_or_comma(lines[i])) continue;
+    ++count;
+    if (first == 0) first = static_cast<int>(i) + 1;
+  }
+  if (count < kLeast) return {};
+  return fmt::format(
+      "; {} lines from line {} on hold one number each: expected the position beside it in each line, then "
+      "--columns \"x_mm=1[mm],reading=2[um]\" imports them",
+      count, first);
 }
 
 }  // namespace
@@ -168,7 +188,7 @@ Problem explanation_of(std::string_view text, const std::string& file_name) {
   if (has_table)
     why += fmt::format("; {}; {}", table_text(*shape), advice(text, *shape));
   else
-    why += "; no table of numbers was found in it";
+    why += "; no table of numbers was found in it" + list_text(text);
   if (!recognised) {
     why += "; looked for: ";
     std::vector<std::string_view> titles;

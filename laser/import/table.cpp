@@ -1,6 +1,7 @@
 // The shape of an unknown table: delimiter, columns, where its rows are.
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "base/text.hpp"
 #include "laser/import/columns.hpp"
@@ -42,8 +43,8 @@ bool same_kinds(const std::vector<std::string_view>& a, const std::vector<std::s
   });
 }
 
-/// The first line of the longest stretch of rows of the same kinds of cells; the end if there is none.
-std::vector<TableLine>::const_iterator longest_stretch(const std::vector<TableLine>& lines) {
+/// The longest stretch of rows of the same kinds of cells; empty if there is none.
+std::span<const TableLine> longest_stretch(const std::vector<TableLine>& lines) {
   auto best = lines.end();
   std::ptrdiff_t most = 0;
   for (auto first = lines.begin(); first != lines.end();) {
@@ -56,7 +57,7 @@ std::vector<TableLine>::const_iterator longest_stretch(const std::vector<TableLi
     }
     first = end == first ? first + 1 : end;
   }
-  return best;
+  return {best, static_cast<std::size_t>(most)};
 }
 
 /// As wide as the model, with numbers where it has some; a number may be missing.
@@ -83,15 +84,19 @@ std::vector<std::string> headings_above(const std::vector<std::string_view>& lin
 
 std::optional<TableShape> shape_with(const std::vector<std::string_view>& lines, char delimiter) {
   const auto candidates = lines_with(lines, delimiter);
-  const auto model = longest_stretch(candidates);
-  if (model == candidates.end()) return std::nullopt;
+  const auto stretch = longest_stretch(candidates);
+  if (stretch.empty()) return std::nullopt;
+  const auto& model = stretch.front().cells;
   TableShape shape;
   shape.delimiter = delimiter;
-  shape.columns = model->cells.size();
+  shape.columns = model.size();
+  shape.stretch_line = static_cast<int>(stretch.front().index) + 1;
+  shape.stretch_rows = stretch.size();
   shape.is_number.assign(shape.columns, false);
   std::size_t others = 0;  // since the last row
   for (const TableLine& line : candidates) {
-    if (!is_like(line.cells, model->cells)) {
+    if (!is_like(line.cells, model)) {
+      shape.is_mixed = shape.is_mixed || (shape.rows > 0 && numbers_among(line.cells) > 0);
       ++others;
       continue;
     }

@@ -65,8 +65,8 @@ Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& 
     if (!recipe) return tl::unexpected(recipe.error());
     return Recipe{std::move(*recipe), arguments.files.front(), {}};
   }
-  auto suggested = laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters,
-                                          arguments.reader());
+  auto suggested =
+      laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters, arguments.reader());
   if (!suggested) return tl::unexpected(suggested.error());
   return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
 }

@@ -70,6 +70,19 @@ TEST_CASE("what is suggested for a table imports every row of it") {
   CHECK(says(set.notes, "1 lines without a number in the columns wanted are passed over: lines 59"));
 }
 
+TEST_CASE("where tables of several kinds follow each other the longest stretch is suggested") {
+  const std::string text = "a;1;2\nb;3;4\n0;1;2\n5;1;3\n10;1;4\n15;1;5\nsum;12\n";
+  const Problem why = refused(text);
+  CHECK(contains(why.message, "--skip 2 --rows 4"));
+  CHECK(read_table(text, "x_mm=1,reading=3", 2, 4).readings.size() == 4);
+}
+
+TEST_CASE("a list of single numbers is told what it lacks") {
+  const Problem why = refused("4 -1448819\n0\n-32\n-38\n-47\n");
+  CHECK(why.line == 1);
+  CHECK(contains(why.message, "4 lines from line 2 on hold one number each"));
+}
+
 TEST_CASE("a time column is suggested as the time") {
   const Problem why = refused("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12,10,2\n2024-05-06 09:10:13,20,4\n");
   CHECK(contains(why.message, "--columns \"x_mm=2[mm],reading=3[um],date_time=1\""));

@@ -42,7 +42,7 @@ TEST_CASE("an outlier is told with its file and line, drift between runs with it
   const Folder folder;
   const Ran text = ran({"laser", "stats", folder.with("x.csv", file_of(5, 1.0, false))});
   CHECK(contains(text.out, "drift: +1 +- "));
-  CHECK(contains(text.out, "um per run, +4 um from the first to the last run"));
+  CHECK(contains(text.out, "um per run, +4.02 um from the first to the last run"));
   const auto line = ran({"laser", "stats", folder.with("y.csv", file_of(5, 0.0, true)), "--json"}).json()["lines"][0];
   REQUIRE(line["outliers"].size() == 1);
   CHECK(line["outliers"][0]["line"] == 18);

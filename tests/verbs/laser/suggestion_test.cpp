@@ -16,8 +16,9 @@ namespace {
 /// The options in a message, from --columns to the reference to the documentation; empty: none are suggested.
 std::vector<std::string> suggested_options(const std::string& message) {
   const std::size_t from = message.find("--columns \"");
-  if (from == std::string::npos) return {};
-  return split_words(message.substr(from, message.find(" (docs/formats.md)", from) - from));
+  const std::size_t to = message.find(" (docs/formats.md)", from);
+  if (to == std::string::npos) return {};
+  return split_words(message.substr(from, to - from));
 }
 
 /// What a refusal asks for: axis and sense, or which table it is.

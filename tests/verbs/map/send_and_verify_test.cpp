@@ -129,11 +129,12 @@ TEST_CASE("a recipe needs no options, and its faults are reported with their lin
   CHECK(ran({"map", "build", recipe, workspace.data, "--params", workspace.params}).code == 2);
 }
 
-TEST_CASE("a file that does not say its sense is sent to import") {
+TEST_CASE("what a file does not say is asked for, and given as to import") {
   const MapWorkspace workspace;
   const Ran r = ran({"map", "build", "samples/laser/pitch.rta", "--params", workspace.params});
   CHECK(r.code == 2);
-  CHECK(r.messages.find("ecs laser import") != std::string::npos);
+  CHECK(r.messages.find("--sense EX") != std::string::npos);
+  CHECK(ran({"map", "build", "samples/laser/pitch.rta", "--params", workspace.params, "--sense", "EB"}).code != 2);
 }
 
 TEST_CASE("a corrupted map is refused with line and column before any link is opened") {
