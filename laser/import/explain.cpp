@@ -152,8 +152,9 @@ std::string advice(std::string_view text, const TableShape& shape) {
   columns += fmt::format("reading={}[um]", numbers.size() < 2 ? numbers.front() : numbers[1]);
   columns += time ? fmt::format(",date_time={}", *time) : numbers.size() < 2 ? "" : ",approach=motion";
   const int skip = (shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1;
-  return fmt::format("if it holds measurements, say which column is what: --columns \"{}\"{}{} (docs/formats.md)",
+  return fmt::format("if it holds measurements, say which column is what: --columns \"{}\"{}{}{} (docs/formats.md)",
                      columns, skip > 0 ? fmt::format(" --skip {}", skip) : "",
+                     shape.is_mixed ? fmt::format(" --rows {}", shape.stretch_rows) : "",
                      numbers.size() >= 2 ? ""
                      : time              ? " --axis X"
                                          : " --axis X --parked x=0");
