@@ -53,13 +53,9 @@ Verb& Verb::choice(const std::string& name, std::string& into, std::vector<std::
   return add(std::move(argument));
 }
 
-Verb& Verb::seed(std::optional<std::uint64_t>& into, const std::string& help) {
-  return add({"--seed", &into, help});
-}
+Verb& Verb::seed(std::optional<std::uint64_t>& into, const std::string& help) { return add({"--seed", &into, help}); }
 
-Verb& Verb::flag(const std::string& name, bool& into, const std::string& help) {
-  return add({name, &into, help});
-}
+Verb& Verb::flag(const std::string& name, bool& into, const std::string& help) { return add({name, &into, help}); }
 
 Verb& Verb::add(VerbArgument argument) {
   if (argument.group.empty()) argument.group = group_;
