@@ -21,6 +21,7 @@ struct LinkChoice {
   std::variant<protocol::LinkAddress, EmulatorLink> link;
   std::string origin;      ///< "--link", "configuration", "default"
   std::string arm_code{};  ///< that the unit shows; empty: that of $ECS_ARM_CODE, of an emulator its own
+  bool shares = false;     ///< an emulator that is started for it may be used by other programs of this user
   [[nodiscard]] bool is_emulator() const { return std::holds_alternative<EmulatorLink>(link); }
 };
 

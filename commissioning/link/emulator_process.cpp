@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -26,6 +27,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestSocketName = 100;  // sockaddr_un holds 107 characters
+constexpr const char* kShared = ".shared";
+constexpr const char* kToken = ".token";
 constexpr auto kStartLimit = 15s;
 constexpr auto kStopLimit = 2s;
 constexpr auto kLockLimit = 5s;
@@ -49,13 +52,34 @@ std::string content_of(int file) {
   return std::string(trimmed(text));
 }
 
+std::filesystem::path with_ending(const std::filesystem::path& memory, const char* ending) {
+  return memory.string() + ending;
+}
+
+/// A file that only this user can read, written anew.
+Result<void> write_private(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path draft = path.string() + ".new";
+  ::unlink(draft.c_str());
+  const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  const bool written = file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  if (file >= 0) ::close(file);
+  if (!written || ::rename(draft.c_str(), path.c_str()) != 0)
+    return problem(ProblemKind::output, fmt::format("{}: {}", path.string(), std::strerror(errno)));
+  return {};
+}
+
+std::string token_by_chance() {
+  std::random_device chance;
+  return fmt::format("{:08x}{:08x}{:08x}{:08x}\n", chance(), chance(), chance(), chance());
+}
+
 /// A second `ecs` must not use the same memory file at the same time.
 Result<int> locked(const std::filesystem::path& memory) {
   const std::string path = memory.string() + ".lock";
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) return problem(ProblemKind::output, fmt::format("{}: {}", path, std::strerror(errno)));
   for (const auto end = Clock::now() + kLockLimit; ::flock(file, LOCK_EX | LOCK_NB) != 0;) {
-    if (Clock::now() > end || interrupted()) {
+    if (Clock::now() > end || interrupted() || shared_emulator(memory)) {
       ::close(file);
       return failed("another `ecs` is using it with this machine; wait for it, or stop it");
     }
@@ -82,6 +106,13 @@ Result<std::unique_ptr<EmulatorProcess>> EmulatorProcess::start(const EmulatorOp
   const auto lock = locked(options.memory);
   if (!lock) return tl::unexpected(lock.error());
   process->lock_ = *lock;
+  std::error_code nothing_there;
+  std::filesystem::remove(with_ending(options.memory, kShared), nothing_there);  // of one that was killed
+  if (options.shared) {
+    process->shared_in_ = with_ending(options.memory, kShared);
+    if (auto made = write_private(with_ending(options.memory, kToken), token_by_chance()); !made)
+      return tl::unexpected(made.error());
+  }
   if (const auto launched = process->launch(options); !launched) return tl::unexpected(launched.error());
   if (const auto greeted = process->read_greeting(); !greeted) return tl::unexpected(greeted.error());
   return process;
@@ -95,6 +126,8 @@ Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {
   output_ = ends[0];
   std::vector<std::string> words{options.program.string(), "serve",  "--machine", options.machine.string(), "--memory",
                                  options.memory.string(),  "--mode", "integrate", "--with-parent"};
+  if (options.shared)
+    words.insert(words.end(), {"--also-tcp", "--token", with_ending(options.memory, kToken).string()});
   const std::string socket = options.memory.string() + ".workshop";
   if (socket.size() <= kLongestSocketName) words.insert(words.end(), {"--workshop", socket});
   std::vector<char*> pointers;
@@ -128,7 +161,22 @@ Result<void> EmulatorProcess::read_greeting() {
   pty_ = greeting["pty"].get<std::string>();
   if (greeting.contains("arm_code") && greeting["arm_code"].is_string()) arm_code_ = greeting["arm_code"];
   if (greeting.contains("workshop") && greeting["workshop"].is_string()) workshop_ = greeting["workshop"];
-  return {};
+  return shared_in_.empty() ? Result<void>() : share(greeting.value("second_link", ""));
+}
+
+Result<void> EmulatorProcess::share(const std::string& second_link) const {
+  const Json told{{"process", ::getpid()}, {"link", second_link}, {"arm_code", arm_code_}, {"workshop", workshop_}};
+  return write_private(shared_in_, one_line(told));
+}
+
+std::optional<SharedEmulator> shared_emulator(const std::filesystem::path& memory) {
+  const auto text = read_file(with_ending(memory, kShared));
+  const Json told = text ? Json::parse(*text, nullptr, false) : Json();
+  if (!told.is_object()) return std::nullopt;
+  const auto process = told.value("process", 0);
+  const std::string link = told.value("link", "");
+  if (link.empty() || process <= 0 || process == ::getpid() || ::kill(process, 0) != 0) return std::nullopt;
+  return SharedEmulator{link, told.value("arm_code", ""), told.value("workshop", "")};
 }
 
 bool EmulatorProcess::running() {
@@ -141,6 +189,8 @@ bool EmulatorProcess::running() {
 }
 
 EmulatorProcess::~EmulatorProcess() {
+  std::error_code nothing_there;
+  if (!shared_in_.empty()) std::filesystem::remove(shared_in_, nothing_there);
   if (child_ > 0) {
     ::kill(child_, SIGTERM);
     const auto end = Clock::now() + kStopLimit;

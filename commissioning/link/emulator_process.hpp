@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <sys/types.h>
@@ -15,11 +16,22 @@ struct EmulatorOptions {
   std::filesystem::path program;
   std::filesystem::path machine;
   std::filesystem::path memory;  ///< file of its battery-backed memory; locked while it runs
+  bool shared = false;           ///< other programs of this user may use it meanwhile, see shared_emulator()
 };
+
+/// An emulator that another `ecs` runs and shares.
+struct SharedEmulator {
+  std::string link;  ///< as --link takes it: TCP on this computer, with the token that only this user can read
+  std::string arm_code;
+  std::string workshop;  ///< socket; may be empty
+};
+/// The one with this memory file; nothing: none is shared now.
+[[nodiscard]] std::optional<SharedEmulator> shared_emulator(const std::filesystem::path& memory);
 
 class EmulatorProcess {
  public:
-  /// Starts it and waits until it names its link. `link` problem if it does not, with what it said.
+  /// Starts it and waits until it names its link. `link` problem if it does not, with what it said, or where another
+  /// program uses the memory file: for five seconds, or until it turns out to share its emulator.
   [[nodiscard]] static Result<std::unique_ptr<EmulatorProcess>> start(const EmulatorOptions& options);
   EmulatorProcess(const EmulatorProcess&) = delete;
   EmulatorProcess& operator=(const EmulatorProcess&) = delete;
@@ -35,11 +47,13 @@ class EmulatorProcess {
   EmulatorProcess() = default;
   [[nodiscard]] Result<void> launch(const EmulatorOptions& options);
   [[nodiscard]] Result<void> read_greeting();
+  [[nodiscard]] Result<void> share(const std::string& second_link) const;
 
   pid_t child_ = -1;
   int output_ = -1;  ///< its stdout
   int errors_ = -1;  ///< its stderr, an unlinked file
   int lock_ = -1;
+  std::filesystem::path shared_in_;  ///< file that tells others where it is; empty: not shared
   std::string pty_;
   std::string workshop_;
   std::string arm_code_;

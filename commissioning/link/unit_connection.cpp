@@ -58,6 +58,7 @@ WatchedUnit UnitConnection::snapshot() const {
   snapshot.where = state_.where;
   snapshot.open = state_.open;
   snapshot.emulator = state_.emulator;
+  snapshot.workshop = state_.workshop;
   snapshot.lent = state_.lent;
   snapshot.wants_code = state_.wants_code;
   snapshot.identity = state_.identity;
@@ -171,6 +172,7 @@ Result<void> UnitConnection::opened() {
   if (choice) {
     const std::lock_guard lock(mutex_);
     choice->arm_code = arm_code_;
+    choice->shares = true;
   }
   auto line = choice ? open_link(*choice, cancelled_) : tl::unexpected(choice.error());
   auto identity = line ? line->client().identity() : tl::unexpected(line.error());
@@ -187,6 +189,7 @@ Result<void> UnitConnection::opened() {
   state_.where = where_of(unit_link_->client());
   state_.open = true;
   state_.emulator = unit_link_->is_emulator();
+  state_.workshop = unit_link_->workshop();
   state_.identity = *identity;
   state_.opened_at = Clock::now();
   if (!state_.problem.empty()) log_event(Tone::plain, fmt::format("{} answers again", state_.link));

@@ -26,6 +26,7 @@ struct WatchedUnit {
   std::string where;  ///< port or host that the link uses; empty: none
   bool open = false;
   bool emulator = false;
+  std::string workshop;                               ///< socket of the emulator's workshop; empty: none
   bool lent = false;                                  ///< a verb has the link
   bool wants_code = false;                            ///< the unit has refused something: this host is not armed
   std::optional<protocol::Identity> identity;         ///< of the unit that answered last

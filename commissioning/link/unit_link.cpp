@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "commissioning/link/host.hpp"
@@ -9,8 +10,14 @@
 namespace ecs::commissioning {
 namespace {
 
-/// The emulator with this machine that runs already, else a new one.
-Result<std::shared_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
+/// An emulator of this program or of another one.
+struct Reached {
+  std::shared_ptr<EmulatorProcess> own;
+  std::optional<SharedEmulator> others;
+};
+
+/// The emulator with this machine that runs already, here or in another program that shares it, else a new one.
+Result<Reached> reached(const EmulatorLink& link, bool shares) {
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::link,
@@ -21,26 +28,36 @@ Result<std::shared_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::weak_ptr<EmulatorProcess>> running;
   const std::lock_guard lock(mutex);
-  if (auto process = running[*memory].lock(); process && process->running()) return process;
-  auto process = EmulatorProcess::start({*program, link.machine, *memory});
-  if (!process) return tl::unexpected(process.error());
-  const std::shared_ptr<EmulatorProcess> shared = std::move(*process);
-  running[*memory] = shared;
-  return shared;
+  if (auto process = running[*memory].lock(); process && process->running()) return Reached{process, {}};
+  if (auto others = shared_emulator(*memory)) return Reached{{}, others};
+  auto process = EmulatorProcess::start({*program, link.machine, *memory, shares});
+  if (!process) {
+    if (auto others = shared_emulator(*memory)) return Reached{{}, others};  // it came up meanwhile
+    return tl::unexpected(process.error());
+  }
+  const std::shared_ptr<EmulatorProcess> own = std::move(*process);
+  running[*memory] = own;
+  return Reached{own, {}};
 }
 
 }  // namespace
 
 Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled) {
-  std::shared_ptr<EmulatorProcess> emulator;
+  UnitLink::Emulator emulator;
   protocol::LinkAddress address;
   protocol::Host host = this_host();
   if (const auto* link = std::get_if<EmulatorLink>(&choice.link)) {
-    auto process = started(*link);
-    if (!process) return tl::unexpected(process.error());
-    emulator = std::move(*process);
-    address.endpoint = protocol::SerialPort{emulator->pty()};
-    host.arm_code = emulator->arm_code();
+    auto found = reached(*link, choice.shares);
+    if (!found) return tl::unexpected(found.error());
+    emulator.bundled = true;
+    emulator.process = found->own;
+    emulator.workshop = found->own ? found->own->workshop() : found->others->workshop;
+    emulator.arm_code = found->own ? found->own->arm_code() : found->others->arm_code;
+    auto way = found->own ? protocol::LinkAddress{protocol::SerialPort{found->own->pty()}}
+                          : protocol::link_address_of(found->others->link);
+    if (!way) return tl::unexpected(way.error());
+    address = std::move(*way);
+    host.arm_code = emulator.arm_code;
   } else {
     address = std::get<protocol::LinkAddress>(choice.link);
     host.arm_code = arm_code_in_environment();

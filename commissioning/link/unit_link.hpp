@@ -17,24 +17,34 @@ class UnitLink {
  public:
   [[nodiscard]] protocol::UnitClient& client() { return client_; }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
-  /// The emulator behind the link, to keep it running when the link is closed; null: a real unit.
-  [[nodiscard]] std::shared_ptr<EmulatorProcess> emulator() const { return emulator_; }
+  /// The emulator that this program runs behind the link, to keep it running when the link is closed; null: none.
+  [[nodiscard]] std::shared_ptr<EmulatorProcess> emulator() const { return emulator_.process; }
   /// Socket of the workshop around a bundled emulator; empty: none.
-  [[nodiscard]] std::string workshop() const { return emulator_ ? emulator_->workshop() : std::string(); }
-  [[nodiscard]] bool is_emulator() const { return emulator_ != nullptr; }
+  [[nodiscard]] const std::string& workshop() const { return emulator_.workshop; }
+  /// The bundled emulator, run by this program or by another one that shares it.
+  [[nodiscard]] bool is_emulator() const { return emulator_.bundled; }
+  [[nodiscard]] const std::string& emulator_arm_code() const { return emulator_.arm_code; }
 
  private:
   friend Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled);
-  UnitLink(std::shared_ptr<EmulatorProcess> emulator, protocol::UnitClient client, std::string name)
+  /// What is behind the link, if it is an emulator.
+  struct Emulator {
+    bool bundled = false;
+    std::shared_ptr<EmulatorProcess> process;
+    std::string workshop;
+    std::string arm_code;
+  };
+  UnitLink(Emulator emulator, protocol::UnitClient client, std::string name)
       : emulator_(std::move(emulator)), client_(std::move(client)), name_(std::move(name)) {}
 
-  std::shared_ptr<EmulatorProcess> emulator_;  // before the client: it must outlive the open port
+  Emulator emulator_;  // before the client: it must outlive the open port
   protocol::UnitClient client_;
   std::string name_;
 };
 
 /// Opens a link; the flag cancels what is under way on it. An emulator that this program runs already with the same
-/// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
+/// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next. One
+/// that another program runs and shares serves as well.
 [[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
 
 }  // namespace ecs::commissioning

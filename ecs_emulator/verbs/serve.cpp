@@ -28,6 +28,10 @@ void declare_serve(Verb& verb, ServeArguments& arguments) {
             "make this symbolic link to the pseudo-terminal (RTU)"})
       .add({"--tcp", cli::OnInteger([&options](long long port) { options.tcp = static_cast<std::uint16_t>(port); }),
             "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", Need::optional, 0, 65535})
+      .flag(
+          "--also-tcp", options.also_tcp,
+          "beside the pseudo-terminal Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the "
+          "first line)")
       .text("--tcp-host", options.tcp_host, "address of another interface for --tcp; needs --token")
       .text("--token", options.token_file, "file with the token that a TCP host must show first")
       .integer("--unit", options.unit, "Modbus unit number, 1 to 247", 1, 247)
@@ -52,6 +56,7 @@ LinkSense link_sense_named(std::string_view name) {
 Result<Outcome> run_server(VerbContext& context, const ServeArguments& arguments) {
   ServeOptions options = arguments.options;
   if (options.pty && options.tcp) return problem(ProblemKind::usage, "--tcp excludes --pty");
+  if (options.also_tcp && options.tcp) return problem(ProblemKind::usage, "--also-tcp excludes --tcp");
   if (options.serial_number.size() > kLongestSerialNumber)
     return problem(ProblemKind::usage, "--serial-number: at most 16 characters");
   options.machine = arguments.machine.machine;

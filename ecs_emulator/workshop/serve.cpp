@@ -22,6 +22,14 @@ constexpr std::chrono::milliseconds kSlice{10};          ///< of real time, whil
 constexpr double kMostCatchUp_s = 0.25;                  ///< lost time beyond this is not made up for
 constexpr std::chrono::milliseconds kBatteryDelay{500};  ///< a changed memory is on disc at the latest after so long
 
+/// The way in for a second host, where one is wanted.
+Result<std::optional<protocol::ModbusServer>> open_second_line(const ServeOptions& options) {
+  if (!options.also_tcp) return std::optional<protocol::ModbusServer>();
+  auto line = protocol::ModbusServer::on_tcp({0, options.unit, 8, "127.0.0.1", options.token_file});
+  if (!line) return tl::unexpected(line.error());
+  return std::optional<protocol::ModbusServer>(std::move(*line));
+}
+
 Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
   if (options.tcp)
     return protocol::ModbusServer::on_tcp({*options.tcp, options.unit, 8, options.tcp_host, options.token_file});
@@ -55,12 +63,13 @@ class Socket final : public protocol::RegisterHandler {
 class RunningWorkshop {
  public:
   RunningWorkshop(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
-                  protocol::ModbusServer line, std::optional<WorkshopSocket> door,
-                  const volatile std::sig_atomic_t& stop)
+                  protocol::ModbusServer line, std::optional<protocol::ModbusServer> second_line,
+                  std::optional<WorkshopSocket> door, const volatile std::sig_atomic_t& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
         socket_(unit_, options.arm_code),
         line_(std::move(line)),
+        second_line_(std::move(second_line)),
         door_(std::move(door)),
         battery_(options.memory),
         real_time_(options.real_time),
@@ -111,17 +120,22 @@ class RunningWorkshop {
 
   void wait() {
     std::vector<pollfd> fds = line_.poll_fds();
-    if (door_)
-      for (const pollfd& fd : door_->poll_fds()) fds.push_back(fd);
     auto until = Clock::now() + kSlice;
     if (const auto deadline = line_.next_deadline()) until = std::min(until, *deadline);
+    const auto watch = [&fds](const std::vector<pollfd>& more) { fds.insert(fds.end(), more.begin(), more.end()); };
+    if (door_) watch(door_->poll_fds());
+    if (second_line_) {
+      watch(second_line_->poll_fds());
+      if (const auto deadline = second_line_->next_deadline()) until = std::min(until, *deadline);
+    }
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
     ::poll(fds.data(), fds.size(), static_cast<int>(std::max<std::int64_t>(0, left.count())));
   }
 
-  /// Answers what waits on the line. False once the process is to end.
+  /// Answers what waits on the lines. False once the process is to end.
   bool serve_line() {
     line_.serve_ready(socket_, std::chrono::milliseconds(0));
+    if (second_line_) second_line_->serve_ready(socket_, std::chrono::milliseconds(0));
     return stop_ == 0;
   }
 
@@ -158,6 +172,7 @@ class RunningWorkshop {
   Unit unit_;
   Socket socket_;
   protocol::ModbusServer line_;
+  std::optional<protocol::ModbusServer> second_line_;
   std::optional<WorkshopSocket> door_;
   std::filesystem::path battery_;
   bool real_time_ = false;
@@ -174,8 +189,14 @@ std::string code_by_chance() {
   return fmt::format("{:06}", std::uniform_int_distribution<int>(0, 999'999)(chance));
 }
 
-std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
-                       const std::string& serial_number) {
+/// With the file of the token that a host must show.
+std::string second_link_of(protocol::LinkAddress address, const std::string& token_file) {
+  if (auto* peer = std::get_if<protocol::TcpPeer>(&address.endpoint)) peer->token_file = token_file;
+  return protocol::to_text(address);
+}
+
+nlohmann::json ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
+                          const std::string& serial_number) {
   nlohmann::json line{{"pty", nullptr}, {"tcp", nullptr}, {"workshop", nullptr}};
   if (const auto* serial = std::get_if<protocol::SerialPort>(&address.endpoint)) line["pty"] = serial->device;
   if (const auto* peer = std::get_if<protocol::TcpPeer>(&address.endpoint))
@@ -185,7 +206,7 @@ std::string ready_line(const protocol::LinkAddress& address, const ServeOptions&
   line["serial_number"] = serial_number;
   line["unit"] = options.unit;
   line["arm_code"] = options.arm_code;
-  return line.dump();
+  return line;
 }
 
 }  // namespace
@@ -226,10 +247,14 @@ Result<void> serve(const ServeOptions& given, const volatile std::sig_atomic_t& 
   }
   auto line = open_line(options);
   if (!line) return tl::unexpected(line.error());
-  const protocol::LinkAddress address = line->address();
-  RunningWorkshop running(std::move(*simulation), options, serial_number, std::move(*line), std::move(door), stop);
+  auto second_line = open_second_line(options);
+  if (!second_line) return tl::unexpected(second_line.error());
+  nlohmann::json greeting = ready_line(line->address(), options, serial_number);
+  if (*second_line) greeting["second_link"] = second_link_of((*second_line)->address(), options.token_file);
+  RunningWorkshop running(std::move(*simulation), options, serial_number, std::move(*line), std::move(*second_line),
+                          std::move(door), stop);
   if (auto on = running.switch_on(); !on) return on;
-  ready(ready_line(address, options, serial_number));
+  ready(greeting.dump());
   return running.run();
 }
 

@@ -19,7 +19,8 @@ struct ServeOptions {
   std::optional<std::filesystem::path> pty;  ///< symbolic link to make to the pseudo-terminal; empty path: none
   std::optional<std::uint16_t> tcp;          ///< port; 0: any. Neither: a pseudo-terminal
   std::string tcp_host = "127.0.0.1";        ///< address of the interface for it
-  std::string token_file;                    ///< what a host must show; empty: nothing, on loopback only
+  bool also_tcp = false;                     ///< beside the pseudo-terminal TCP on any free port of 127.0.0.1
+  std::string token_file;                    ///< what a TCP host must show; empty: nothing, on loopback only
   int unit = 1;                              ///< Modbus unit number
   std::string serial_number;                 ///< empty: what the machine file says
   std::filesystem::path memory;              ///< the battery's file; empty: memory lasts as long as the process
@@ -40,7 +41,7 @@ struct ServeOptions {
 
 /// Serves until `stop` is set.
 /// @param ready  gets one JSON object when everything answers: {"pty", "tcp", "workshop", "serial_number", "unit",
-///               "arm_code"}
+///               "arm_code"}; with also_tcp "second_link" as --link takes it
 [[nodiscard]] Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
                                  const std::function<void(const std::string&)>& ready);
 

@@ -23,7 +23,7 @@ Result<Outcome> arm(VerbContext& context, const ArmArguments& arguments) {
   if (!unit) return tl::unexpected(unit.error());
   std::string code = arguments.code;
   if (code.empty()) code = commissioning::arm_code_in_environment();
-  if (code.empty() && unit->is_emulator()) code = unit->emulator()->arm_code();
+  if (code.empty() && unit->is_emulator()) code = unit->emulator_arm_code();
   if (code.empty()) return problem(ProblemKind::usage, "unit arm: expected --code with the code that the unit shows");
   const auto done = unit->client().arm(code, static_cast<std::uint16_t>(arguments.minutes));
   if (!done) return tl::unexpected(done.error());
