@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "commissioning/investigation/workshop_client.hpp"
+#include "commissioning/link/workshop_client.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "base/clock.hpp"
 #include "commissioning/utility/datum_view_controller.hpp"
-#include "commissioning/utility/reference.hpp"
+#include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {

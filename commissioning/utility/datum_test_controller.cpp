@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/utility/reference.hpp"
+#include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {

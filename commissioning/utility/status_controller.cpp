@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "commissioning/memory/view.hpp"
 #include "commissioning/unit/utility_work.hpp"
-#include "commissioning/utility/reference.hpp"
+#include "commissioning/utility/emulated_machine.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "core/fault.hpp"
 

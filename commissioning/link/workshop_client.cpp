@@ -1,4 +1,4 @@
-#include "commissioning/investigation/workshop_client.hpp"
+#include "commissioning/link/workshop_client.hpp"
 
 #include <array>
 #include <cerrno>
