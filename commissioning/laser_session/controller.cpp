@@ -40,6 +40,11 @@ std::string written_at(const std::string& file) {
   return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(facts.st_mtime));
 }
 
+std::string absolute(const std::string& path) {
+  std::error_code error;
+  return path.empty() ? path : std::filesystem::absolute(path, error).lexically_normal().string();
+}
+
 LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : LaserMark::done; }
 
 }  // namespace
@@ -55,7 +60,7 @@ struct LaserController::WorkFolder {
 LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
     : unit_(std::move(unit)),
       folder_(std::make_unique<WorkFolder>()),
-      offered_(draft_of(kDraft)),
+      offered_(offered_draft(kDraft)),
       work_(std::make_shared<const LaserWork>()) {
   if (offered_ && !choices_in(offered_->text)) offered_.reset();
 }
@@ -122,7 +127,10 @@ void LaserController::step_over(History& from, History& to) {
 void LaserController::keep() {
   changed_ = true;
   ready_.reset();
-  if (const auto kept = keep_draft(kDraft, choices_text(choices_)); !kept) message_.say(kept.error());
+  LaserChoices whole = choices_;  // the draft may be taken up from another folder
+  for (std::string* path : {&whole.params_file, &whole.map_file, &whole.opened_map}) *path = absolute(*path);
+  for (LaserFileChoice& file : whole.files) file.path = absolute(file.path);
+  if (const auto kept = keep_draft(kDraft, choices_text(whole)); !kept) message_.say(kept.error());
 }
 
 void LaserController::take_up_offered() {
@@ -136,8 +144,20 @@ void LaserController::take_up_offered() {
 }
 
 void LaserController::drop_offered() {
-  offered_.reset();
   drop_draft(kDraft);
+  offered_ = offered_draft(kDraft);
+}
+
+void LaserController::set_offered_aside() {
+  offered_.reset();
+  set_draft_aside(kDraft);
+}
+
+std::size_t LaserController::drafts_aside() { return commissioning::drafts_aside(kDraft); }
+
+void LaserController::offer_another() {
+  exchange_draft(kDraft);
+  offered_ = draft_of(kDraft);
 }
 
 /// Single readings are known by their place in the file: a file written anew may hold others there.

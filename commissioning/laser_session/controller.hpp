@@ -50,6 +50,11 @@ class LaserController {
   [[nodiscard]] const std::optional<Draft>& offered() const { return offered_; }
   void take_up_offered();
   void drop_offered();
+  /// New work is begun; what was offered is kept and offered again when there is no other.
+  void set_offered_aside();
+  [[nodiscard]] static std::size_t drafts_aside();
+  /// The next of several.
+  void offer_another();
   /// Everything that the files on disc say now.
   void read_again();
 

@@ -22,6 +22,12 @@ std::vector<std::string> all_keys() {
 
 std::string shown(const std::string& value) { return value.empty() ? "nothing" : value; }
 
+/// A draft may be taken up from another folder.
+std::string absolute(const std::string& path) {
+  std::error_code fault;
+  return path.empty() ? path : std::filesystem::absolute(path, fault).lexically_normal().string();
+}
+
 /// A file that cannot make the screen wait.
 Result<void> plain_file(const std::string& path) {
   if (path.empty()) return problem(ProblemKind::usage, "expected the name of a file, found nothing");
@@ -63,6 +69,7 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
                    fmt::format("nothing received from {}: {}", title_of(unit), unit.none_because));
   ParameterSet received{*unit.parameters, {set_.identity.machine, unit.identity.serial_number}};
   if (loaded_) {
+    if (unsaved()) set_draft_aside();
     edit(std::move(received), "receiving from the unit");
     settle();
   } else {
@@ -71,9 +78,14 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   return {};
 }
 
-std::optional<Draft> ParametersController::draft() const { return loaded_ ? std::nullopt : draft_of(kParametersDraft); }
+std::optional<Draft> ParametersController::draft() const {
+  return loaded_ ? std::nullopt : offered_draft(kParametersDraft);
+}
 
 void ParametersController::drop_draft() { commissioning::drop_draft(kParametersDraft); }
+void ParametersController::set_draft_aside() { commissioning::set_draft_aside(kParametersDraft); }
+std::size_t ParametersController::drafts_aside() { return commissioning::drafts_aside(kParametersDraft); }
+void ParametersController::offer_another() { exchange_draft(kParametersDraft); }
 
 Result<void> ParametersController::take_up_draft() {
   const auto kept = draft_of(kParametersDraft);
@@ -97,11 +109,13 @@ Result<void> ParametersController::take_up_draft() {
   file_ = draft->file;
   done_.clear();
   undone_.clear();
+  if (set_ != base_) done_.push_back({base_, set_, "the work of the draft"});
   refresh();
   return {};
 }
 
 void ParametersController::load(ParameterSet set, std::string file) {
+  if (unsaved()) set_draft_aside();
   loaded_ = true;
   set_ = std::move(set);
   file_ = std::move(file);
@@ -178,7 +192,8 @@ void ParametersController::keep_draft() const {
   if (set_ == base_)
     drop_draft();
   else
-    (void)commissioning::keep_draft(kParametersDraft, draft_text({file_, machine_path_, set_, base_}));
+    (void)commissioning::keep_draft(kParametersDraft,
+                                    draft_text({absolute(file_), absolute(machine_path_), set_, base_}));
 }
 
 void ParametersController::refresh() {

@@ -22,7 +22,7 @@ struct ComparedKey {
 
 class ParametersController {
  public:
-  // --- where the set comes from; each begins a new history, so ask before edits are lost
+  // --- where the set comes from; each begins a new history, edits that are neither saved nor sent stay as a draft
   [[nodiscard]] Result<void> open_file(const std::string& path);
   /// Parameters to start from for a machine, checked against it from then on.
   [[nodiscard]] Result<void> start_from_machine(const std::string& path);
@@ -32,6 +32,11 @@ class ParametersController {
   [[nodiscard]] std::optional<Draft> draft() const;
   [[nodiscard]] Result<void> take_up_draft();
   static void drop_draft();
+  /// The draft is kept and offered again later: other parameters can be begun.
+  static void set_draft_aside();
+  [[nodiscard]] static std::size_t drafts_aside();
+  /// The next of several.
+  static void offer_another();
 
   [[nodiscard]] bool loaded() const { return loaded_; }
   [[nodiscard]] const ParameterSet& set() const { return set_; }

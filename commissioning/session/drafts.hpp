@@ -22,4 +22,15 @@ struct Draft {
 [[nodiscard]] std::optional<Draft> draft_of(const std::string& name);
 void drop_draft(const std::string& name);
 
+// Several drafts of one screen: one is in work, the others are set aside.
+
+/// Makes room for new work: the draft is kept and offered again when there is no other.
+void set_draft_aside(const std::string& name);
+[[nodiscard]] std::size_t drafts_aside(const std::string& name);
+/// The draft that was set aside first takes the place of the one in work, which is set aside.
+void exchange_draft(const std::string& name);
+/// What a screen offers at its beginning: the draft in work, else the one set aside last, which is in work from then
+/// on.
+[[nodiscard]] std::optional<Draft> offered_draft(const std::string& name);
+
 }  // namespace ecs::commissioning
