@@ -1,6 +1,9 @@
 #include "commissioning/link/doctor.hpp"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -104,8 +107,15 @@ bool found_elsewhere(const LinkAddress& address, const char* check, const std::s
   return true;
 }
 
+/// Of so many quick questions of which none is answered.
+int most_seconds(const LinkAddress& address, std::size_t questions) {
+  const protocol::LinkTiming timing = protocol::timing_of(address);
+  const std::chrono::duration<double> one = timing.response_timeout + timing.quiet_time;
+  return static_cast<int>(std::ceil(one.count() * static_cast<double>(questions)));
+}
+
 bool other_unit_number(LinkAddress address, Examination& work) {
-  work.note(fmt::format("trying unit numbers 1 to {}", kMostUnit));
+  work.note(fmt::format("trying unit numbers 1 to {}, at most {} s", kMostUnit, most_seconds(address, kMostUnit)));
   const int given = address.unit;
   for (address.unit = 1; address.unit <= kMostUnit; ++address.unit)
     if (address.unit != given &&
@@ -118,7 +128,10 @@ bool other_unit_number(LinkAddress address, Examination& work) {
 bool other_speed(LinkAddress address, Examination& work) {
   const SerialPort given = std::get<SerialPort>(address.endpoint);
   for (const char parity : kParities) {
-    work.note(fmt::format("trying {} to {} baud with parity {}", 9'600, 115'200, parity));
+    const auto parities_left =
+        static_cast<std::size_t>(kParities.end() - std::find(kParities.begin(), kParities.end(), parity));
+    work.note(fmt::format("trying {} to {} baud with parity {}, at most {} s for all parities left", 9'600, 115'200,
+                          parity, most_seconds(address, kBauds.size() * parities_left)));
     for (const int baud : kBauds) {
       SerialPort line = given;
       line.baud = baud;
