@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/ui/chart_plot.hpp"
+#include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
@@ -131,6 +132,10 @@ void draw_line(const PlotSeries& series, const Scale& scale, Dots& dots) {
   for (std::size_t k = 1; k < series.points.size(); ++k) {
     const PlotPoint &a = series.points[k - 1], &b = series.points[k];
     if (std::max(a.x, b.x) < scale.x.from || std::min(a.x, b.x) > scale.x.to) continue;
+    if (std::abs(b.x - a.x) > series.longest_gap) {
+      dots.set(static_cast<int>(std::lround(scale.across(b.x))), static_cast<int>(std::lround(scale.down(b.y))), tone);
+      continue;
+    }
     dots.line(scale.across(a.x), scale.down(a.y), scale.across(b.x), scale.down(b.y), tone, reverse(series.mark));
   }
 }
@@ -215,6 +220,22 @@ std::vector<const PlotSeries*> with_places(const PlotPanel& panel) {
   return readings.empty() ? all : readings;
 }
 
+/// All texts of the screens say um.
+std::string with_um(std::string text) {
+  for (std::size_t at = text.find("µm"); at != std::string::npos; at = text.find("µm", at)) text.replace(at, 3, "um");
+  return text;
+}
+
+/// The unit of a label, with a blank before it: " um" of "error [µm]", " mm" of "X mm"; empty: it names none.
+std::string unit_in(const std::string& label) {
+  static constexpr std::array<std::string_view, 7> kUnits{"mm", "um", "um/m", "mm/min", "s", "min", "h"};
+  std::string text = with_um(label);
+  std::erase_if(text, [](char c) { return c == '[' || c == ']'; });
+  const std::string_view words = trimmed(text);
+  const std::string_view last = words.substr(words.rfind(' ') == std::string_view::npos ? 0 : words.rfind(' ') + 1);
+  return std::find(kUnits.begin(), kUnits.end(), last) == kUnits.end() ? "" : " " + std::string(last);
+}
+
 const PlotPoint* nearest(const PlotSeries& series, double x) {
   const PlotPoint* best = nullptr;
   for (const PlotPoint& p : series.points)
@@ -252,8 +273,8 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
     canvas.text(area, 0, 0, "no room for a curve", Tone::faint);
     return;
   }
-  canvas.text(area, 0, 0, panel.title, Tone::strong);
-  canvas.text_right(area, 0, panel.y_label, Tone::faint);
+  canvas.text(area, 0, 0, with_um(panel.title), Tone::strong);
+  canvas.text_right(area, 0, with_um(panel.y_label), Tone::faint);
   Scale scale;
   scale.x = seen_x(panel, view);
   if (scale.x.empty()) {
@@ -285,7 +306,7 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
   draw_y_axis(canvas, {area.row + 1, area.column, plot.rows, kYAxisColumns}, scale, plot.rows);
   const Area below = area.below(1 + plot.rows);
   draw_x_axis(canvas, {below.row, plot.column, 2, plot.columns}, scale);
-  canvas.text({below.row, below.column, 2, kYAxisColumns}, 1, 0, panel.x_label, Tone::faint);
+  canvas.text({below.row, below.column, 2, kYAxisColumns}, 1, 0, with_um(panel.x_label), Tone::faint);
   if (view.cursor_x)
     canvas.text(below, 2, 0, read_out(panel, *view.cursor_x), Tone::strong);
   else
@@ -304,9 +325,10 @@ std::string read_out(const PlotPanel& panel, double x) {
   for (const PlotSeries& series : panel.series) {
     const PlotPoint* p = nearest(series, at);
     if (p == nullptr || std::abs(p->x - at) > least + 1e-9) continue;
-    text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", series.name.empty() ? "value" : series.name, p->y);
+    text += fmt::format("{}{} {:.3f}{}", text.empty() ? "" : ", ", series.name.empty() ? "value" : with_um(series.name),
+                        p->y, unit_in(panel.y_label));
   }
-  return text.empty() ? "" : fmt::format("{} at {:.3f}", text, at);
+  return text.empty() ? "" : fmt::format("{} at {:.3f}{}", text, at, unit_in(panel.x_label));
 }
 
 ChartView zoomed(const PlotPanel& panel, const ChartView& view, double factor) {

@@ -28,7 +28,7 @@ struct ChartView {
 /// Forward is a solid line with ▲, reverse a broken one with ▼ (^ and v in ASCII): they differ without colour.
 void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const ChartView& view = {});
 
-/// The points nearest to an x, one per series, as text: "forward 3.20, reverse -1.05 at 120.00".
+/// The points nearest to an x, one per series, as text: "forward 3.200 um, reverse -1.050 um at 120.000 mm".
 [[nodiscard]] std::string read_out(const PlotPanel& panel, double x);
 
 /// Half (or twice) the range around `centre`, inside the data.

@@ -1,6 +1,7 @@
 #include "app/ui/menu_screen.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -8,16 +9,81 @@
 
 namespace ecs::app {
 
-MenuScreen::MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices)
-    : title_(std::move(title)), help_(std::move(help)), choices_(std::move(choices)) {}
+namespace {
 
+enum Rank { begins_name, begins_word, in_name, in_synonyms, in_help };
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::optional<int> rank_of_part(const MenuChoice& choice, const std::string& part) {
+  const std::string name = lower(choice.name);
+  if (name.starts_with(part)) return begins_name;
+  if (has(name, " " + part)) return begins_word;
+  if (has(name, part)) return in_name;
+  if (has(" " + lower(choice.synonyms), " " + part)) return in_synonyms;
+  if (has(lower(choice.help), part)) return in_help;
+  return std::nullopt;
+}
+
+/// The end of the last whole clause that fits, else of the last word that can end a phrase.
+std::size_t end_of_phrase(const std::string& help, int columns) {
+  static constexpr std::array<std::string_view, 12> kOpenWords{"of", "the", "a",  "an",  "and",  "or",
+                                                               "to", "in",  "by", "for", "with", "one"};
+  std::size_t clause = 0, phrase = 0, word = 0;
+  int depth = 0;
+  for (std::size_t k = 0; k < help.size() && width_of(help.substr(0, k)) <= columns; ++k) {
+    depth += (help[k] == '(' ? 1 : 0) - (help[k] == ')' ? 1 : 0);
+    const bool ends_clause =
+        k + 1 < help.size() && help[k + 1] == ' ' && (help[k] == ',' || help[k] == ';' || help[k] == ':');
+    if (depth == 0 && ends_clause) clause = k;
+    if (help[k] != ' ') continue;
+    const std::string_view last = std::string_view(help).substr(word, k - word);
+    if (depth == 0 && std::find(kOpenWords.begin(), kOpenWords.end(), last) == kOpenWords.end()) phrase = k;
+    word = k + 1;
+  }
+  return clause > 0 ? clause : phrase;
+}
+
+/// The help without its end, where it is too long for a row; the row of the cursor has it whole below.
+std::string shortened(const std::string& help, int columns) {
+  if (width_of(help) <= columns) return help;
+  std::string text = help.substr(0, end_of_phrase(help, columns));
+  while (!text.empty() && (text.back() == ',' || text.back() == ';' || text.back() == ':')) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+std::optional<int> rank_of(const MenuChoice& choice, const std::string& sought) {
+  const std::string whole = lower(trimmed(sought));
+  if (whole.empty()) return begins_name;
+  if (const auto rank = rank_of_part(choice, whole)) return rank;
+  int worst = begins_name;
+  for (const std::string_view word : split(whole, ' ')) {
+    if (word.empty()) continue;
+    const auto rank = rank_of_part(choice, std::string(word));
+    if (!rank) return std::nullopt;
+    worst = std::max(worst, *rank);
+  }
+  return worst;
+}
+
+MenuScreen::MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices, Kind kind)
+    : title_(std::move(title)),
+      help_(std::move(help)),
+      choices_(std::move(choices)),
+      kind_(kind),
+      seeking_(kind == Kind::finder) {}
+
+/// While something is sought the best come first.
 std::vector<std::size_t> MenuScreen::seen() const {
-  std::vector<std::size_t> seen;
-  const std::string sought = lower(sought_.text());
+  std::vector<std::pair<int, std::size_t>> ranked;
   for (std::size_t k = 0; k < choices_.size(); ++k)
-    if ((seeking_ || !choices_[k].only_sought) &&
-        (sought.empty() || lower(choices_[k].name + " " + choices_[k].help).find(sought) != std::string::npos))
-      seen.push_back(k);
+    if (seeking_ || !choices_[k].only_sought)
+      if (const auto rank = rank_of(choices_[k], sought_.text())) ranked.emplace_back(*rank, k);
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::size_t> seen;
+  for (const auto& [rank, k] : ranked) seen.push_back(k);
   return seen;
 }
 
@@ -32,9 +98,11 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   int names = 0;
   for (const std::size_t k : list) names = std::max(names, std::min(26, width_of(choices_[k].name)));
-  for (const std::size_t k : list)
-    rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, choices_[k].help)});
-  if (rows.empty()) canvas.text(inside, row, 2, "no entry has that in its name", Tone::warning);
+  for (const std::size_t k : list) {
+    const int room = inside.columns - 4 - std::max(names, width_of(choices_[k].name));
+    rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, shortened(choices_[k].help, room))});
+  }
+  if (rows.empty()) canvas.text(inside, row, 2, "nothing has that in its name or description", Tone::warning);
   constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
   draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);
   if (list.empty()) return;
@@ -67,11 +135,12 @@ Step MenuScreen::on_key(const Key& key) {
   if (key.name == Key::Name::enter || (key.name == Key::Name::right && !seeking_)) {
     if (list.empty()) return stay();
     const auto chosen = list[static_cast<std::size_t>(std::min(place_.selected, static_cast<int>(list.size()) - 1))];
+    if (kind_ == Kind::finder) return replaced_by(choices_[chosen].opens());
     stop_seeking(chosen);
     return opened(choices_[chosen].opens());
   }
   if (key.name == Key::Name::escape || (!seeking_ && (is_letter(key, U'q') || key.name == Key::Name::left))) {
-    if (!seeking_) return back();
+    if (!seeking_ || kind_ == Kind::finder) return back();
     stop_seeking(0);
     return stay();
   }

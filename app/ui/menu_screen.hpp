@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "app/names/commissioning.hpp"
 #include "app/ui/screen.hpp"
@@ -18,11 +19,20 @@ struct MenuChoice {
   std::string help;
   std::function<std::unique_ptr<Screen>()> opens;
   bool only_sought = false;  ///< shown while a name is sought
+  std::string synonyms{};    ///< other words of the trade by which it is found
 };
+
+/// How well an entry fits what is sought: 0 the name begins with it, then a word of the name, the name, a synonym, the
+/// help; of several words all must be found. Nothing: it does not fit. Upper and lower case are the same.
+[[nodiscard]] std::optional<int> rank_of(const MenuChoice& choice, const std::string& sought);
 
 class MenuScreen final : public Screen {
  public:
-  MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices);
+  enum class Kind {
+    menu,
+    finder,  ///< begins by seeking; what is chosen takes its place
+  };
+  MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices, Kind kind = Kind::menu);
 
   [[nodiscard]] std::string title() const override { return title_; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -39,12 +49,15 @@ class MenuScreen final : public Screen {
   std::string title_;
   std::string help_;
   std::vector<MenuChoice> choices_;
+  Kind kind_;
   ListPlace place_;
-  bool seeking_ = false;
+  bool seeking_;
   TextLine sought_;
 };
 
 /// The first screen: every menu, every screen, every verb.
 [[nodiscard]] std::unique_ptr<Screen> main_menu(const std::shared_ptr<UnitConnection>& connection);
+/// The same to be found by name, in front of any screen.
+[[nodiscard]] std::unique_ptr<Screen> finder(const std::shared_ptr<UnitConnection>& connection);
 
 }  // namespace ecs::app

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "app/ui/words.hpp"
 #include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 
-void Overlay::show_help(const Screen& screen) {
+void Overlay::show_help(const Screen& screen, const std::string& seen) {
   *this = {};
   title_ = screen.title() + ": help";
   parts_ = {{"", screen.help()}, {"", ""}};
@@ -15,7 +16,11 @@ void Overlay::show_help(const Screen& screen) {
   if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
     parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows whole what ends in ... F2"});
+  parts_.push_back({"F3", "finds any screen or command by its name, here too"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "draw everything anew; leave the program"});
+  const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
+  if (!words.empty()) parts_.push_back({"", ""});
+  for (const ExplainedWord& word : words) parts_.push_back({word.word, word.meaning});
 }
 
 void Overlay::show_whole(const std::vector<std::string>& texts) {

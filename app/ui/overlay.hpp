@@ -12,7 +12,8 @@ namespace ecs::app {
 class Overlay {
  public:
   [[nodiscard]] bool shown() const { return !title_.empty(); }
-  void show_help(const Screen& screen);
+  /// @param seen  the picture of the screen: words of the trade that it shows are explained
+  void show_help(const Screen& screen, const std::string& seen = {});
   /// Nothing is laid over where there is no text. What the log does not hold yet goes there as well.
   void show_whole(const std::vector<std::string>& texts);
   void draw(Canvas& canvas) const;

@@ -18,9 +18,10 @@ class Screen;
 struct Step {
   enum class Kind {
     stay,
-    back,   ///< to the screen before
-    open,   ///< `next`, this one stays behind it
-    leave,  ///< the program
+    back,     ///< to the screen before
+    open,     ///< `next`, this one stays behind it
+    instead,  ///< `next` takes the place of this one
+    leave,    ///< the program
   };
   Kind kind = Kind::stay;
   std::unique_ptr<Screen> next;
@@ -57,5 +58,6 @@ class Screen {
 [[nodiscard]] inline Step stay() { return {}; }
 [[nodiscard]] inline Step back() { return {Step::Kind::back, nullptr}; }
 [[nodiscard]] inline Step opened(std::unique_ptr<Screen> next) { return {Step::Kind::open, std::move(next)}; }
+[[nodiscard]] inline Step replaced_by(std::unique_ptr<Screen> next) { return {Step::Kind::instead, std::move(next)}; }
 
 }  // namespace ecs::app

@@ -23,14 +23,14 @@ KeyLine key_line_of(const Screen& screen, bool partly) {
   return line;
 }
 
-/// The end of a long link: the port says more than the folders before it.
+/// A long link without its middle: how it begins says what it is, how it ends which port and speed.
 std::string short_link(const std::string& link, int room) {
-  if (width_of(link) <= room) return link;
-  const std::size_t slash = link.rfind('/');
-  if (slash != std::string::npos && slash + 1 < link.size()) return short_link(link.substr(slash + 1), room);
   const std::u32string letters = code_points(link);
-  const std::size_t kept = std::min(letters.size(), static_cast<std::size_t>(std::max(1, room - 1)));
-  return "…" + utf8_of(std::u32string_view(letters).substr(letters.size() - kept));
+  const auto count = static_cast<std::size_t>(std::max(3, room));
+  if (letters.size() <= count) return link;
+  const std::size_t end = (count - 1) / 2, begin = count - 1 - end;
+  return utf8_of(std::u32string_view(letters).substr(0, begin)) + "…" +
+         utf8_of(std::u32string_view(letters).substr(letters.size() - end));
 }
 
 /// The way here at the left, its end first where it is too long; the unit at the right, its state before all.
@@ -53,12 +53,18 @@ void draw_header(Canvas& canvas, const std::string& path, const StatusLine& stat
 
 const std::vector<KeyHelp> kLeavingKeys{{"y", "leave"}, {"n", "stay"}};
 
+/// Enter does what loses nothing: it leaves, or stays where work is not saved.
+Reply reply_to_leaving(const Key& key, bool all_saved) {
+  if (key.name == Key::Name::enter) return all_saved ? Reply::yes : Reply::no;
+  return reply_to(key);
+}
+
 void draw_leaving(Canvas& canvas, const std::string& unsaved) {
   draw_question(
       canvas, canvas.whole(),
       {"Leave the program?",
        unsaved + (drafts_fail() && !unsaved.empty() ? " IT WOULD BE LOST: no draft can be written, see LOG." : ""),
-       "leave", "stay"});
+       unsaved.empty() ? "or Enter: leave" : "leave", unsaved.empty() ? "stay" : "or Enter: stay"});
   draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
 }
 
@@ -77,6 +83,7 @@ class Stack {
   void take(Step step) {
     if (step.kind == Step::Kind::open && step.next) screens_.push_back(std::move(step.next));
     if (step.kind == Step::Kind::back) screens_.pop_back();
+    if (step.kind == Step::Kind::instead && step.next) screens_.back() = std::move(step.next);
     if (step.kind == Step::Kind::leave) screens_.clear();
   }
   [[nodiscard]] std::string unsaved() const {
@@ -100,14 +107,13 @@ Canvas picture_of(const Screen& screen, const std::string& path, const StatusLin
   draw_key_line(canvas, key_area(canvas), key_line_of(screen, !canvas.whole_texts().empty()));
   if (with_help) {
     Overlay help;
-    help.show_help(screen);
+    help.show_help(screen, canvas.plain_text());
     help.draw(canvas);
   }
   return canvas;
 }
 
-int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now,
-                const ScreenInFront& in_front) {
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const ProgramHooks& hooks) {
   catch_signals();
   Stack stack(std::move(first));
   StatusLine status;
@@ -120,13 +126,13 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusL
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
     auto next = screen.opens_by_itself();
-    if (!next && in_front) next = in_front();
+    if (!next && hooks.in_front) next = hooks.in_front();
     if (next) {
       stack.take(opened(std::move(next)));
       changed = urgent = true;
       continue;
     }
-    if (StatusLine now = status_line_now(); now != status) {
+    if (StatusLine now = hooks.status_line(); now != status) {
       status = std::move(now);
       changed = true;
     }
@@ -147,7 +153,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusL
     if (!urgent) {
       continue;
     } else if (sure) {
-      const Reply reply = reply_to(key);
+      const Reply reply = reply_to_leaving(key, stack.unsaved().empty());
       if (reply == Reply::yes) return 0;
       sure = reply == Reply::none;
     } else if (over.shown()) {
@@ -158,7 +164,9 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusL
       if (stack.unsaved().empty()) return 0;
       sure = true;
     } else if ((is_letter(key, U'?') && !screen.typing()) || (key.name == Key::Name::function && key.number == 1)) {
-      over.show_help(screen);
+      over.show_help(screen, picture_of(screen, "", {}, terminal.canvas(), false).plain_text());
+    } else if (key.name == Key::Name::function && key.number == 3 && hooks.finder) {
+      stack.take(opened(hooks.finder()));
     } else if (key.name == Key::Name::function && key.number == 2 && !partly.empty()) {
       over.show_whole(partly);
     } else {

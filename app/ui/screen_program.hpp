@@ -29,8 +29,14 @@ using StatusLineNow = std::function<StatusLine()>;
 /// A screen that is to be opened in front of whichever is there; null: none.
 using ScreenInFront = std::function<std::unique_ptr<Screen>()>;
 
+/// What the loop asks for beside the screens themselves.
+struct ProgramHooks {
+  StatusLineNow status_line;
+  ScreenInFront in_front{};  ///< asked in every turn
+  ScreenInFront finder{};    ///< asked on F3: any action by its name
+};
+
 /// Until the last screen is left or a signal comes. @return exit code
-[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now,
-                              const ScreenInFront& in_front = {});
+[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const ProgramHooks& hooks);
 
 }  // namespace ecs::app

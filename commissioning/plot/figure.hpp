@@ -31,8 +31,9 @@ struct PlotPoint {
 struct PlotSeries {
   std::string name;  ///< in the key
   Mark mark = Mark::both;
-  std::vector<PlotPoint> points;      ///< finite
-  std::vector<std::string> labels{};  ///< beside the bars of a report; empty: none
+  std::vector<PlotPoint> points;                                 ///< finite
+  std::vector<std::string> labels{};                             ///< beside the bars of a report; empty: none
+  double longest_gap = std::numeric_limits<double>::infinity();  ///< of x between two points that a line joins
 };
 
 struct PlotPanel {

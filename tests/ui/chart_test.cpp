@@ -54,8 +54,8 @@ TEST_CASE("the cursor goes from point to point and reads them out") {
   ChartView view = stepped(panel(), {}, 1);
   CHECK(view.cursor_x == 0.0);
   view = stepped(panel(), view, 1);
-  CHECK(read_out(panel(), *view.cursor_x) == "forward 1.000, reverse -3.000 at 100.000");
-  CHECK(contains(drawn(view, Glyphs::unicode), "forward 1.000, reverse -3.000 at 100.000"));
+  CHECK(read_out(panel(), *view.cursor_x) == "forward 1.000 um, reverse -3.000 um at 100.000 mm");
+  CHECK(contains(drawn(view, Glyphs::unicode), "forward 1.000 um, reverse -3.000 um at 100.000 mm"));
   CHECK(stepped(panel(), stepped(panel(), {}, 1), -1).cursor_x == 0.0);  // it stays at the end
 }
 
@@ -76,4 +76,25 @@ TEST_CASE("no space, no points, one point: a chart says so") {
   CHECK(contains(canvas.plain_text(), "nothing measured"));
   draw_chart(canvas, canvas.whole(), {"t", "x", "y", {{"one", Mark::both, {{3.0, 5.0}}}}}, {});
   CHECK(contains(canvas.plain_text(), "○"));
+}
+
+TEST_CASE("a line stops where its points are too far apart") {
+  PlotPanel p{"", "s", "um", {{"", Mark::forward, {{0.0, 0.0}, {1.0, 0.0}, {9.0, 0.0}, {10.0, 0.0}}}}};
+  const auto dots = [&p] {
+    Canvas canvas(12, 60, Glyphs::ascii);
+    draw_chart(canvas, canvas.whole(), p, {0.0, 10.0, {}, -1.0, 1.0});
+    const std::string text = canvas.plain_text();
+    return std::count(text.begin(), text.end(), '.');
+  };
+  const auto joined = dots();
+  p.series[0].longest_gap = 2.0;
+  CHECK(dots() < joined - 20);
+}
+
+TEST_CASE("a chart on a screen says um as its texts do") {
+  PlotPanel p = panel();
+  p.y_label = "error [µm]";
+  Canvas canvas(16, 60, Glyphs::unicode);
+  draw_chart(canvas, canvas.whole(), p, {});
+  CHECK(contains(canvas.plain_text(), "error [um]"));
 }

@@ -161,3 +161,14 @@ TEST_CASE("a key that finds by / can be clicked as well") {
   CHECK(clicked_key({0, 0, 1, 40}, keys, 0) == Key{Key::Name::letter, U'/'});
   CHECK(clicked_key({0, 0, 1, 40}, keys, 2) == Key{Key::Name::letter, U'm'});
 }
+
+TEST_CASE("help explains the words of the trade that the screen shows, and only those") {
+  Overlay help;
+  help.show_help(Teller("done"), "unit MILL-1, integration, Y parked at -1400");
+  Canvas canvas(40, 80);
+  help.draw(canvas);
+  const std::string text = canvas.plain_text();
+  CHECK(contains(text, "integration mode"));
+  CHECK(contains(text, "parked"));
+  CHECK_FALSE(contains(text, "squareness"));
+}
