@@ -22,6 +22,7 @@ VerbOption option_of(const VerbArgument& argument) {
   one.required = argument.need == Need::required;
   one.flag = argument.is_flag();
   one.many = argument.takes_many();
+  one.output = argument.is_output;
   return one;
 }
 

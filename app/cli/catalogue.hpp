@@ -17,7 +17,8 @@ struct VerbOption {
   bool by_place = false;
   bool required = false;
   bool flag = false;
-  bool many = false;  ///< takes several words
+  bool many = false;    ///< takes several words
+  bool output = false;  ///< names a file that the verb writes
 };
 
 struct VerbEntry {

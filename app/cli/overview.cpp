@@ -31,6 +31,13 @@ std::string state_of_link(const Result<LinkChoice>& choice) {
 
 }  // namespace
 
+std::string verbs_overview(const VerbRegistry& registry) {
+  std::string text;
+  Json verbs = Json::array();
+  add_verbs(registry, text, verbs);
+  return text;
+}
+
 Result<Outcome> overview(const VerbRegistry& registry, VerbContext& context) {
   const auto choice = chosen_link(context.link_option);
   std::string text = std::string(kProgramHelp) + "\n";

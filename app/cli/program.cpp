@@ -70,6 +70,22 @@ int show_text(VerbContext& context, const std::string& key, const std::string& t
   return answered(context, {text, one_line(Json{{key, text}}), kDone});
 }
 
+/// No verb and no menu is named.
+bool asks_for_program(const std::vector<std::string>& words) {
+  return std::all_of(words.begin(), words.end(), [](const std::string& word) { return word.starts_with("-"); });
+}
+
+/// How the program is called and its options from the help of the command line, then every verb.
+std::string whole_help(const VerbRegistry& registry, const std::string& help) {
+  const std::size_t usage = std::min(help.find("Usage:"), help.size());
+  const std::size_t menus = std::min(help.find("\nSubcommands:"), help.size());
+  return fmt::format(
+      "{}\n\n{}\n`ecs` alone opens the screens; `ecs FILE...` opens the files there: a model with its measurements, "
+      "an\n"
+      "error map, parameters, a dump. `ecs VERB --help` explains a verb.\n{}",
+      kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
+}
+
 int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>& words, VerbContext& context) {
   using Kind = cli::Request::Kind;
   const auto [request, action] = parsed(registry, words, context);
@@ -77,7 +93,7 @@ int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>&
     case Kind::run:
       return run_action(context, action);
     case Kind::help:
-      return show_text(context, "help", request.text);
+      return show_text(context, "help", asks_for_program(words) ? whole_help(registry, request.text) : request.text);
     case Kind::version:
       return show_text(context, "version", program_version_and_commit());
     case Kind::no_words:
