@@ -18,8 +18,74 @@ namespace {
 using Connection = std::shared_ptr<UnitConnection>;
 using Choices = std::vector<MenuChoice>;
 
+/// Other words by which a screen or verb is sought.
+struct Synonyms {
+  const char* name;
+  const char* words;
+};
+constexpr Synonyms kSynonyms[] = {
+    {"E.C.S. PARAMETERS", "settings setup configuration"},
+    {"EDIT PARAMETERS", "settings setup configuration scale"},
+    {"ON LINE MONITOR", "live readout dro watch follow jog drive move speed"},
+    {"PROCESS LASER DATA", "import interferometer renishaw leadscrew pitch error table map compensation"},
+    {"FROM FILES TO THE MAP", "import open laser interferometer renishaw error table compensation send upload"},
+    {"SET AXIS POSITION", "preset zero datum jog drive move counter"},
+    {"OUTPUT COMPENSATION VALUE", "relay d/a dac analogue voltage polarity scale"},
+    {"RECORD DATUM SEQUENCE", "reference home homing marker index switch velocity"},
+    {"DISPLAY DATUM SEQUENCE", "reference home homing marker index switch velocity"},
+    {"TEST DATUM ROUTINE", "reference home homing marker index switch"},
+    {"DISPLAY ECS STATUS",
+     "integration mode compensate compensation on off switch enable fault alarm reset error clear ram test"},
+    {"RUN USER SOFTWARE", "machine code program execute"},
+    {"MEMORY ACCESS", "hex bytes dump image"},
+    {"VIEW MEMORY", "hex bytes dump image write peek poke"},
+    {"MODEL", "diagnose cause effect fit residual backlash thermal"},
+    {"MODEL SCREEN", "diagnose cause effect fit residual backlash thermal"},
+    {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
+    {"LOG", "history errors warnings"},
+    {"MORE", "report export siemens heidenhain twincat linuxcnc"},
+    {"doctor", "no answer cable connection trouble"},
+    {"utility mode", "integration compensate compensation on off enable"},
+    {"utility output", "relay d/a dac"},
+    {"utility clear", "fault alarm"},
+    {"utility position", "preset zero"},
+    {"utility datum test", "reference home homing"},
+    {"utility datum record", "reference home homing"},
+    {"unit arm", "unlock permission code write"},
+    {"unit disarm", "lock read-only protect"},
+    {"map send", "upload write transfer download compensation table"},
+    {"map receive", "read back download"},
+    {"map verify", "compare check"},
+    {"map build", "compensation error table"},
+    {"batch", "many units fleet"},
+    {"laser capture", "measure readings record interferometer"},
+    {"laser stats", "iso 230 accuracy repeatability"},
+    {"model diagnose", "cause effect missing why"},
+    {"monitor", "live readout dro watch"},
+};
+
+std::string synonyms_of(const std::string& name) {
+  const auto* found =
+      std::find_if(std::begin(kSynonyms), std::end(kSynonyms), [&](const Synonyms& row) { return name == row.name; });
+  return found == std::end(kSynonyms) ? "" : found->words;
+}
+
+/// Verbs that a screen of the same menu does: they are found by their names, not listed beside it.
+constexpr const char* kDoneByScreens[] = {
+    "utility position", "utility output",       "utility run",        "utility ramtest",    "utility clear",
+    "utility mode",     "utility datum record", "utility datum show", "utility datum test", "utility status",
+    "monitor"};
+
 MenuChoice choice_of(const VerbEntry& verb, const Connection& connection) {
-  return {verb.name(), verb.help, [verb, connection] { return verb_screen(verb, connection); }};
+  MenuChoice choice{verb.name(), verb.help, [verb, connection] { return verb_screen(verb, connection); }};
+  choice.only_sought =
+      std::find(std::begin(kDoneByScreens), std::end(kDoneByScreens), choice.name) != std::end(kDoneByScreens);
+  return choice;
+}
+
+Choices with_synonyms(Choices choices) {
+  for (MenuChoice& choice : choices) choice.synonyms = synonyms_of(choice.name);
+  return choices;
 }
 
 /// One entry of the first screen that opens a menu.
@@ -80,8 +146,9 @@ std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Connection& connectio
   return std::make_unique<MenuScreen>(
       menu.name,
       std::string(menu.name) + ": " + menu.help +
-          ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields.",
-      std::move(choices));
+          ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields. A verb that "
+          "a screen does is listed only when / finds it.",
+      with_synonyms(std::move(choices)));
 }
 
 /// Found from here by their names, not shown.
@@ -94,9 +161,8 @@ void add_sought(Choices& choices, const Connection& connection) {
   for (std::size_t k = shown; k < choices.size(); ++k) choices[k].only_sought = true;
 }
 
-}  // namespace
-
-std::unique_ptr<Screen> main_menu(const Connection& connection) {
+/// Every menu, every screen, every verb.
+Choices all_choices(const Connection& connection) {
   Choices choices;
   for (const TopMenu& menu : top_menus())
     choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
@@ -107,11 +173,25 @@ std::unique_ptr<Screen> main_menu(const Connection& connection) {
   choices.insert(choices.end() - 1,
                  {"LOG", "messages of the screens, errors whole, to copy", [] { return log_screen(); }});
   add_sought(choices, connection);
+  return with_synonyms(std::move(choices));
+}
+
+constexpr const char* kFindHelp =
+    "Type a part of the name of a screen or command, or a word of the trade (jog, relay, integration): names come "
+    "first, then such words, then descriptions.";
+
+}  // namespace
+
+std::unique_ptr<Screen> main_menu(const Connection& connection) {
   return std::make_unique<MenuScreen>(
       "ECS",
       "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part of "
-      "it. The same actions exist as verbs for scripts: `ecs --help`.",
-      std::move(choices));
+      "it; F3 does the same on every screen. The same actions exist as verbs for scripts: `ecs --help`.",
+      all_choices(connection));
+}
+
+std::unique_ptr<Screen> finder(const Connection& connection) {
+  return std::make_unique<MenuScreen>("find", kFindHelp, all_choices(connection), MenuScreen::Kind::finder);
 }
 
 }  // namespace ecs::app

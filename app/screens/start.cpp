@@ -1,13 +1,17 @@
 #include "app/screens/start.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/screens/open_files.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/outcome.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/event_log.hpp"
@@ -19,7 +23,14 @@ namespace {
 struct Asked {
   bool ascii = false;
   std::string link;
+  std::vector<std::string> files;  ///< to be opened
 };
+
+/// A word that names no verb and no option, but a file.
+bool is_file_to_open(const std::string& word) {
+  std::error_code fault;
+  return !word.starts_with("-") && all_verbs().menu_help(word).empty() && std::filesystem::is_regular_file(word, fault);
+}
 
 std::optional<Asked> asked_for(const std::vector<std::string>& words) {
   Asked asked;
@@ -28,6 +39,8 @@ std::optional<Asked> asked_for(const std::vector<std::string>& words) {
       asked.ascii = true;
     } else if (words[k] == "--link" && k + 1 < words.size()) {
       asked.link = words[++k];
+    } else if (is_file_to_open(words[k])) {
+      asked.files.push_back(words[k]);
     } else {
       return std::nullopt;
     }
@@ -57,6 +70,14 @@ StatusLine status_line_of(const WatchedUnit& unit, const std::optional<protocol:
   return status;
 }
 
+/// What was given on the command line, in its screen.
+ScreenInFront opening(const std::vector<std::string>& files, const std::shared_ptr<UnitConnection>& connection) {
+  return [files, connection, opened = false]() mutable -> std::unique_ptr<Screen> {
+    if (files.empty() || std::exchange(opened, true)) return arm_screen_if_wanted(connection);
+    return screen_for_files(files, connection);
+  };
+}
+
 }  // namespace
 
 std::optional<int> screens_started(const std::vector<std::string>& words) {
@@ -67,10 +88,9 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   auto terminal = Terminal::open(options);
   if (terminal) {
     auto connection = std::make_shared<UnitConnection>(asked->link);
-    const int code = run_screens(
-        **terminal, main_menu(connection),
-        [connection] { return status_line_of(connection->snapshot(), connection->newest()); },
-        [connection] { return arm_screen_if_wanted(connection); });
+    const int code = run_screens(**terminal, main_menu(connection),
+                                 {[connection] { return status_line_of(connection->snapshot(), connection->newest()); },
+                                  opening(asked->files, connection), [connection] { return finder(connection); }});
     terminal->reset();  // the screens are gone: what matters still is said to the shell
     for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;

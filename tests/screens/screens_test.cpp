@@ -77,7 +77,8 @@ TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an ac
   for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
     CHECK(contains(text, title));
   type(*menu, "/datum rec");
-  CHECK(contains(picture(*menu), "> utility datum record"));
+  CHECK(contains(picture(*menu), "> RECORD DATUM SEQUENCE"));
+  CHECK(contains(picture(*menu), "utility datum record"));
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::back);
 }

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "app/screens/laser/chooser.hpp"
+#include "app/screens/files/chooser.hpp"
 #include "app/screens/laser/page.hpp"
 
 namespace ecs::app {
@@ -59,7 +59,8 @@ class FilesPage final : public LaserPage {
     if (place_.on_key(key, static_cast<int>(files.size()))) return true;
     const std::size_t at = place_within(place_, files.size());
     if (is_letter(key, U'a') || (key.name == Key::Name::enter && files.empty())) {
-      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_);
+      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_,
+                       FileWish{{FileKind::measurements, FileKind::map}, true});
     } else if (is_letter(key, U'p')) {
       host().ask_parameters();
     } else if (is_letter(key, U'r')) {
@@ -146,11 +147,11 @@ class FilesPage final : public LaserPage {
   }
 
   bool on_chooser_key(const Key& key) {
-    const LaserChooser::Answer answer = chooser_->on_key(key);
-    if (answer == LaserChooser::Answer::open) return true;
+    const FileChooser::Answer answer = chooser_->on_key(key);
+    if (answer == FileChooser::Answer::open) return true;
     folder_ = chooser_->folder();
     const std::vector<std::string> taken =
-        answer == LaserChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
+        answer == FileChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
     chooser_.reset();
     if (taken.empty()) return true;
     if (taken.size() == 1 && read_laser_file({taken.front(), {}}).is_map) {
@@ -169,7 +170,7 @@ class FilesPage final : public LaserPage {
   }
 
   ListPlace place_;
-  std::optional<LaserChooser> chooser_;
+  std::optional<FileChooser> chooser_;
   std::filesystem::path folder_;
 };
 

@@ -34,6 +34,7 @@ LaserForm::Layout LaserForm::layout(const Area& area) const {
 }
 
 void LaserForm::draw(Canvas& canvas, const Area& area) const {
+  if (files_.active()) return files_.draw(canvas, area, 0);
   const Layout at = layout(area);
   canvas.fill(at.box);
   canvas.frame(at.box, title_, Tone::strong);
@@ -53,7 +54,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
   const LaserField& field = fields_[static_cast<std::size_t>(place_.selected)];
   std::string hint = hint_.empty() ? field.help : hint_;
   if (hint_.empty() && !field.choices.empty()) hint += " (Space or a letter chooses)";
-  if (hint_.empty() && field.path) hint += " (Tab completes)";
+  if (hint_.empty() && field.path) hint += " (Tab chooses or completes)";
   const Area help{at.inside.row + at.fields, at.inside.column + 1, std::max(0, at.inside.rows - at.fields - 1),
                   at.inside.columns - 2};
   canvas.paragraph(help, 0, hint, refused_ ? Tone::bad : Tone::faint);
@@ -61,6 +62,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
 }
 
 CellPosition LaserForm::cursor(const Area& area) const {
+  if (files_.active()) return files_.cursor(area, 0);
   const Layout at = layout(area);
   const auto k = static_cast<std::size_t>(place_.selected);
   return {at.inside.row + place_.selected - place_.first,
@@ -96,6 +98,10 @@ void LaserForm::type(const Key& key) {
     if (key.name == Key::Name::backspace) lines_[k].set("");
     return;
   }
+  if (key.name == Key::Name::tab && field.path && lines_[k].text().empty()) {
+    files_.choose(field.help, field.wish, [this, k](const std::string& path) { lines_[k].set(path); });
+    return;
+  }
   if (key.name == Key::Name::tab && field.path) {
     const PathCompletion found = completed_path(lines_[k].text());
     lines_[k].set(found.completed);
@@ -106,6 +112,7 @@ void LaserForm::type(const Key& key) {
 }
 
 bool LaserForm::on_key(const Key& key) {
+  if (files_.on_key(key)) return true;
   hint_.clear();
   refused_ = false;
   const int count = static_cast<int>(fields_.size());

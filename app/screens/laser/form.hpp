@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/screens/files/prompt.hpp"
 #include "app/ui/cells.hpp"
 #include "app/ui/keys.hpp"
 #include "app/ui/widgets.hpp"
@@ -17,7 +18,8 @@ struct LaserField {
   std::string help;
   std::string value;
   std::vector<std::string> choices{};  ///< words that are allowed; empty: any text
-  bool path = false;                   ///< Tab completes it
+  bool path = false;                   ///< Tab completes it; where it is empty a file is chosen
+  FileWish wish{};                     ///< of a path
 };
 
 class LaserForm {
@@ -34,6 +36,7 @@ class LaserForm {
   [[nodiscard]] CellPosition cursor(const Area& area) const;
   /// @return false: the form is done, taken or given up
   [[nodiscard]] bool on_key(const Key& key);
+  [[nodiscard]] bool advance() { return files_.advance(); }
 
  private:
   struct Layout {
@@ -50,6 +53,7 @@ class LaserForm {
   std::vector<TextLine> lines_;
   ListPlace place_;
   Take take_;
+  Prompt files_;
   std::string hint_;
   bool refused_ = false;
 };

@@ -55,8 +55,7 @@ class HeaderPage final : public LaserPage {
     if (editing_) return on_edit_key(key);
     if (place_.on_key(key, static_cast<int>(kFields.size()))) return true;
     if (key.name != Key::Name::enter) return false;
-    line_ = TextLine(in_effect().*kFields[at()].value);
-    editing_ = true;
+    begin_edit();
     return true;
   }
 
@@ -68,11 +67,11 @@ class HeaderPage final : public LaserPage {
     return {area.row + 2 + static_cast<int>(at()), area.column + kValues + line_.cursor_column(columns)};
   }
   std::vector<KeyHelp> keys() const override {
-    if (editing_) return {{"Enter", "take, and on to the next"}, {"Esc", "leave it as it was"}};
+    if (editing_) return {{"Enter", "take it"}, {"Tab", "take it, edit the next"}, {"Esc", "leave it as it was"}};
     return {{"up/down", "field"}, {"Enter", "edit"}, {"u", "undo"}};
   }
   std::string help() const override {
-    return "Step 7: the header of the map. Enter edits the field under the cursor and goes on to the next one. Faint "
+    return "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
            "values come from the files. Which files were used and what was done to them is added by itself.";
   }
 
@@ -100,6 +99,11 @@ class HeaderPage final : public LaserPage {
       if (row < area.rows) canvas.text(area, row++, 3, step, Tone::faint);
   }
 
+  void begin_edit() {
+    line_ = TextLine(in_effect().*kFields[at()].value);
+    editing_ = true;
+  }
+
   bool on_edit_key(const Key& key) {
     if (key.name == Key::Name::escape) {
       editing_ = false;
@@ -119,7 +123,10 @@ class HeaderPage final : public LaserPage {
     if (value != in_effect().*field.value)
       controller().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
     editing_ = false;
-    (void)place_.on_key({Key::Name::down}, static_cast<int>(kFields.size()));
+    if (key.name == Key::Name::tab && at() + 1 < kFields.size()) {
+      ++place_.selected;
+      begin_edit();
+    }
     return true;
   }
 

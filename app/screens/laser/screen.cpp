@@ -135,11 +135,15 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   page().draw(canvas, body);
   const int rows = message_rows(area);
   if (area.rows > rows) draw_bottom(canvas, {area.row + area.rows - rows, area.column, rows, area.columns});
-  if (const auto& draft = host_->controller.offered())
+  if (const auto& draft = host_->controller.offered(); draft && !host_->asking_.active()) {
+    const std::size_t aside = LaserController::drafts_aside();
     draw_question(canvas, area,
                   {fmt::format("Work of {} found", draft->kept),
-                   "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
-                   "not now    d drop it"});
+                   "The files, what was left out, slopes, smoothing and header chosen then. b begins new work: this is "
+                   "kept and offered again later." +
+                       (aside == 0 ? "" : fmt::format(" o offers another one: {} more.", aside)),
+                   "take it up (or Enter)", "not now    b begin anew    d drop it"});
+  }
   if (host_->form_) host_->form_->draw(canvas, area);
   draw_question(canvas, area, host_->asking_);
   if (leaving_)
@@ -156,16 +160,21 @@ CellPosition LaserScreen::cursor(const Area& area) const {
 /// What lies over the step gets every key. @return whether something did
 bool LaserScreen::on_lying_over(const Key& key) {
   LaserController& controller = host_->controller;
+  if (answers(host_->asking_, key)) return true;
   if (controller.offered()) {
     const Reply reply = reply_to(key);
-    if (reply == Reply::yes || key.name == Key::Name::enter) {
+    if (reply == Reply::yes || key.name == Key::Name::enter)
       controller.take_up_offered();
-    } else if (is_letter(key, U'd')) {
-      controller.drop_offered();
-    }
+    else if (is_letter(key, U'b'))
+      controller.set_offered_aside();
+    else if (is_letter(key, U'o'))
+      controller.offer_another();
+    else if (is_letter(key, U'd'))
+      host_->ask({"Drop the work?", fmt::format("What was chosen at {} is lost.", controller.offered()->kept), "drop",
+                  "keep it"},
+                 [&controller] { controller.drop_offered(); });
     return true;
   }
-  if (answers(host_->asking_, key)) return true;
   if (host_->form_) {
     if (!host_->form_->on_key(key)) host_->form_.reset();
     return true;
@@ -174,6 +183,15 @@ bool LaserScreen::on_lying_over(const Key& key) {
 }
 
 void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSteps) % kLaserSteps); }
+
+void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind) {
+  LaserController& controller = host_->controller;
+  if (controller.offered()) controller.set_offered_aside();
+  if (kind == FileKind::map) return controller.open_map(paths.front());
+  controller.change(fmt::format("{} files", paths.size()), [&](LaserChoices& choices) {
+    for (const std::string& path : paths) choices.files.push_back({path, {}});
+  });
+}
 
 void LaserScreen::save() {
   if (!host_->controller.would_overwrite()) return host_->controller.save();
@@ -197,6 +215,8 @@ bool LaserScreen::on_own_key(const Key& key) {
     host_->controller.redo();
   } else if (is_letter(key, U's')) {
     save();
+  } else if (is_letter(key, U'p')) {
+    host_->ask_parameters();
   } else {
     return false;
   }
@@ -210,7 +230,7 @@ Step LaserScreen::on_key(const Key& key) {
     if (reply != Reply::none) leaving_ = false;
     return reply == Reply::yes ? back() : stay();
   }
-  if (controller.offered() && reply_to(key) == Reply::no) return back();
+  if (controller.offered() && !host_->asking_.active() && reply_to(key) == Reply::no) return back();
   if (on_lying_over(key)) return stay();
   if (controller.busy() && key.name == Key::Name::escape) {
     controller.cancel();
@@ -240,12 +260,14 @@ bool LaserScreen::advance() {
   bool changed = host_->controller.advance();
   changed = host_->drawing_.advance() || changed;
   changed = page().advance() || changed;
+  if (host_->form_) changed = host_->form_->advance() || changed;
   return changed;
 }
 
 std::vector<KeyHelp> LaserScreen::keys() const {
-  if (host_->controller.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
   if (host_->asking_.active() || leaving_) return {{"y", "yes"}, {"n", "no"}};
+  if (host_->controller.offered())
+    return {{"Enter", "take it up"}, {"b", "begin anew, keep it"}, {"o", "another"}, {"d", "drop it"}, {"Esc", "back"}};
   if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
   std::vector<KeyHelp> keys = page().keys();
   if (page().holds_keys()) return keys;

@@ -25,6 +25,8 @@ class LaserScreen final : public Screen {
   [[nodiscard]] std::string unsaved() const override { return host_->controller.unsaved(); }
 
   [[nodiscard]] LaserController& controller() { return host_->controller; }
+  /// Measured files, or one error map; work that is offered is kept for later.
+  void open(const std::vector<std::string>& paths, FileKind kind);
   [[nodiscard]] LaserStep step() const { return step_; }
 
  private:

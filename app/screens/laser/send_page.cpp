@@ -145,6 +145,7 @@ class SendPage final : public LaserPage {
   }
   std::string sent_text() const {
     const auto& sent = controller().sent();
+    if (!sent && !controller().after_failure().empty()) return "not confirmed: sending broke off";
     if (!sent) return "no";
     return fmt::format(
         "{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",

@@ -35,6 +35,21 @@ void MemoryScreen::begin_typing(Typing what, const std::string& text) {
   controller_.message().clear();
 }
 
+void MemoryScreen::choose_dump() {
+  files_.choose("Open a dump of a unit's memory, or a memory image", {{FileKind::memory}, false, "back to the unit"},
+                [this](const std::string& path) { controller_.open(path); });
+}
+
+void MemoryScreen::choose_comparison() {
+  files_.choose("Compare with a dump of a unit's memory", {{FileKind::memory}, false, "compare no more"},
+                [this](const std::string& path) {
+                  if (path.empty())
+                    controller_.end_comparison();
+                  else
+                    controller_.compare_with(path);
+                });
+}
+
 std::string MemoryScreen::prompt() const {
   switch (typing_) {
     case Typing::place:
@@ -43,10 +58,6 @@ std::string MemoryScreen::prompt() const {
       return "find";
     case Typing::bytes:
       return fmt::format("write at {}", hex_address(controller_.cursor()));
-    case Typing::file_to_open:
-      return "open the dump";
-    case Typing::file_to_compare:
-      return "compare with";
     case Typing::file_to_save:
       return scope_ == DumpScope::all ? "save all memory to" : "save the active map to";
     default:
@@ -61,10 +72,6 @@ std::string MemoryScreen::hint() const {
     case Typing::sought:
     case Typing::bytes:
       return std::string(kPatternHint);
-    case Typing::file_to_open:
-      return "Tab completes; empty: back to the unit";
-    case Typing::file_to_compare:
-      return "Tab completes; empty: compare no more";
     case Typing::file_to_save:
       return "up and down: all memory or only the active map; Enter begins";
     default:
@@ -102,15 +109,11 @@ void MemoryScreen::typed() {
   }
   if (what == Typing::sought) controller_.seek(text);
   if (what == Typing::bytes) controller_.propose(text);
-  if (what == Typing::file_to_open) controller_.open(text);
-  if (what == Typing::file_to_compare && text.empty()) controller_.end_comparison();
-  if (what == Typing::file_to_compare && !text.empty()) controller_.compare_with(text);
   if (what == Typing::file_to_save) controller_.save(text, scope_);
 }
 
 void MemoryScreen::on_typing_key(const Key& key) {
-  const bool file =
-      typing_ == Typing::file_to_open || typing_ == Typing::file_to_compare || typing_ == Typing::file_to_save;
+  const bool file = typing_ == Typing::file_to_save;
   if (key.name == Key::Name::escape) {
     typing_ = Typing::nothing;
   } else if (key.name == Key::Name::enter) {
@@ -217,13 +220,13 @@ void MemoryScreen::on_letter(char32_t letter) {
     case U'a':
       return controller_.read_region();
     case U'c':
-      return begin_typing(Typing::file_to_compare, controller_.compared_path());
+      return choose_comparison();
     case U'd':
       return controller_.to_next_difference();
     case U's':
       return begin_typing(Typing::file_to_save, dump_name());
     case U'o':
-      return begin_typing(Typing::file_to_open);
+      return choose_dump();
     case U'1':
     case U'2':
     case U'3':
@@ -235,7 +238,7 @@ void MemoryScreen::on_letter(char32_t letter) {
 }
 
 Step MemoryScreen::on_key(const Key& key) {
-  if (answers(controller_.asking(), key)) return stay();
+  if (answers(controller_.asking(), key) || files_.on_key(key)) return stay();
   if (typing()) {
     on_typing_key(key);
     return stay();
@@ -261,6 +264,7 @@ Step MemoryScreen::on_key(const Key& key) {
 }
 
 std::vector<KeyHelp> MemoryScreen::keys() const {
+  if (files_.active()) return files_.keys();
   if (typing()) return {{"Enter", "done"}, {"Esc", "leave it"}};
   return {{"g", "go to"},
           {"/ m", "find, next"},
@@ -280,6 +284,7 @@ std::string MemoryScreen::help() const {
 }
 
 CellPosition MemoryScreen::cursor(const Area& area) const {
+  if (files_.active()) return files_.cursor(area.between_margins(), 0);
   if (!typing()) return {-1, -1};
   const int begin = width_of(prompt()) + 3;
   return {area.row + area.rows - 2, area.column + begin + text_.cursor_column(std::max(1, area.columns - begin - 1))};

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "app/screens/files/prompt.hpp"
 #include "app/screens/memory/picture.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
@@ -19,18 +20,25 @@ class MemoryScreen final : public Screen {
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return controller_.advance(rows_.shown()); }
-  [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing; }
+  [[nodiscard]] bool advance() override {
+    const bool looked = files_.advance();
+    return controller_.advance(rows_.shown()) || looked;
+  }
+  [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing || files_.active(); }
+  /// A dump, or a memory image.
+  void open(const std::string& path) { controller_.open(path); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { bytes, differences, written };
-  enum class Typing { nothing, place, sought, bytes, file_to_open, file_to_compare, file_to_save };
+  enum class Typing { nothing, place, sought, bytes, file_to_save };
   struct Target {
     Address address = 0;
     std::string text;
   };
 
+  void choose_dump();
+  void choose_comparison();
   void begin_typing(Typing what, const std::string& text = {});
   void typed();
   void on_typing_key(const Key& key);
@@ -57,6 +65,7 @@ class MemoryScreen final : public Screen {
   Page page_ = Page::bytes;
   Typing typing_ = Typing::nothing;
   TextLine text_;
+  Prompt files_;
   std::string choices_;  ///< files that the typed path may become
   DumpScope scope_ = DumpScope::all;
   ListPlace target_;

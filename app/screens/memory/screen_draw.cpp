@@ -42,6 +42,7 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
     if (!controller_.is_empty() && area.rows - below > 2)
       draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - bottom, area.columns - 2});
   }
+  if (files_.active()) return files_.draw(canvas, area.between_margins(), 0);
   if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - bottom, area.column + 1, bottom, area.columns - 2});
   draw_question(canvas, area, controller_.asking());
 }

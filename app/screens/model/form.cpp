@@ -11,11 +11,13 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/catalogue.hpp"
+#include "app/screens/files/prompt.hpp"
 #include "app/screens/model/screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/model_session/controller.hpp"
+#include "commissioning/session/recent_files.hpp"
 
 namespace ecs::app {
 namespace {
@@ -34,7 +36,12 @@ int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).
 
 class ModelForm final : public Screen {
  public:
-  explicit ModelForm(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {}
+  ModelForm(std::shared_ptr<UnitConnection> unit, const ModelFormFiles& files) : unit_(std::move(unit)) {
+    fields_[0].set(files.model);
+    for (const std::string& path : files.data) add_data(path);
+    fields_[2].set(files.machine);
+    if (!files.data.empty()) open();
+  }
   [[nodiscard]] std::string title() const override { return "open"; }
   void draw(Canvas& canvas, const Area& area) const override {
     const Area inside = area.between_margins();
@@ -51,11 +58,12 @@ class ModelForm final : public Screen {
         first + 5 + canvas.paragraph(inside, first + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
     if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
     if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
+    files_.draw(canvas, inside, 0);
     draw_question(canvas, area, asking_);
   }
 
   [[nodiscard]] Step on_key(const Key& key) override {
-    if (answers(asking_, key)) return stay();
+    if (answers(asking_, key) || files_.on_key(key)) return stay();
     if (key.name == Key::Name::escape) return back();
     if (!opening_.running()) on_field_key(key);
     return stay();
@@ -63,7 +71,8 @@ class ModelForm final : public Screen {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
-    return {{"Enter", "next field, then open"}, {"Tab", "complete a path"}, {"Esc", "back"}};
+    if (files_.active()) return files_.keys();
+    return {{"Enter", "next field, then open"}, {"Tab", "choose a file, or complete its path"}, {"Esc", "back"}};
   }
 
   [[nodiscard]] std::string help() const override {
@@ -73,7 +82,10 @@ class ModelForm final : public Screen {
            "lever arms and pitches; without it fewer causes can be distinguished.";
   }
 
-  [[nodiscard]] bool advance() override { return opening_.advance() || opening_.running(); }
+  [[nodiscard]] bool advance() override {
+    const bool looked = files_.advance();
+    return opening_.advance() || opening_.running() || looked;
+  }
 
   [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override {
     if (!ready_) return nullptr;
@@ -83,12 +95,32 @@ class ModelForm final : public Screen {
   [[nodiscard]] bool typing() const override { return !asking_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
     if (asking_.active()) return {-1, -1};
+    if (files_.active()) return files_.cursor(area.between_margins(), 0);
     return {area.row + first_row(area.columns - 2) + field_,
             area.column + 1 + kColumn +
                 fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
   }
 
  private:
+  void add_data(const std::string& path) {
+    const std::string quoted = path.find(' ') == std::string::npos ? path : '"' + path + '"';
+    const std::string before = fields_[1].text();
+    fields_[1].set(before.empty() ? quoted : before + " " + quoted);
+  }
+
+  void choose() {
+    constexpr std::array<FileKind, 3> kKinds{FileKind::model, FileKind::measurements, FileKind::machine};
+    constexpr std::array<const char*, 3> kLabels{"The model file", "Measured files", "The machine file"};
+    const auto field = static_cast<std::size_t>(field_);
+    files_.choose(kLabels[field], {{kKinds[field]}, field == 1}, [this, field](const std::string& path) {
+      if (field == 1)
+        add_data(path);
+      else
+        fields_[field].set(path);
+      field_ = std::min(2, static_cast<int>(field) + 1);
+    });
+  }
+
   void open() {
     hint_.clear();
     ModelArguments named = files();
@@ -128,6 +160,8 @@ class ModelForm final : public Screen {
     };
     opening_.start("opening", open, [this](Result<std::unique_ptr<ModelController>> controller) {
       if (controller) {
+        for (const std::string& path : files().data) remember_file(path);
+        for (const std::string& path : {files().machine, files().model}) remember_file(path);
         ready_ = std::move(*controller);
       } else {
         hint_ = to_text(controller.error());
@@ -157,6 +191,8 @@ class ModelForm final : public Screen {
       field_ = std::min(2, field_ + 1);
     } else if (key.name == Key::Name::mouse) {
       if (key.row >= fields_row_ && key.row < fields_row_ + 3) field_ = key.row - fields_row_;
+    } else if (key.name == Key::Name::tab && field.text().empty()) {
+      choose();
     } else if (key.name == Key::Name::tab) {
       const PathCompletion found = field_ == 1 ? completed_paths(field.text()) : completed_path(field.text());
       field.set(found.completed);
@@ -170,6 +206,7 @@ class ModelForm final : public Screen {
   std::shared_ptr<UnitConnection> unit_;
   std::array<TextLine, 3> fields_;
   int field_ = 0;
+  Prompt files_;
   std::string hint_;
   bool problem_ = false;
   Asking asking_;               ///< whether the model shall be begun in a new file
@@ -180,8 +217,8 @@ class ModelForm final : public Screen {
 
 }  // namespace
 
-std::unique_ptr<Screen> model_form(std::shared_ptr<UnitConnection> unit) {
-  return std::make_unique<ModelForm>(std::move(unit));
+std::unique_ptr<Screen> model_form(std::shared_ptr<UnitConnection> unit, const ModelFormFiles& files) {
+  return std::make_unique<ModelForm>(std::move(unit), files);
 }
 
 }  // namespace ecs::app

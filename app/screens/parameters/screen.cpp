@@ -69,6 +69,7 @@ std::string ParametersScreen::unsaved() const {
 
 bool ParametersScreen::advance() {
   bool changed = transfer_.advance();
+  if (prompt_ && prompt_->chooser) changed = prompt_->chooser->advance() || changed;
   if (Asking question = transfer_.take_question(); question.active()) asking_ = std::move(question);
   if (controller_.loaded() && on_group()) settle_on_field(1);
   if (!controller_.loaded() && seen_changes_ != transfer_.connection().changes()) {
@@ -116,14 +117,22 @@ Step ParametersScreen::on_start_key(const Key& key) {
           {"Drop the unsaved work?", fmt::format("What was edited at {} is lost.", draft_->kept), "drop", "keep"},
           [this] {
             ParametersController::drop_draft();
-            draft_.reset();
+            draft_ = controller_.draft();
             start_ = {};
           });
+    } else if (is_letter(key, U'b') || (enter && start_.selected == 2)) {
+      ParametersController::set_draft_aside();
+      draft_.reset();
+      start_ = {};
+      message_.say("The unsaved work is kept; it is offered again when there is no other.");
+    } else if (is_letter(key, U'o') || (enter && start_.selected == 3)) {
+      ParametersController::offer_another();
+      draft_ = controller_.draft();
     } else if (enter) {
       after(controller_.take_up_draft(), "the unsaved work is here again");
       if (controller_.loaded()) turn_page(0);
     } else {
-      (void)start_.on_key(key, 2);
+      (void)start_.on_key(key, ParametersController::drafts_aside() == 0 ? 3 : 4);
     }
     return stay();
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/screens/files/chooser.hpp"
 #include "app/screens/parameters/view.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
@@ -34,6 +35,8 @@ class ParametersScreen final : public Screen {
   [[nodiscard]] std::string unsaved() const override;
 
   [[nodiscard]] const ParametersController& controller() const { return controller_; }
+  /// A parameter file, or a machine file to begin new parameters from; a draft that is there is kept.
+  void open(const std::string& path, FileKind kind);
 
  private:
   enum class Page { configuration, compensation, datuming, findings, compare };
@@ -45,6 +48,7 @@ class ParametersScreen final : public Screen {
     TextLine path;
     std::string hint;  ///< what Tab found, or why the file was refused
     std::function<void(const std::string&)> done;
+    std::optional<FileChooser> chooser{};  ///< of a file that is there
   };
   /// A parameter being sought by its name or help.
   struct Seeking {
@@ -81,6 +85,10 @@ class ParametersScreen final : public Screen {
   void seek();
   void prompt_for(std::string title, std::string help, const std::string& path,
                   std::function<void(const std::string&)> done);
+  void choose_file(std::string title, FileWish wish, std::function<void(const std::string&)> done);
+  void on_chooser_key(const Key& key);
+  [[nodiscard]] Result<void> opened(const std::string& path);
+  [[nodiscard]] Result<void> begun_from(const std::string& machine);
   void ask_for_file();
   void ask_for_machine();
   void ask_for_check();

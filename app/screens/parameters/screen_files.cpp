@@ -1,10 +1,12 @@
 // What the parameters screen does beyond a single value: files asked for, sending, receiving, finding by name.
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/screens/parameters/screen.hpp"
 #include "base/text.hpp"
+#include "commissioning/session/recent_files.hpp"
 
 namespace ecs::app {
 
@@ -17,65 +19,92 @@ void ParametersScreen::after(const Result<void>& done, const std::string& said) 
 
 void ParametersScreen::unless_lost(const std::string& title, std::function<void()> what) {
   if (!controller_.unsaved()) return what();
-  asking_.ask({title,
-               fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
-                           controller_.changes(), controller_.changes() == 1 ? " is" : "s are"),
-               "go on, lose them", "stay"},
-              std::move(what));
+  asking_.ask(
+      {title,
+       fmt::format("{} change{} here neither saved nor sent. {} kept as a draft, which is offered again later; "
+                   "n, then s saves {} first.",
+                   controller_.changes(), controller_.changes() == 1 ? " is" : "s are",
+                   controller_.changes() == 1 ? "It is" : "They are", controller_.changes() == 1 ? "it" : "them"),
+       "go on, keep the draft", "stay"},
+      std::move(what));
 }
 
 void ParametersScreen::prompt_for(std::string title, std::string help, const std::string& path,
                                   std::function<void(const std::string&)> done) {
-  prompt_ = PathPrompt{std::move(title), std::move(help), TextLine(path), "", std::move(done)};
+  prompt_.emplace();
+  prompt_->title = std::move(title);
+  prompt_->help = std::move(help);
+  prompt_->path = TextLine(path);
+  prompt_->done = std::move(done);
+}
+
+void ParametersScreen::choose_file(std::string title, FileWish wish, std::function<void(const std::string&)> done) {
+  const std::filesystem::path beside = std::filesystem::path(controller_.file()).parent_path();
+  prompt_for(std::move(title), "", "", std::move(done));
+  prompt_->chooser.emplace(beside.empty() ? std::filesystem::current_path() : beside, std::move(wish));
+}
+
+void ParametersScreen::on_chooser_key(const Key& key) {
+  const FileChooser::Answer answer = prompt_->chooser->on_key(key);
+  if (answer == FileChooser::Answer::given_up) return prompt_.reset();
+  if (answer != FileChooser::Answer::chosen) return;
+  const auto done = prompt_->done;  // it ends the prompt, and with it the chooser
+  const std::string path = prompt_->chooser->taken().front();
+  done(path);
+  if (prompt_) prompt_->chooser->refuse(prompt_->hint);
+}
+
+Result<void> ParametersScreen::opened(const std::string& path) {
+  auto opened = controller_.open_file(path);
+  if (!opened) return opened;
+  prompt_.reset();
+  turn_page(0);
+  message_.say(path + " is open");
+  return {};
+}
+
+Result<void> ParametersScreen::begun_from(const std::string& machine) {
+  auto begun = controller_.start_from_machine(machine);
+  if (!begun) return begun;
+  prompt_.reset();
+  turn_page(0);
+  message_.say(
+      "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
+      std::string(controller_.findings().empty() ? "of the control" : "of the control; page 4 says what is missing"));
+  return {};
+}
+
+void ParametersScreen::open(const std::string& path, FileKind kind) {
+  if (draft_) ParametersController::set_draft_aside();
+  draft_.reset();
+  if (const auto done = kind == FileKind::machine ? begun_from(path) : opened(path); !done) message_.say(done.error());
 }
 
 void ParametersScreen::ask_for_file() {
-  const std::string beside = controller_.file().substr(0, controller_.file().rfind('/') + 1);
-  prompt_for("open the parameter file", "Path of a .toml file; Tab completes it.", beside,
-             [this](const std::string& path) {
-               auto opened = controller_.open_file(path);
-               if (!opened) {
-                 prompt_->hint = to_text(opened.error());
-                 return;
-               }
-               prompt_.reset();
-               turn_page(0);
-               message_.say(path + " is open");
-             });
+  choose_file("open the parameter file", {{FileKind::parameters}}, [this](const std::string& path) {
+    if (const auto done = opened(path); !done) prompt_->hint = to_text(done.error());
+  });
 }
 
 void ParametersScreen::ask_for_machine() {
-  prompt_for(
-      "new parameters for the machine file", "Path of a machine file (.toml); Tab completes it.", "",
-      [this](const std::string& path) {
-        auto begun = controller_.start_from_machine(path);
-        if (!begun) {
-          prompt_->hint = to_text(begun.error());
-          return;
-        }
-        prompt_.reset();
-        turn_page(0);
-        message_.say("new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
-                     std::string(controller_.findings().empty() ? "of the control"
-                                                                : "of the control; page 4 says what is missing"));
-      });
+  choose_file("new parameters for the machine file", {{FileKind::machine}}, [this](const std::string& path) {
+    if (const auto done = begun_from(path); !done) prompt_->hint = to_text(done.error());
+  });
 }
 
 void ParametersScreen::ask_for_check() {
-  prompt_for(
-      "check against the machine file",
-      "Path of a machine file (.toml): axes, travels, transducers and datum are compared with it. Empty: without.", "",
-      [this](const std::string& path) {
-        if (auto checked = controller_.check_with(path); !checked) {
-          prompt_->hint = to_text(checked.error());
-          return;
-        }
-        prompt_.reset();
-        const std::size_t count = controller_.findings().size();
-        message_.say(count == 0 ? "no findings for these parameters"
-                                : fmt::format("{} finding{}: page 4", count, count == 1 ? "" : "s"),
-                     count == 0 ? Tone::good : Tone::warning);
-      });
+  choose_file("check axes, travels, transducers and datum against the machine file",
+              {{FileKind::machine}, false, "without a machine file"}, [this](const std::string& path) {
+                if (auto checked = controller_.check_with(path); !checked) {
+                  prompt_->hint = to_text(checked.error());
+                  return;
+                }
+                prompt_.reset();
+                const std::size_t count = controller_.findings().size();
+                message_.say(count == 0 ? "no findings for these parameters"
+                                        : fmt::format("{} finding{}: page 4", count, count == 1 ? "" : "s"),
+                             count == 0 ? Tone::good : Tone::warning);
+              });
 }
 
 void ParametersScreen::ask_where_to_save() {
@@ -93,6 +122,7 @@ void ParametersScreen::save_to(const std::string& path) {
     return;
   }
   prompt_.reset();
+  remember_file(path);
   const std::size_t errors = controller_.errors();
   if (errors == 0)
     message_.say("saved to " + path);
@@ -103,6 +133,7 @@ void ParametersScreen::save_to(const std::string& path) {
 }
 
 void ParametersScreen::on_prompt_key(const Key& key) {
+  if (prompt_->chooser) return on_chooser_key(key);
   if (key.name == Key::Name::escape) {
     prompt_.reset();
   } else if (key.name == Key::Name::enter) {

@@ -37,6 +37,13 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 0, "the terminal is too small");
     return;
   }
+  if (prompt_ && prompt_->chooser) {
+    const Area inside = area.between_margins();
+    canvas.text(inside, 0, 0, prompt_->title, Tone::strong);
+    prompt_->chooser->draw(canvas, inside.below(1));
+    cursor_ = prompt_->chooser->cursor(inside.below(1));
+    return;
+  }
   if (!controller_.loaded()) {
     draw_start(canvas, area);
   } else {
@@ -70,14 +77,16 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
   const Area inside = area.between_margins();
   if (draft_) {
     int row = canvas.paragraph(inside, 0, fmt::format("Unsaved work of {} was found.", draft_->kept), Tone::strong);
-    draw_list(canvas, {inside.row + row + 1, inside.column, 2, inside.columns},
-              {{"Enter  takes it up where it was left"}, {"d      drops it"}}, start_);
-    row += 4;
-    canvas.paragraph(inside, row,
-                     "It was neither saved to a file nor sent to a unit. Other parameters can be opened when it has "
-                     "been taken up and saved, or dropped.",
-                     Tone::faint);
-    draw_message(canvas, inside.below(row + 3), message_);
+    std::vector<ListRow> rows{{"Enter  takes it up where it was left"},
+                              {"d      drops it"},
+                              {"b      begins with other parameters; it is kept and offered again later"}};
+    if (const std::size_t aside = ParametersController::drafts_aside(); aside > 0)
+      rows.push_back({fmt::format("o      offers another one: {} more", aside)});
+    const int count = static_cast<int>(rows.size());
+    draw_list(canvas, {inside.row + row + 1, inside.column, count, inside.columns}, rows, start_);
+    row += count + 2;
+    row += canvas.paragraph(inside, row, "It was neither saved to a file nor sent to a unit.", Tone::faint);
+    draw_message(canvas, inside.below(row + 1), message_);
     return;
   }
   int row = canvas.paragraph(inside, 0, "No parameters yet. Where shall they come from?", Tone::strong);
@@ -182,12 +191,18 @@ CellPosition ParametersScreen::cursor(const Area& /*area*/) const { return curso
 
 std::vector<KeyHelp> ParametersScreen::keys() const {
   if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
+  if (prompt_ && prompt_->chooser) {
+    std::vector<KeyHelp> keys;
+    for (const auto& [name, does] : prompt_->chooser->keys()) keys.push_back({name, does});
+    return keys;
+  }
   if (prompt_) return {{"Enter", "take it"}, {"Tab", "complete the path"}, {"Esc", "give it up"}};
   if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
   if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
   if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
   if (transfer_.task().running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
-  if (!controller_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (!controller_.loaded() && draft_)
+    return {{"Enter", "take it up"}, {"d", "drop it"}, {"b", "begin others"}, {"Esc", "back"}};
   if (!controller_.loaded())
     return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
   std::vector<KeyHelp> keys;

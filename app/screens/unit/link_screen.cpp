@@ -56,7 +56,10 @@ class LinkScreen final : public Screen {
   void draw(Canvas& canvas, const Area& area) const override {
     if (area.rows < 1 || area.columns < 10) return;
     draw_top(canvas, area.top(2));
-    const int message_part = std::max(2, rows_of_message(controller_.message(), area.columns - 2, area.rows / 3));
+    const std::string why = controller_.message().text().empty() ? controller_.unit().problem : std::string();
+    const int columns = area.columns - 2;
+    const int why_rows = why.empty() ? 0 : std::min(area.rows / 3, static_cast<int>(wrapped(why, columns).size()));
+    const int message_part = std::max({2, rows_of_message(controller_.message(), columns, area.rows / 3), why_rows});
     const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - message_part), area.columns - 2};
     if (page_ == Page::setting) draw_setting(canvas, body);
     if (page_ == Page::doctor) draw_doctor(canvas, body);
@@ -70,6 +73,8 @@ class LinkScreen final : public Screen {
             Tone::warning);
       else if (!controller_.message().text().empty())
         draw_message(canvas, bottom, controller_.message());
+      else if (!why.empty() && page_ != Page::doctor)
+        canvas.paragraph(bottom, 0, why, Tone::bad);
       else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
         canvas.paragraph(bottom, 0, help_here(), Tone::faint);
     }

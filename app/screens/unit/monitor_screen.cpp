@@ -10,6 +10,7 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/screens/unit/screens.hpp"
+#include "app/screens/utility/machine_driver.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
@@ -30,6 +31,7 @@ using protocol::MonitorSample;
 constexpr double kOld_s = 1.0;  ///< what is older is called old
 constexpr int kBarColumns = 11;
 constexpr double kStrip_s = 40.0;                      ///< of the unit's time
+constexpr double kStripGap_s = 2.5;                    ///< the strip is not joined over a longer time without samples
 constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
 constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the link
 
@@ -54,20 +56,22 @@ double largest_compensation(const WatchedUnit& unit) {
 }
 
 constexpr int kReferenceColumn = 26;
-constexpr int kBarColumn = 58;
+constexpr int kBarColumn = 59;
 
 std::string heading() {
   return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", "position mm", "mm/min", "ref", "sw",
                      "mark", "approach", "um", "added", "relay");
 }
 
-void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um) {
+/// @param sound  the unit has no fault: a reference counts for something
+void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um, bool sound) {
   canvas.text(area, row, 1,
               fmt::format("{} {:>11.4f} {:>9.1f}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), a.position_mm,
                           a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
                           a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
               Tone::strong);
-  canvas.paint({area.row + row, area.column + kReferenceColumn, 1, 3}, a.referenced ? Tone::good : Tone::warning);
+  canvas.paint({area.row + row, area.column + kReferenceColumn, 1, 3},
+               a.referenced && sound ? Tone::good : Tone::warning);
   draw_bar(canvas, area, row, kBarColumn, a.compensation_um / most_um);
   canvas.text(area, row, kBarColumn + kBarColumns + 2, a.relay_closed ? "closed" : "open",
               a.relay_closed ? Tone::good : Tone::faint);
@@ -94,7 +98,8 @@ void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, dou
   const double most_um = largest_compensation(unit);
   int row = 3;
   for (const Axis axis : kAllAxes)
-    if (sample.axes[index_of(axis)].present) draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um);
+    if (sample.axes[index_of(axis)].present)
+      draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um, sample.fault == Fault::none);
   if (!unit.problem.empty())
     canvas.paragraph({area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2}, 0, unit.problem,
                      Tone::bad);
@@ -119,7 +124,11 @@ class MonitorScreen final : public Screen {
     if (area.rows > kAbove + 6)
       draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
     const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
-    if (recording_)
+    if (prompt_.active())
+      prompt_.draw(canvas, area, area.rows - 1);
+    else if (driver_.running())
+      canvas.text(last, 0, 0, "The emulated machine moves; Esc stops it.", Tone::warning);
+    else if (recording_)
       canvas.text(last, 0, 0,
                   fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
                   Tone::warning);
@@ -127,9 +136,18 @@ class MonitorScreen final : public Screen {
       draw_message(canvas, last, message_);
   }
 
+  [[nodiscard]] bool typing() const override { return prompt_.active(); }
+  [[nodiscard]] CellPosition cursor(const Area& area) const override { return prompt_.cursor(area, area.rows - 1); }
+
   [[nodiscard]] Step on_key(const Key& key) override {
-    message_.clear();
     strip_at_ = {};
+    if (prompt_.on_key(key)) return stay();
+    message_.clear();
+    if (key.name == Key::Name::escape && driver_.stop()) return stay();
+    if (is_letter(key, U'j')) {
+      driver_.ask(prompt_, seen_, message_);
+      return stay();
+    }
     if (key.name == Key::Name::escape || is_letter(key, U'q')) {
       if (!recording_) return back();
       toggle_recording();
@@ -147,13 +165,16 @@ class MonitorScreen final : public Screen {
   }
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    return {{"f", frozen_ ? "go on" : "freeze"},
-            {"r", recording_ ? "end recording" : "record to CSV"},
-            {"x y z", "axis of the strip"},
-            {"v", "position, speed, um"},
-            {"t", environment_ ? "no thermometer" : "thermometer"},
-            {"e", "picture"},
-            {"Esc", "back"}};
+    if (prompt_.active()) return prompt_.keys();
+    std::vector<KeyHelp> keys{{"f", frozen_ ? "go on" : "freeze"},
+                              {"r", recording_ ? "end recording" : "record to CSV"},
+                              {"x y z", "axis of the strip"},
+                              {"v", "position, speed, um"},
+                              {"t", environment_ ? "no thermometer" : "thermometer"},
+                              {"e", "picture"},
+                              {"Esc", "back"}};
+    if (MachineDriver::can_drive(seen_)) keys.insert(keys.begin(), {"j", "jog"});
+    return keys;
   }
 
   [[nodiscard]] std::string help() const override {
@@ -162,20 +183,23 @@ class MonitorScreen final : public Screen {
            "samples and the age of what is shown. A lost link is opened again by itself. r records every sample to a "
            "CSV file until r is pressed again, until then beside it as .part; f freezes the picture, not the "
            "recording. t shows air and material temperature of a USB thermometer (TEMPer); a recording has them in its "
-           "last columns, empty while there is none.";
+           "last columns, empty while there is none. With the bundled emulator j drives its machine: to coordinates, "
+           "by a "
+           "block or by a part program.";
   }
 
   [[nodiscard]] bool advance() override {
+    const bool moves = driver_.advance();
     const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
     const bool weather = surroundings != surroundings_;
     surroundings_ = surroundings;
     const std::uint64_t changes = connection_->changes();
     const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
-    if (changes == changes_ && (!old || frozen_)) return weather;
+    if (changes == changes_ && (!old || frozen_)) return weather || moves;
     changes_ = changes;
     WatchedUnit now = connection_->now();
     record(now);
-    if (frozen_) return recording_.has_value() || weather;
+    if (frozen_) return recording_.has_value() || weather || moves;
     seen_ = std::move(now);
     (void)drawing_.advance();
     return true;
@@ -191,6 +215,8 @@ class MonitorScreen final : public Screen {
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
   Message message_;
+  Prompt prompt_;
+  MachineDriver driver_;
   std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
   TaskRunner drawing_;
@@ -241,7 +267,8 @@ class MonitorScreen final : public Screen {
     panel.title =
         fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
     panel.y_label = units[static_cast<int>(strip_)];
-    PlotSeries series{"", Mark::forward, {}};
+    PlotSeries series{names[static_cast<int>(strip_)], Mark::forward, {}};
+    series.longest_gap = kStripGap_s;
     for (const MonitorSample& sample : seen_.samples) {
       if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
       const AxisSample& a = sample.axes[index_of(axis_)];

@@ -4,7 +4,7 @@ namespace ecs::app {
 
 std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection) {
   return {
-      {"SET AXIS POSITION", "let the unit show another position; nothing moves",
+      {"SET AXIS POSITION", "what the unit shows for an axis; nothing moves",
        [connection] { return position_screen(connection); }},
       {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter; the relay",
        [connection] { return output_screen(connection); }},
@@ -13,7 +13,7 @@ std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& c
       {"DISPLAY DATUM SEQUENCE", "such a record as a graph; two over each other", [] { return datum_view_screen(); }},
       {"TEST DATUM ROUTINE", "the unit's datum routine, stage by stage",
        [connection] { return datum_test_screen(connection); }},
-      {"DISPLAY ECS STATUS", "mode, fault and what to do, memory, pointers",
+      {"DISPLAY ECS STATUS", "mode and fault; change the mode, clear, test memory",
        [connection] { return status_screen(connection); }},
       {"RUN USER SOFTWARE", "machine code in the unit's memory", [connection] { return run_screen(connection); }},
   };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/utility/machine_driver.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/datum_record_controller.hpp"
@@ -31,9 +32,10 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
     if (controller_.phase() == DatumRecordController::Phase::recording) {
       draw_progress(canvas, inside, kProgressRow, fmt::format("recording axis {}", axis), controller_.part(),
                     controller_.seconds_left());
-      canvas.text(inside, kProgressRow + 1, 0,
-                  fmt::format("so far: switch {}, marker {}", controller_.switch_seen() ? "reached" : "not reached",
-                              controller_.marker_seen() ? "seen" : "not seen"));
+      canvas.text(
+          inside, kProgressRow + 1, 0,
+          fmt::format("so far: switch {}, marker {} (the record sees what passes between two looks)",
+                      controller_.switch_seen() ? "seen" : "not yet", controller_.marker_seen() ? "seen" : "not yet"));
       row += canvas.paragraph(inside, row + 1,
                               controller_.referencing() ? std::string("The emulated machine is being referenced ...")
                               : controller_.emulator()
@@ -53,8 +55,15 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
     draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   }
 
+  [[nodiscard]] bool advance() override {
+    const bool moved = driver_.advance();
+    return UtilityScreen::advance() || moved;
+  }
+  [[nodiscard]] Step leave() override { return driver_.stop() ? stay() : UtilityScreen::leave(); }
+
   void on_command(const Key& key) override {
     if (is_letter(key, U'g')) controller_.reference();
+    if (is_letter(key, U'j')) driver_.ask(prompt_, controller_.unit().watched, controller_.message());
     if (controller_.busy()) return;
     if (choose_axis(place_, key, controller_.unit().axes(), kDatumRecordAxisRow + 2)) return;
     if (key.name == Key::Name::enter)
@@ -63,12 +72,17 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "record"}, {"n", "not now"}};
+    if (prompt_.active()) return prompt_.keys();
+    const bool drives = MachineDriver::can_drive(controller_.unit().watched);
     if (controller_.busy()) {
       std::vector<KeyHelp> keys{{"Esc", "give up"}};
       if (controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
+      if (drives) keys.push_back(MachineDriver::key());
       return keys;
     }
-    return {{"Enter", "record"}, {"up/down x y z", "axis"}, {"Esc", "back"}};
+    std::vector<KeyHelp> keys{{"Enter", "record"}, {"up/down x y z", "axis"}, {"Esc", "back"}};
+    if (drives) keys.insert(keys.begin() + 2, MachineDriver::key());
+    return keys;
   }
 
   [[nodiscard]] std::string help() const override { return kDatumRecordExplained; }
@@ -82,6 +96,7 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
   [[nodiscard]] Axis chosen() const { return chosen_axis(place_, controller_.unit().axes()); }
 
   ListPlace place_;
+  MachineDriver driver_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/utility/machine_driver.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/datum_test_controller.hpp"
@@ -59,8 +60,15 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
     draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   }
 
+  [[nodiscard]] bool advance() override {
+    const bool moved = driver_.advance();
+    return UtilityScreen::advance() || moved;
+  }
+  [[nodiscard]] Step leave() override { return driver_.stop() ? stay() : UtilityScreen::leave(); }
+
   void on_command(const Key& key) override {
     if (is_letter(key, U'g')) controller_.reference();
+    if (is_letter(key, U'j')) driver_.ask(prompt_, controller_.unit().watched, controller_.message());
     if (controller_.busy()) return;
     const auto& rows = controller_.rows();
     if (place_.on_key(key, static_cast<int>(rows.size()))) return;
@@ -74,12 +82,17 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "test"}, {"n", "not now"}};
+    if (prompt_.active()) return prompt_.keys();
+    const bool drives = MachineDriver::can_drive(controller_.unit().watched);
     if (controller_.busy()) {
       std::vector<KeyHelp> keys{{"Esc", "give up"}};
       if (controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
+      if (drives) keys.push_back(MachineDriver::key());
       return keys;
     }
-    return {{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}};
+    std::vector<KeyHelp> keys{{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}};
+    if (drives) keys.insert(keys.begin() + 3, MachineDriver::key());
+    return keys;
   }
 
   [[nodiscard]] std::string help() const override {
@@ -125,6 +138,7 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
   }
 
   ListPlace place_;
+  MachineDriver driver_;
 };
 
 }  // namespace

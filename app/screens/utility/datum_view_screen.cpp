@@ -23,6 +23,7 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
   explicit DatumViewScreen(std::optional<DatumRecording> recording) {
     if (recording) controller_.take(std::move(*recording));
   }
+  explicit DatumViewScreen(const std::string& path) { controller_.open(path); }
 
   [[nodiscard]] std::string title() const override { return "DISPLAY DATUM SEQUENCE"; }
   void draw_inside(Canvas& canvas, const Area& inside) const override {
@@ -60,7 +61,7 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
-    if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
+    if (prompt_.active()) return prompt_.keys();
     if (controller_.first() == nullptr) {
       if (controller_.draft())
         return {{"Enter", "take the record up"}, {"d", "drop it"}, {"o", "open a file"}, {"Esc", "back"}};
@@ -142,12 +143,13 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
 
   void ask_file(bool as_overlay) {
     if (as_overlay) {
-      prompt_.ask("Second record:", Prompt::Kind::path, "",
-                  [this](const std::string& path) { controller_.overlay(path); });
+      prompt_.choose("Second record of a datum sequence", {{FileKind::datum_record}},
+                     [this](const std::string& path) { controller_.overlay(path); });
       return;
     }
     const auto ask = [this] {
-      prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
+      prompt_.choose("Open a record of a datum sequence", {{FileKind::datum_record}},
+                     [this](const std::string& path) { controller_.open(path); });
     };
     if (controller_.saved())
       ask();
@@ -162,7 +164,10 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
       ask_file(false);
     } else if (controller_.first() == nullptr) {
       if (key.name == Key::Name::enter && controller_.draft()) controller_.take_draft();
-      if (is_letter(key, U'd') && controller_.draft()) controller_.drop_earlier_draft();
+      if (is_letter(key, U'd') && controller_.draft())
+        asking_.ask({"Drop the unsaved record?", fmt::format("The record of {} is lost.", controller_.draft()->kept),
+                     "drop", "keep it"},
+                    [this] { controller_.drop_earlier_draft(); });
     } else if (is_letter(key, U's')) {
       ask_where_to_save(controller_.proposed_name());
     } else if (is_letter(key, U'v')) {
@@ -212,6 +217,10 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
 };
 
 }  // namespace
+
+std::unique_ptr<Screen> datum_view_screen_of(const std::string& path) {
+  return std::make_unique<DatumViewScreen>(path);
+}
 
 std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording) {
   return std::make_unique<DatumViewScreen>(std::move(recording));

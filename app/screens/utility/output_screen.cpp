@@ -73,7 +73,7 @@ class OutputScreen final : public UtilityScreen<OutputController> {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "the axis may move"}, {"n", "leave it"}};
-    if (prompt_.active()) return {{"Enter", "take the number"}, {"Esc", "leave it"}};
+    if (prompt_.active()) return prompt_.keys();
     return {{"o", "ALL OFF"},
             {"Enter", "value"},
             {"+ -", "step"},
@@ -123,12 +123,12 @@ class OutputScreen final : public UtilityScreen<OutputController> {
     prompt_.ask(fmt::format("Value for {}, um:", letter_of(controller_.axis())), Prompt::Kind::number, "",
                 [this](const std::string& typed) {
                   const auto um = controller_.value_in(typed);
-                  if (!um)
-                    controller_.message().say(um.error());
-                  else if (controller_.setting().relay)
+                  if (!um) return um.error().message;
+                  if (controller_.setting().relay)
                     asking_.ask(controller_.question(*um), [this, um = *um] { controller_.set(um, true); });
                   else
                     controller_.set(*um, false);
+                  return std::string();
                 });
   }
 
@@ -143,10 +143,9 @@ class OutputScreen final : public UtilityScreen<OutputController> {
     prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(controller_.axis())), Prompt::Kind::number,
                 moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) {
                   const auto proposal = controller_.scale_from_measured(typed);
-                  if (proposal)
-                    proposal_ = proposal->sentence;
-                  else
-                    controller_.message().say(proposal.error());
+                  if (!proposal) return proposal.error().message;
+                  proposal_ = proposal->sentence;
+                  return std::string();
                 });
   }
 

@@ -49,61 +49,6 @@ int draw_axis_rows(Canvas& canvas, const Area& area, int row, const UnitView& un
   return r - row + 1;
 }
 
-void Prompt::ask(std::string label, Kind kind, const std::string& text,
-                 std::function<void(const std::string&)> on_text) {
-  label_ = std::move(label);
-  kind_ = kind;
-  line_.set(text);
-  hint_.clear();
-  on_text_ = std::move(on_text);
-}
-
-bool Prompt::on_key(const Key& key) {
-  if (!active()) return false;
-  hint_.clear();
-  if (key.name == Key::Name::escape) {
-    on_text_ = nullptr;
-  } else if (key.name == Key::Name::enter) {
-    const auto on_text = std::move(on_text_);
-    on_text_ = nullptr;
-    if (!line_.text().empty()) on_text(line_.text());
-  } else if (key.name == Key::Name::tab && kind_ == Kind::path) {
-    const PathCompletion completion = completed_path(line_.text());
-    line_.set(completion.completed);
-    for (const std::string& choice : completion.choices) hint_ += (hint_.empty() ? "" : "  ") + choice;
-  } else {
-    (void)line_.on_key(key);
-  }
-  return true;
-}
-
-int Prompt::columns(const Area& area) const {
-  const int room = area.columns - width_of(label_) - 2;
-  return std::max(8, kind_ == Kind::number ? std::min(16, room) : room);
-}
-
-void Prompt::draw(Canvas& canvas, const Area& area, int row) const {
-  if (!active()) return;
-  canvas.fill({area.row + row, area.column, 1, area.columns});
-  const int begin = canvas.text(area, row, 0, label_ + " ", Tone::strong);
-  line_.draw(canvas, area, row, begin, columns(area), true);
-  const std::string hint = !hint_.empty() ? hint_ : "Enter takes it, Esc leaves it";
-  const int beside = begin + columns(area) + 2;
-  if (kind_ == Kind::number)
-    canvas.paragraph({area.row + row, area.column + beside, 1, std::max(0, area.columns - beside)}, 0, hint,
-                     Tone::faint);
-  if (kind_ == Kind::path && row > 0) {
-    canvas.fill({area.row + row - 1, area.column, 1, area.columns});
-    canvas.paragraph(area.below(row - 1).top(1), 0, hint_.empty() ? "Tab completes the path; " + hint : hint_,
-                     Tone::faint);
-  }
-}
-
-CellPosition Prompt::cursor(const Area& area, int row) const {
-  if (!active()) return {-1, -1};
-  return {area.row + row, area.column + width_of(label_) + 1 + line_.cursor_column(columns(area))};
-}
-
 std::optional<int> axis_clicked(const Key& key, int first_row, int count) {
   const int k = key.row - first_row;
   if (key.name != Key::Name::mouse || k < 0 || k >= count) return std::nullopt;

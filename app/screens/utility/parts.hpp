@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/screens/files/prompt.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
@@ -20,26 +21,6 @@ void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& un
 /// Heading and a row for each axis: position, speed, referenced, switch, marker, relay; `chosen` is marked.
 /// @return rows used
 int draw_axis_rows(Canvas& canvas, const Area& area, int row, const UnitView& unit, std::optional<Axis> chosen);
-
-/// A line of text asked for: a number, a file. Enter takes it, Esc drops it, Tab completes a path.
-class Prompt {
- public:
-  enum class Kind { number, path };
-  void ask(std::string label, Kind kind, const std::string& text, std::function<void(const std::string&)> on_text);
-  [[nodiscard]] bool active() const { return on_text_ != nullptr; }
-  /// @return whether the key was for the line: while it is open, all are
-  bool on_key(const Key& key);
-  void draw(Canvas& canvas, const Area& area, int row) const;
-  [[nodiscard]] CellPosition cursor(const Area& area, int row) const;
-
- private:
-  [[nodiscard]] int columns(const Area& area) const;
-  std::string label_;
-  Kind kind_ = Kind::number;
-  TextLine line_;
-  std::string hint_;
-  std::function<void(const std::string&)> on_text_;
-};
 
 /// Which of `count` axes was clicked whose first stands on this row of the canvas.
 [[nodiscard]] std::optional<int> axis_clicked(const Key& key, int first_row, int count);
@@ -58,7 +39,10 @@ class UtilityScreen : public Screen {
   UtilityScreen() = default;
   explicit UtilityScreen(std::shared_ptr<UnitConnection> connection) : controller_(std::move(connection)) {}
 
-  [[nodiscard]] bool advance() override { return controller_.advance(); }
+  [[nodiscard]] bool advance() override {
+    const bool looked = prompt_.advance();
+    return controller_.advance() || looked;
+  }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
   void draw(Canvas& canvas, const Area& area) const final {
     const Area inside = area.between_margins();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/utility/machine_driver.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/position_controller.hpp"
@@ -28,7 +29,9 @@ class PositionScreen final : public UtilityScreen<PositionController> {
     if (!prompt_.active())
       canvas.text(inside, kPositionPromptRow, 0,
                   controller_.busy() ? "Sending ..."
-                                     : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
+                  : driver_.running()
+                      ? "The emulated machine moves; Esc stops it."
+                      : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
     int row = kPositionPromptRow + 2;
     row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
     const auto& done = controller_.done();
@@ -39,22 +42,31 @@ class PositionScreen final : public UtilityScreen<PositionController> {
     draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   }
 
+  [[nodiscard]] bool advance() override {
+    const bool moved = driver_.advance();
+    return UtilityScreen::advance() || moved;
+  }
+  [[nodiscard]] Step leave() override { return driver_.stop() ? stay() : UtilityScreen::leave(); }
+
   void on_command(const Key& key) override {
     if (choose_axis(place_, key, controller_.unit().axes(), kPositionAxisRow + 2)) return;
     if (key.name == Key::Name::enter && !controller_.busy()) type();
+    if (is_letter(key, U'j')) driver_.ask(prompt_, controller_.unit().watched, controller_.message());
     if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) controller_.undo();
   }
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "set it"}, {"n", "leave it"}};
-    if (prompt_.active()) return {{"Enter", "take the number"}, {"Esc", "leave it"}};
-    return {{"Enter", "set the position"}, {"up/down x y z", "axis"}, {"u", "undo"}, {"Esc", "back"}};
+    if (prompt_.active()) return prompt_.keys();
+    std::vector<KeyHelp> keys{{"Enter", "set the position"}, {"up/down x y z", "axis"}, {"u", "undo"}, {"Esc", "back"}};
+    if (MachineDriver::can_drive(controller_.unit().watched)) keys.insert(keys.begin() + 2, MachineDriver::key());
+    return keys;
   }
 
   [[nodiscard]] std::string help() const override {
     return std::string(kPositionExplained) +
            " The unit takes it in integration mode only. u undoes what was set last: the axis is shifted back by the "
-           "same amount, also if it has moved since.";
+           "same amount, also if it has moved since. With the bundled emulator j drives its machine.";
   }
 
  private:
@@ -66,15 +78,15 @@ class PositionScreen final : public UtilityScreen<PositionController> {
     prompt_.ask(fmt::format("New position of {}, mm:", letter_of(axis)), Prompt::Kind::number, "",
                 [this, axis](const std::string& typed) {
                   const auto position = PositionController::position_in(typed);
-                  if (!position)
-                    controller_.message().say(position.error());
-                  else
-                    asking_.ask(controller_.question(axis, *position),
-                                [this, axis, mm = *position] { controller_.set(axis, mm); });
+                  if (!position) return position.error().message;
+                  asking_.ask(controller_.question(axis, *position),
+                              [this, axis, mm = *position] { controller_.set(axis, mm); });
+                  return std::string();
                 });
   }
 
   ListPlace place_;
+  MachineDriver driver_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/ui/menu_screen.hpp"
@@ -16,8 +17,12 @@ namespace ecs::app {
 [[nodiscard]] std::unique_ptr<Screen> datum_record_screen(std::shared_ptr<UnitConnection> connection);
 /// @param recording  that was just made; nothing: none yet
 [[nodiscard]] std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording = std::nullopt);
+/// With this record open.
+[[nodiscard]] std::unique_ptr<Screen> datum_view_screen_of(const std::string& path);
 [[nodiscard]] std::unique_ptr<Screen> datum_test_screen(std::shared_ptr<UnitConnection> connection);
-[[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection);
+/// @param file  saved state of a unit, or a dump, that is shown first; empty: the unit
+[[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection,
+                                                    const std::string& file = {});
 [[nodiscard]] std::unique_ptr<Screen> run_screen(std::shared_ptr<UnitConnection> connection);
 
 [[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection);

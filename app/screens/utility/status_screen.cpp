@@ -29,7 +29,10 @@ int draw_entry(Canvas& canvas, const Area& area, int row, const std::string& nam
 
 class StatusScreen final : public UtilityScreen<StatusController> {
  public:
-  using UtilityScreen::UtilityScreen;
+  StatusScreen(std::shared_ptr<UnitConnection> connection, const std::string& file)
+      : UtilityScreen(std::move(connection)) {
+    if (!file.empty()) controller_.open(file);
+  }
 
   [[nodiscard]] std::string title() const override { return "DISPLAY ECS STATUS"; }
   void draw_inside(Canvas& canvas, const Area& inside) const override {
@@ -80,7 +83,7 @@ class StatusScreen final : public UtilityScreen<StatusController> {
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
-    if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
+    if (prompt_.active()) return prompt_.keys();
     if (controller_.busy()) return {{"Esc", "give up"}};
     if (controller_.file() != nullptr)
       return {{"Tab 1 2 3", "page"},
@@ -163,6 +166,11 @@ class StatusScreen final : public UtilityScreen<StatusController> {
                             Tone::plain);
     row += s.fault == Fault::none ? draw_entry(canvas, area, row, "fault", "none", Tone::good)
                                   : draw_entry(canvas, area, row, "fault", fault_sentence(s), Tone::bad);
+    for (const Axis a : kAllAxes)
+      if (const DatumFailure why = s.axes[index_of(a)].datum_failure; why != DatumFailure::none)
+        row += draw_entry(canvas, area, row, "cause",
+                          fmt::format("axis {}: {}. What to do: {}", letter_of(a), ecs::name_of(why), advice_for(why)),
+                          Tone::bad);
     ++row;
     for (const std::string& line : owned_lines_of(memory_text(s))) {
       const bool wrong = line.find("failed") != std::string::npos || line.find("differ") != std::string::npos;
@@ -198,7 +206,8 @@ class StatusScreen final : public UtilityScreen<StatusController> {
     if (is_letter(key, U's')) ask_save();
     if (is_letter(key, U'l')) controller_.close_file();
     if (is_letter(key, U'o'))
-      prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
+      prompt_.choose("Open the saved state of a unit, or a dump of its memory", {{FileKind::status, FileKind::memory}},
+                     [this](const std::string& path) { controller_.open(path); });
   }
 
   void ask_save() {
@@ -215,8 +224,8 @@ class StatusScreen final : public UtilityScreen<StatusController> {
 
 }  // namespace
 
-std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection) {
-  return std::make_unique<StatusScreen>(std::move(connection));
+std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection, const std::string& file) {
+  return std::make_unique<StatusScreen>(std::move(connection), file);
 }
 
 }  // namespace ecs::app

@@ -2,6 +2,7 @@
 #include "app/screens/verbs/verb_screen.hpp"
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/catalogue.hpp"
+#include "app/screens/files/prompt.hpp"
 #include "app/screens/verbs/live_screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
@@ -22,6 +24,18 @@
 
 namespace ecs::app {
 namespace {
+
+/// What an argument of this name holds; empty: any file.
+std::vector<FileKind> kinds_for(const std::string& argument) {
+  static const std::map<std::string, FileKind> kKinds{
+      {"MODEL", FileKind::model},         {"--machine", FileKind::machine},
+      {"MACHINE", FileKind::machine},     {"DATA", FileKind::measurements},
+      {"--data", FileKind::measurements}, {"PARAMS", FileKind::parameters},
+      {"--params", FileKind::parameters}, {"MAP", FileKind::map},
+      {"DUMP", FileKind::memory}};
+  const auto found = kKinds.find(argument);
+  return found == kKinds.end() ? std::vector<FileKind>{} : std::vector{found->second};
+}
 
 class VerbScreen final : public Screen {
  public:
@@ -40,6 +54,7 @@ class VerbScreen final : public Screen {
   void draw(Canvas& canvas, const Area& area) const override {
     if (reading_) return draw_answer(canvas, area);
     const Area inside = area.between_margins();
+    if (files_.active()) return files_.draw(canvas, inside, 0);
     int row = canvas.paragraph(inside, 0, verb_.help, Tone::strong);
     const int fields = field_rows(area);
     if (values_.empty())
@@ -63,7 +78,7 @@ class VerbScreen final : public Screen {
   }
 
   [[nodiscard]] Step on_key(const Key& key) override {
-    if (key.name == Key::Name::resized) return stay();
+    if (key.name == Key::Name::resized || files_.on_key(key)) return stay();
     hint_.clear();
     refused_ = false;
     if (key.name == Key::Name::escape) {
@@ -84,11 +99,13 @@ class VerbScreen final : public Screen {
   }
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (files_.active()) return files_.keys();
     if (task_.running()) return {{"Esc", "stop it"}};
     if (reading_)
       return {{"up/down", "read"},   {"left/right", "sideways"}, {"PgUp/PgDn", "page"},
               {"Home", "beginning"}, {"Esc", "to the fields"},   {"F5", "run again"}};
-    std::vector<KeyHelp> keys{{"Enter", "run"}, {"up/down", "field"}, {"Tab", "complete a path"}, {"Space", "choose"}};
+    std::vector<KeyHelp> keys{
+        {"Enter", "run"}, {"up/down", "field"}, {"Tab", "choose a file, complete"}, {"Space", "choose"}};
     if (answer_) keys.insert(keys.begin() + 1, {"PgDn", "read the answer"});
     keys.push_back({"Esc", "back"});
     return keys;
@@ -96,15 +113,20 @@ class VerbScreen final : public Screen {
 
   [[nodiscard]] std::string help() const override {
     return verb_.help + ". The fields are the options of the verb `ecs " + verb_.name() +
-           "`; those with * are needed. " + "Several files are separated by blanks. " + verb_.example +
+           "`; those with * are needed. " +
+           "Tab in an empty field chooses a file. Several files are separated by blanks. " + verb_.example +
            "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
            "headings (< and > at the edges mark where it goes on), Home is its beginning, Esc goes back to the fields.";
   }
 
-  [[nodiscard]] bool advance() override { return task_.advance() || task_.running(); }
+  [[nodiscard]] bool advance() override {
+    const bool looked = files_.advance();
+    return task_.advance() || task_.running() || looked;
+  }
 
   [[nodiscard]] bool typing() const override { return !reading_; }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
+    if (files_.active()) return files_.cursor(area.between_margins(), 0);
     if (reading_ || values_.empty()) return {-1, -1};
     const int names = name_columns();
     const int heading = static_cast<int>(wrapped(verb_.help, area.columns - 2).size());
@@ -227,7 +249,10 @@ class VerbScreen final : public Screen {
     const VerbOption& option = verb_.options[static_cast<std::size_t>(field_.selected)];
     TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
     if (key.name == Key::Name::tab) {
-      complete();
+      if (value.text().empty() && !option.output && option.choices.empty() && !option.flag)
+        choose_file();
+      else
+        complete();
     } else if (option.flag) {
       if (is_letter(key, U' ')) value.set(value.text().empty() ? "yes" : "");
     } else if (!option.choices.empty() &&
@@ -276,6 +301,16 @@ class VerbScreen final : public Screen {
       if (answer_->exit_code > 1) log_event(Tone::bad, verb_.name() + ": " + line);
   }
 
+  void choose_file() {
+    const auto at = static_cast<std::size_t>(field_.selected);
+    const VerbOption& option = verb_.options[at];
+    files_.choose(option.help, {kinds_for(option.name), option.many}, [this, at](const std::string& path) {
+      const std::string quoted =
+          path.find(' ') == std::string::npos || !verb_.options[at].many ? path : '"' + path + '"';
+      values_[at].set(values_[at].text().empty() ? quoted : values_[at].text() + " " + quoted);
+    });
+  }
+
   void complete() {
     TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
     const bool many = verb_.options[static_cast<std::size_t>(field_.selected)].many;
@@ -297,6 +332,7 @@ class VerbScreen final : public Screen {
   std::shared_ptr<UnitConnection> connection_;
   std::vector<TextLine> values_;
   ListPlace field_;
+  Prompt files_;
   mutable int fields_row_ = 0;   ///< of the canvas, as drawn last
   mutable int seen_fields_ = 0;  ///< rows of them
   bool reading_ = false;         ///< the keys scroll the answer

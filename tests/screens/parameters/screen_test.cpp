@@ -201,6 +201,7 @@ TEST_CASE("a file with wrong values is refused with every reason, and the name s
   CHECK(reads(text, "broken_values.toml:"));
   CHECK(reads(text, "samples/params/broken_values.toml_"));
   CHECK_FALSE(screen.controller().loaded());
+  (void)press(screen, Key::Name::escape);  // what is typed
   (void)press(screen, Key::Name::escape);
   CHECK(reads(picture(screen), "receive from the unit"));
 }
@@ -290,6 +291,44 @@ TEST_CASE("unsaved work of another time is dropped only after a yes") {
   CHECK(reads(picture(screen), "receive from the unit"));
 }
 
+TEST_CASE("u takes back the work of a draft that was taken up") {
+  const ParametersCase one;
+  {
+    ParametersScreen screen(no_link());
+    open_file(screen, one);
+    find(screen, "deadband");
+    edit(screen, "7.5");
+  }
+  ParametersScreen screen(no_link());
+  (void)press(screen, Key::Name::enter);
+  type(screen, "u");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
+  CHECK(reads(picture(screen), "the work of the draft"));
+  type(screen, "y");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+}
+
+TEST_CASE("a draft stays while other parameters are begun and edited, and each is offered again") {
+  const ParametersCase one;
+  for (const char* value : {"7.5", "8.5"}) {
+    ParametersScreen screen(no_link());
+    if (draft_of("parameters")) type(screen, "b");
+    open_file(screen, one);
+    find(screen, "deadband");
+    edit(screen, value);
+  }
+  ParametersScreen screen(no_link());
+  CHECK(reads(picture(screen), "offers another one: 1 more"));
+  type(screen, "o");
+  (void)press(screen, Key::Name::enter);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(drafts_aside("parameters") == 1);
+  ParametersController::drop_draft();
+  ParametersScreen last(no_link());
+  (void)press(last, Key::Name::enter);
+  CHECK(last.controller().set().parameters.axes[0].deadband_um == 8.5);
+}
+
 TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
@@ -300,7 +339,7 @@ TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
   type(screen, "n");
   for (const char* key : {"o", "n", "r"}) {
     type(screen, key);
-    CHECK(reads(picture(screen), "go on, lose them"));
+    CHECK(reads(picture(screen), "go on, keep the draft"));
     (void)press(screen, Key::Name::escape);
   }
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);

@@ -82,7 +82,7 @@ TEST_CASE("g takes the unit's value; receiving over edits asks first and can be 
   CHECK(reads(picture(screen), "Screen, file and unit hold the same."));
   type(screen, "u");
   type(screen, "r");
-  CHECK(reads(picture(screen), "go on, lose them"));
+  CHECK(reads(picture(screen), "go on, keep the draft"));
   type(screen, "y");
   REQUIRE(shows(screen, "received from EMULATOR"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);

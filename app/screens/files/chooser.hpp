@@ -1,30 +1,38 @@
-// Choosing files: a folder's list with what each file is taken for, marks, a path typed with completion.
+// Choosing files: the files used last, a folder's list with what each file is, marks, a path typed with completion.
 #pragma once
 
 #include <filesystem>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/ui/widgets.hpp"
-#include "commissioning/laser_session/lines.hpp"
+#include "commissioning/files/kind.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
+
+/// What is to be chosen.
+struct FileWish {
+  std::vector<FileKind> kinds;  ///< these are offered first, others can be taken as well; empty: any
+  bool many = false;            ///< several files at once
+  std::string none{};           ///< a row that takes an empty path: "back to the unit"; empty: there is none
+  [[nodiscard]] bool has(FileKind kind) const;
+};
 
 /// A row of a folder.
 struct FolderEntry {
   std::string name;
   bool folder = false;
-  std::string what;  ///< what it is taken for; empty: not looked at yet
-  bool readable = false;
-  std::string why_not;  ///< of a file that nothing reads
+  bool looked_at = false;
+  FileLook look;
 };
 
-class LaserChooser {
+class FileChooser {
  public:
-  explicit LaserChooser(const std::filesystem::path& folder);
+  FileChooser(const std::filesystem::path& folder, FileWish wish);
 
   enum class Answer { open, chosen, given_up };
   /// Space marks, Enter opens a folder or takes what is marked, Backspace goes up, letters type a path.
@@ -32,6 +40,8 @@ class LaserChooser {
   /// What Enter took: full paths.
   [[nodiscard]] const std::vector<std::string>& taken() const { return taken_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  /// Why what was taken is refused: it stays open.
+  void refuse(const std::string& why);
 
   void draw(Canvas& canvas, const Area& area) const;
   [[nodiscard]] CellPosition cursor(const Area& area) const;
@@ -40,14 +50,19 @@ class LaserChooser {
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys() const;
 
  private:
-  enum class RowKind { up, all, entry };
+  enum class RowKind { none, up, all, recent, entry };
   struct Row {
     RowKind kind = RowKind::entry;
-    std::size_t entry = 0;
+    std::size_t at = 0;  ///< of the recent files or of the entries
   };
-  using Looked = std::map<std::string, FolderEntry>;
+  struct Looked {
+    std::map<std::string, FileLook> entries;
+    std::vector<std::pair<std::string, FileLook>> recent;  ///< of the kinds that are wished for
+  };
   void go(const std::filesystem::path& folder);
   void take(Looked looked);
+  void put_wished_first();
+  [[nodiscard]] bool wished(const FolderEntry& entry) const;
   [[nodiscard]] std::vector<Row> rows() const;
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] ListRow picture_of_row(const Row& row, int columns) const;
@@ -55,15 +70,20 @@ class LaserChooser {
   void mark(const Row& row);
   [[nodiscard]] Answer enter();
   [[nodiscard]] Answer enter_typed();
+  [[nodiscard]] Answer taken_now();
   void complete();
 
   std::filesystem::path folder_;
+  FileWish wish_;
   std::vector<FolderEntry> entries_;
+  std::vector<std::pair<std::string, FileLook>> recent_;
   std::set<std::string> marked_;  ///< names in this folder
   std::vector<std::string> taken_;
   TextLine typed_;
   ListPlace place_;
+  bool moved_ = false;  ///< the cursor was moved in this folder
   std::string hint_;
+  bool refused_ = false;
   TaskRunner looking_;
   bool look_again_ = false;  ///< the folder changed meanwhile
 };

@@ -1,4 +1,4 @@
-#include "app/screens/laser/chooser.hpp"
+#include "app/screens/files/chooser.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -6,12 +6,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "commissioning/session/recent_files.hpp"
+
 namespace ecs::app {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kFolder = "Folder ";
-constexpr std::uintmax_t kMostLookedAt = 16U << 20;  ///< bytes; larger files are read when they are chosen
+constexpr std::size_t kMostRecent = 4;       ///< rows of files used last
+constexpr std::size_t kRecentLookedAt = 12;  ///< files used last that are looked into to find those
 
 std::vector<FolderEntry> entries_of(const fs::path& folder) {
   std::vector<FolderEntry> entries;
@@ -30,26 +33,6 @@ std::vector<FolderEntry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-FolderEntry looked_at(const fs::path& path) {
-  FolderEntry entry;
-  entry.name = path.filename().string();
-  std::error_code fault;
-  if (fs::file_size(path, fault) > kMostLookedAt) {
-    entry.what = "large: read when it is chosen";
-    return entry;
-  }
-  const LaserFile file = read_laser_file({path.string(), {}});
-  entry.readable = file.set != nullptr || file.wants_answers || file.is_map;
-  entry.why_not = file.problem;
-  if (file.set || file.is_map)
-    entry.what = fmt::format("{}  {}", file.summary, file.format);
-  else if (!file.format.empty())
-    entry.what = file.format + ": no readings";
-  else
-    entry.what = file.wants_answers ? "does not say enough: take it, then Enter answers" : "not read";
-  return entry;
-}
-
 fs::path home() {
   const char* folder = std::getenv("HOME");
   return folder == nullptr ? fs::path("/") : fs::path(folder);
@@ -57,9 +40,19 @@ fs::path home() {
 
 }  // namespace
 
-LaserChooser::LaserChooser(const fs::path& folder) { go(folder); }
+bool FileWish::has(FileKind kind) const {
+  return kinds.empty() || std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
 
-void LaserChooser::go(const fs::path& folder) {
+FileChooser::FileChooser(const fs::path& folder, FileWish wish) : wish_(std::move(wish)) { go(folder); }
+
+void FileChooser::refuse(const std::string& why) {
+  taken_.clear();
+  hint_ = why;
+  refused_ = true;
+}
+
+void FileChooser::go(const fs::path& folder) {
   std::error_code fault;
   folder_ = fs::weakly_canonical(fs::absolute(folder, fault), fault);
   entries_ = entries_of(folder_);
@@ -67,24 +60,32 @@ void LaserChooser::go(const fs::path& folder) {
   typed_ = TextLine();
   hint_.clear();
   place_ = {};
+  moved_ = false;
   if (looking_.running()) {
     looking_.cancel();
     look_again_ = true;
     return;
   }
   look_again_ = false;
-  const auto look = [folder = folder_, entries = entries_](JobControl& control) {
+  const auto look = [folder = folder_, entries = entries_, wish = wish_](JobControl& control) {
     Looked looked;
     for (const FolderEntry& entry : entries) {
       if (control.cancelled) break;
-      if (!entry.folder) looked.emplace(entry.name, looked_at(folder / entry.name));
+      if (!entry.folder) looked.entries.emplace(entry.name, looked_at(folder / entry.name));
+    }
+    auto recent = recent_files();
+    recent.resize(std::min(recent.size(), kRecentLookedAt));
+    for (const std::string& path : recent) {
+      if (control.cancelled || looked.recent.size() == kMostRecent) break;
+      if (fs::path(path).parent_path() == folder) continue;
+      if (FileLook file = looked_at(path); wish.has(file.kind)) looked.recent.emplace_back(path, std::move(file));
     }
     return looked;
   };
   looking_.start("looking", look, [this](Looked looked) { take(std::move(looked)); });
 }
 
-void LaserChooser::take(Looked looked) {
+void FileChooser::take(Looked looked) {
   if (look_again_) {
     const std::string typed = typed_.text();
     const ListPlace place = place_;
@@ -93,39 +94,70 @@ void LaserChooser::take(Looked looked) {
     place_ = place;
     return;
   }
+  recent_ = std::move(looked.recent);
   for (FolderEntry& entry : entries_)
-    if (const auto found = looked.find(entry.name); found != looked.end()) entry = found->second;
+    if (const auto found = looked.entries.find(entry.name); found != looked.entries.end()) {
+      entry.look = found->second;
+      entry.looked_at = true;
+    }
+  if (!moved_ && !typing() && !wish_.many) put_wished_first();
 }
 
-std::size_t LaserChooser::readable() const {
+/// Of one file alone: those of the kinds wished for first, the cursor on the first of them.
+void FileChooser::put_wished_first() {
+  if (wish_.kinds.empty() || !wish_.none.empty()) return;
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [this](const FolderEntry& a, const FolderEntry& b) { return wished(a) && !wished(b); });
+  const auto all = rows();
+  const auto first = std::find_if(all.begin(), all.end(), [this](const Row& row) {
+    return row.kind == RowKind::recent || (row.kind == RowKind::entry && wished(entries_[row.at]));
+  });
+  place_.selected = first == all.end() ? 0 : static_cast<int>(first - all.begin());
+}
+
+bool FileChooser::wished(const FolderEntry& entry) const {
+  return entry.looked_at && entry.look.kind != FileKind::other && wish_.has(entry.look.kind);
+}
+
+std::size_t FileChooser::readable() const {
   return static_cast<std::size_t>(
-      std::count_if(entries_.begin(), entries_.end(), [](const FolderEntry& e) { return e.readable; }));
+      std::count_if(entries_.begin(), entries_.end(), [this](const FolderEntry& e) { return wished(e); }));
 }
 
-std::vector<LaserChooser::Row> LaserChooser::rows() const {
+std::vector<FileChooser::Row> FileChooser::rows() const {
   const std::string typed = typed_.text();
   std::vector<Row> rows;
+  if (typed.empty() && !wish_.none.empty()) rows.push_back({RowKind::none, 0});
   if (typed.empty()) rows.push_back({RowKind::up, 0});
-  if (typed.empty() && readable() > 1) rows.push_back({RowKind::all, 0});
+  if (typed.empty() && wish_.many && readable() > 1) rows.push_back({RowKind::all, 0});
+  if (typed.empty())
+    for (std::size_t k = 0; k < recent_.size(); ++k) rows.push_back({RowKind::recent, k});
   for (std::size_t k = 0; k < entries_.size(); ++k)
     if (entries_[k].name.starts_with(typed)) rows.push_back({RowKind::entry, k});
   return rows;
 }
 
-ListRow LaserChooser::picture_of_row(const Row& row, int columns) const {
+ListRow FileChooser::picture_of_row(const Row& row, int columns) const {
+  if (row.kind == RowKind::none) return {fmt::format("    [{}]", wish_.none), Tone::strong};
   if (row.kind == RowKind::up) return {"    ..", Tone::plain};
   if (row.kind == RowKind::all) return {fmt::format("    [all {} measurement files here]", readable()), Tone::strong};
-  const FolderEntry& entry = entries_[row.entry];
-  const char* mark = marked_.contains(entry.name) ? "[x] " : (entry.folder ? "    " : "[ ] ");
   const int names = std::clamp(columns * 2 / 5, 12, 40);
+  if (row.kind == RowKind::recent) {
+    const auto& [path, look] = recent_[row.at];
+    const std::string parent = fs::path(path).parent_path().filename().string();
+    return {fmt::format("    {} {}", in_columns(parent + "/" + fs::path(path).filename().string(), names),
+                        look.what + ", used last"),
+            Tone::strong};
+  }
+  const FolderEntry& entry = entries_[row.at];
+  const char* mark = marked_.contains(entry.name) ? "[x] " : (entry.folder || !wish_.many ? "    " : "[ ] ");
   const std::string name = in_columns(entry.name + (entry.folder ? "/" : ""), names);
-  std::string what = entry.folder ? "" : entry.what;
-  if (what.empty() && !entry.folder) what = "...";
-  return {fmt::format("{}{} {}", mark, name, what), entry.folder || entry.readable ? Tone::plain : Tone::faint};
+  const std::string what = entry.folder ? "" : (entry.looked_at ? entry.look.what : "...");
+  return {fmt::format("{}{} {}", mark, name, what), entry.folder || wished(entry) ? Tone::plain : Tone::faint};
 }
 
 /// The end of the path, where the whole of it would leave no room to type.
-std::string LaserChooser::folder_shown(int columns) const {
+std::string FileChooser::folder_shown(int columns) const {
   std::u32string shown = code_points(folder_.string() + (folder_ == folder_.root_path() ? "" : "/"));
   const int room = std::max(10, columns - width_of(kFolder) - 20);
   if (width_of(utf8_of(shown)) <= room) return utf8_of(shown);
@@ -133,7 +165,7 @@ std::string LaserChooser::folder_shown(int columns) const {
   return "..." + utf8_of(shown);
 }
 
-void LaserChooser::draw(Canvas& canvas, const Area& area) const {
+void FileChooser::draw(Canvas& canvas, const Area& area) const {
   int at = canvas.text(area, 0, 0, kFolder, Tone::faint);
   at += canvas.text(area, 0, at, folder_shown(area.columns), Tone::strong);
   typed_.draw(canvas, area, 0, at, std::max(1, area.columns - at), true);
@@ -146,74 +178,90 @@ void LaserChooser::draw(Canvas& canvas, const Area& area) const {
   std::string hint = hint_;
   const auto selected = static_cast<std::size_t>(place_.selected);
   if (hint.empty() && selected < all.size() && all[selected].kind == RowKind::entry)
-    hint = entries_[all[selected].entry].why_not;
+    hint = wished(entries_[all[selected].at]) ? "" : entries_[all[selected].at].look.why_not;
+  if (hint.empty() && selected < all.size() && all[selected].kind == RowKind::recent)
+    hint = recent_[all[selected].at].first;
   if (hint.empty() && marked_.empty())
-    hint = "Space marks files, Enter takes them or opens a folder; or type a path, Tab completes it.";
+    hint = wish_.many ? "Space marks files, Enter takes them or opens a folder; or type a path, Tab completes it."
+                      : "Enter takes the file or opens the folder; or type a path, Tab completes it.";
   if (hint.empty()) hint = fmt::format("{} marked: Enter takes them", marked_.size());
   const Area text{list.row + list.rows, area.column, below, area.columns};
-  canvas.paragraph(text, 0, hint, Tone::faint);
+  canvas.paragraph(text, 0, hint, refused_ ? Tone::bad : Tone::faint);
 }
 
-CellPosition LaserChooser::cursor(const Area& area) const {
+CellPosition FileChooser::cursor(const Area& area) const {
   const int at = width_of(kFolder) + width_of(folder_shown(area.columns));
   return {area.row, area.column + at + typed_.cursor_column(std::max(1, area.columns - at))};
 }
 
-void LaserChooser::mark(const Row& row) {
+void FileChooser::mark(const Row& row) {
   if (row.kind == RowKind::all) {
     for (const FolderEntry& entry : entries_)
-      if (entry.readable) marked_.insert(entry.name);
+      if (wished(entry)) marked_.insert(entry.name);
     return;
   }
-  if (row.kind != RowKind::entry || entries_[row.entry].folder) return;
-  const std::string& name = entries_[row.entry].name;
+  if (row.kind != RowKind::entry || entries_[row.at].folder) return;
+  const std::string& name = entries_[row.at].name;
   if (!marked_.erase(name)) marked_.insert(name);
 }
 
-LaserChooser::Answer LaserChooser::enter() {
+FileChooser::Answer FileChooser::enter() {
   const auto all = rows();
   if (typing() && (typed_.text().find('/') != std::string::npos || all.empty())) return enter_typed();
   const auto selected = static_cast<std::size_t>(place_.selected);
   if (selected >= all.size()) return Answer::open;
   const Row row = all[selected];
-  const bool on_folder = row.kind == RowKind::entry && entries_[row.entry].folder;
+  const bool on_folder = row.kind == RowKind::entry && entries_[row.at].folder;
   if (row.kind == RowKind::up && marked_.empty()) {
     go(folder_.parent_path());
     return Answer::open;
   }
   if (on_folder && (marked_.empty() || typing())) {
-    go(folder_ / entries_[row.entry].name);
+    go(folder_ / entries_[row.at].name);
     return Answer::open;
   }
+  if (row.kind == RowKind::none) {
+    taken_ = {""};
+    return Answer::chosen;
+  }
+  if (row.kind == RowKind::recent && marked_.empty()) {
+    taken_ = {recent_[row.at].first};
+    return taken_now();
+  }
   if (row.kind == RowKind::all) mark(row);
-  if (row.kind == RowKind::entry && !on_folder && (marked_.empty() || typing()))
-    marked_.insert(entries_[row.entry].name);
+  if (row.kind == RowKind::entry && !on_folder && (marked_.empty() || typing())) marked_.insert(entries_[row.at].name);
   for (const FolderEntry& entry : entries_)
     if (marked_.contains(entry.name)) taken_.push_back((folder_ / entry.name).string());
+  return taken_now();
+}
+
+FileChooser::Answer FileChooser::taken_now() {
+  for (auto path = taken_.rbegin(); path != taken_.rend(); ++path) remember_file(*path);
   return taken_.empty() ? Answer::open : Answer::chosen;
 }
 
-LaserChooser::Answer LaserChooser::enter_typed() {
+FileChooser::Answer FileChooser::enter_typed() {
   const std::string typed = typed_.text();
-  const fs::path path = typed.starts_with("~") ? home() / typed.substr(typed.size() > 1 ? 2 : 1) : folder_ / typed;
   std::error_code fault;
+  fs::path path = typed.starts_with("~") ? home() / typed.substr(typed.size() > 1 ? 2 : 1) : folder_ / typed;
+  if (!fs::exists(path, fault) && fs::exists(typed, fault)) path = fs::absolute(typed, fault);  // as a shell takes it
   if (fs::is_directory(path, fault)) {
     go(path);
   } else if (fs::exists(path, fault)) {
     taken_ = {path.string()};
-    return Answer::chosen;
+    return taken_now();
   } else {
-    hint_ = fmt::format("there is no {}", path.string());
+    refuse(fmt::format("there is no {}", path.string()));
   }
   return Answer::open;
 }
 
-void LaserChooser::complete() {
+void FileChooser::complete() {
   const std::string typed = typed_.text();
   if (typed.empty()) {
     const auto all = rows();
     const auto selected = static_cast<std::size_t>(place_.selected);
-    if (selected < all.size() && all[selected].kind == RowKind::entry) typed_.set(entries_[all[selected].entry].name);
+    if (selected < all.size() && all[selected].kind == RowKind::entry) typed_.set(entries_[all[selected].at].name);
     return;
   }
   const bool whole = typed.starts_with("/") || typed.starts_with("~");
@@ -230,8 +278,9 @@ void LaserChooser::complete() {
   typed_.set(!whole && found.completed.starts_with(prefix) ? found.completed.substr(prefix.size()) : found.completed);
 }
 
-LaserChooser::Answer LaserChooser::on_key(const Key& key) {
+FileChooser::Answer FileChooser::on_key(const Key& key) {
   hint_.clear();
+  refused_ = false;
   const auto all = rows();
   if (key.name == Key::Name::escape) {
     if (!typing()) return Answer::given_up;
@@ -239,27 +288,32 @@ LaserChooser::Answer LaserChooser::on_key(const Key& key) {
     place_ = {};
     return Answer::open;
   }
-  if (place_.on_key(key, static_cast<int>(all.size()))) return Answer::open;
+  if (place_.on_key(key, static_cast<int>(all.size()))) {
+    moved_ = true;
+    return Answer::open;
+  }
   if (key.name == Key::Name::enter) return enter();
   const auto selected = static_cast<std::size_t>(place_.selected);
   if (key.name == Key::Name::tab) {
     complete();
     place_ = {};
-  } else if (is_letter(key, U' ') && !typing()) {
+  } else if (is_letter(key, U' ') && !typing() && wish_.many) {
     if (selected < all.size()) mark(all[selected]);
     (void)place_.on_key({Key::Name::down}, static_cast<int>(all.size()));
   } else if (!typing() && (key.name == Key::Name::backspace || key.name == Key::Name::left)) {
     go(folder_.parent_path());
   } else if (!typing() && key.name == Key::Name::right && selected < all.size() &&
-             all[selected].kind == RowKind::entry && entries_[all[selected].entry].folder) {
-    go(folder_ / entries_[all[selected].entry].name);
+             all[selected].kind == RowKind::entry && entries_[all[selected].at].folder) {
+    go(folder_ / entries_[all[selected].at].name);
   } else if (typed_.on_key(key)) {
     place_ = {};
   }
   return Answer::open;
 }
 
-std::vector<std::pair<std::string, std::string>> LaserChooser::keys() const {
+std::vector<std::pair<std::string, std::string>> FileChooser::keys() const {
+  if (!wish_.many)
+    return {{"Enter", "take or open"}, {"Backspace", "folder above"}, {"Tab", "complete"}, {"Esc", "back"}};
   return {{"Space", "mark"},
           {"Enter", "take or open"},
           {"Backspace", "folder above"},
