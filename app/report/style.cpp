@@ -51,6 +51,7 @@ table { border-collapse: collapse; width: 100%; margin: 1mm 0 3mm; font-size: 8.
 thead { display: table-header-group; }
 tr { break-inside: avoid; }
 .whole { break-inside: avoid; }
+table.summary { break-inside: auto; }
 th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: .8pt solid var(--ink); padding: .7mm 1.2mm;
   vertical-align: bottom; }
 td { border-bottom: .4pt solid var(--rule); padding: .65mm 1.2mm; vertical-align: top; }

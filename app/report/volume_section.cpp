@@ -40,8 +40,9 @@ Markup volume_table(const ReportContent& content, const PredictedVolume& volume)
                      {"achieved after: largest band", true},
                      {"unit"}});
   const auto row = [&](const std::string& name, std::size_t d, const Achieved& before, const Achieved& after) {
+    const Markup after_um = cell(volume.after.largest_um[d], kDecimals);
     table.row({element("strong", name), cell(volume.before.largest_um[d], kDecimals),
-               cell(volume.before.rms_um[d], kDecimals), element("strong", cell(volume.after.largest_um[d], kDecimals)),
+               cell(volume.before.rms_um[d], kDecimals), volume.from_map() ? after_um : element("strong", after_um),
                cell(volume.after.rms_um[d], kDecimals), named_cell(before), named_cell(after), text("µm")});
   };
   for (const Axis axis : kAllAxes)
@@ -65,7 +66,7 @@ std::string volume_sentence(const PredictedVolume& volume) {
   if (volume.from_map())
     return fmt::format(
         "{}. The unit puts out all that the map holds but {}: that is rounding and interpolation. What stays after "
-        "compensation is what the map does not hold; an error model (--model) or a measurement tells it.",
+        "compensation is what the map does not hold; an error model or a measurement tells it.",
         before, after);
   return fmt::format("{} and {} after.", before, after);
 }

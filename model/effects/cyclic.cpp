@@ -118,7 +118,8 @@ EffectDefinition cyclic() {
       .id = "cyclic",
       .title = "Periodic error",
       .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
-      .cause = "screw pitch, grating pitch, gear mesh or electronic subdivision",
+      .cause =
+          "pitch of screw, rack, gear or grating, electronic subdivision; of a long wave form or supports of the way",
       .tells_apart = "one period over the whole travel, often a pitch of screw or scale",
       .check =
           "compare the period with pitches of screw, rack, gears and scale; look for an eccentric screw, a bent "

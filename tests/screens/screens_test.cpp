@@ -126,7 +126,7 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
   (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "screw pitch, grating pitch"));
+  CHECK(reads(picture(screen), "pitch of screw, rack, gear or grating"));
   CHECK(reads(picture(screen), "compare the period with pitches"));
   (void)press(screen, Key::Name::enter);
   CHECK(reads(picture(screen), "held out"));
