@@ -8,6 +8,7 @@
 #include "app/report/sections.hpp"
 #include "app/report/svg.hpp"
 #include "commissioning/measurements/summary.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
@@ -96,19 +97,12 @@ Markup model_prediction(const ReportedModel& model) {
 
 // --- effects
 
-std::string false_naming_text(const ReportedEffect& effect, std::size_t noise_replicates) {
-  if (!effect.false_naming) return "\u2013";
-  const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
-  return *effect.false_naming <= least ? fmt::format("< {:.2g}\u202f%", 100.0 * least)
-                                       : fmt::format("{:.2g}\u202f%", 100.0 * *effect.false_naming);
-}
-
 Markup evidence_table(const ReportedDiagnosis& d, bool named) {
   TableMarkup table({{named ? "effect" : "rival or weaker explanation"},
                      {"rms after [µm]", true},
                      {"explained", true},
                      {"held out before → after [µm]", true},
-                     {"false naming", true}});
+                     {"probability", true}});
   for (const ReportedEffect& effect : d.effects) {
     if (effect.named != named) continue;
     const auto held = effect.held_out_before_um && effect.held_out_after_um
@@ -117,7 +111,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                           : std::string("\u2013");
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
                text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held),
-               text(false_naming_text(effect, d.noise_replicates))});
+               text(effect.probability ? unit_text(probability_text(*effect.probability)) : "\u2013")});
   }
   return table.empty() ? Markup() : table.markup();
 }
@@ -158,11 +152,12 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
     body +=
         paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
   if (d.noise_replicates > 0 && !d.effects.empty())
-    body += paragraph_of(fmt::format("False naming: how often noise alone, in {} made-up data sets of the same design, "
-                                     "makes any candidate look as good. Held out: rms of readings that the effect was "
-                                     "not fitted to.",
-                                     d.noise_replicates),
-                         "class=\"small\"");
+    body += paragraph_of(
+        fmt::format("Probability: among the alternatives for the same part of the residual. Noise alone was "
+                    "made up {} times on the same design. Held out: rms of readings that the effect was "
+                    "not fitted to.",
+                    d.noise_replicates),
+        "class=\"small\"");
   if (!d.notes.empty()) body += element("div", list_of(d.notes), "class=\"small\"");
   return body;
 }

@@ -35,8 +35,8 @@ std::string summary(const Diagnosis& d) {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
 constexpr std::string_view kHead =
-    "                               rms after                 held out [um]     false\n"
-    "                                    [um]    explained   before    after   naming\n";
+    "                               rms after                 held out [um]    proba-\n"
+    "                                    [um]    explained   before    after   bility\n";
 
 /// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
 std::string set_text(const std::vector<model::SetMember>& set) {
@@ -90,7 +90,7 @@ std::string place_in_table(const model::EffectInstance& effect) {
 }
 
 /// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
-Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
+Cell candidate_cell(const Candidate& c) {
   Json values = Json::object(), sigmas = Json::object();
   for (const model::ParameterEstimate& one : c.parameters) {
     values[one.name] = number_or_null(one.value);
@@ -109,8 +109,8 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
       {"explained", {number_or_null(c.explained), percent(c.explained)}},
       {"explainable_share", {number_or_null(c.explainable_share), ""}},
       {"p_value", {number_or_null(c.p_value), ""}},
-      {"false_naming", {number_or_null(c.false_naming), chance_text(c, diagnosis)}},
-      {"probability", {number_or_null(c.probability), ""}},
+      {"false_naming", {number_or_null(c.false_naming), ""}},
+      {"probability", {number_or_null(c.probability), probability_text(c.probability)}},
       {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
       {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
       {"e_value", {number_or_null(c.e_value), ""}},
@@ -128,7 +128,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
   return {
       object_of(fields),
       laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
-               "{false_naming:>8}\n",
+               "{probability:>8}\n",
                fields) +
           (c.named
                ? laid_out(
@@ -152,7 +152,7 @@ Cell candidates_cell(const Diagnosis& d) {
   Json list = Json::array();
   std::string named, rivals;
   for (const Candidate& candidate : d.candidates) {
-    const Cell one = candidate_cell(candidate, d);
+    const Cell one = candidate_cell(candidate);
     list.push_back(one.json);
     (candidate.named ? named : rivals) += one.text;
   }
@@ -215,6 +215,11 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
   const double least = 1.0 / (static_cast<double>(diagnosis.noise_replicates) + 1.0);
   return candidate.false_naming <= least ? fmt::format("< {:.2g} %", 100.0 * least)
                                          : fmt::format("{:.3g} %", 100.0 * candidate.false_naming);
+}
+
+std::string probability_text(double probability) {
+  constexpr double kLeastSaid = 0.001;
+  return probability < kLeastSaid ? "< 0.1 %" : fmt::format("{:.3g} %", 100.0 * probability);
 }
 
 Cell diagnosis_cell(const Diagnosis& d) {

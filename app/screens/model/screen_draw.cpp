@@ -30,7 +30,7 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
                                                                     candidate.rivals.size() == 1 ? "" : "s");
   return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} % {:>8}  {}",
                       in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
-                      100.0 * candidate.explained, chance_text(candidate, diagnosis), rivals),
+                      100.0 * candidate.explained, probability_text(candidate.probability), rivals),
           candidate.named ? Tone::strong : Tone::plain};
 }
 
@@ -226,7 +226,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   for (const model::Candidate& candidate : d.candidates)
     names = std::max(names, width_of(place_text(candidate.effect)));
   names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
-  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained by chance", "effect:axis:sense", names, "rms um"),
+  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained probable", "effect:axis:sense", names, "rms um"),
               Tone::faint);
   std::vector<ListRow> rows;
   for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d, names));
