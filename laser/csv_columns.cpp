@@ -32,9 +32,10 @@ std::optional<int> integer_cell(std::string_view cell) {
 }
 
 std::string set_axis(Reading& reading, std::string_view cell) {
-  const auto axis = cell.size() == 1 ? axis_of(cell.front()) : std::nullopt;
-  if (!axis) return expected("axis", "X, Y or Z", cell);
-  reading.axis = *axis;
+  const auto named = axis_named(cell);
+  if (!named) return expected("axis", "X, Y, Z, A, B or C", cell);
+  reading.axis = named->axis;
+  reading.rotary = named->rotary;
   return {};
 }
 
@@ -87,9 +88,16 @@ bool is_in(const Names& names, std::string_view name) {
 
 }  // namespace
 
+std::optional<NamedAxis> axis_named(std::string_view letter) {
+  for (const bool rotary : {false, true})
+    for (const Axis axis : kAllAxes)
+      if (letter == std::string_view(rotary ? "ABC" : "XYZ").substr(index_of(axis), 1)) return NamedAxis{axis, rotary};
+  return std::nullopt;
+}
+
 bool is_known_column(std::string_view name) {
-  return is_in(kOtherColumns, name) || is_in(kPositionColumns, name) || number_column(name) != nullptr ||
-         is_sensor_column(name);
+  return is_in(kOtherColumns, name) || is_in(kPositionColumns, name) || is_in(kAngleColumns, name) ||
+         number_column(name) != nullptr || is_sensor_column(name);
 }
 
 std::string set_cell(Reading& reading, std::string_view column, std::string_view cell) {
@@ -108,7 +116,10 @@ std::string set_cell(Reading& reading, std::string_view column, std::string_view
     reading.sensors_degC.insert_or_assign(std::string(column), *value);
   } else {
     for (std::size_t i = 0; i < kAxes; ++i)
-      if (kPositionColumns[i] == column) reading.position_mm[i] = *value;
+      if (kPositionColumns[i] == column)
+        reading.position_mm[i] = *value;
+      else if (kAngleColumns[i] == column)
+        reading.angle_deg[i] = *value;
   }
   return {};
 }

@@ -25,10 +25,22 @@ inline constexpr std::array<NumberColumn, 6> kNumberColumns{
      {"pressure_hPa", &Reading::pressure_hPa},
      {"humidity_pct", &Reading::humidity_pct}}};
 inline constexpr std::array<std::string_view, kAxes> kPositionColumns{"x_mm", "y_mm", "z_mm"};
+inline constexpr std::array<std::string_view, kAxes> kAngleColumns{"a_deg", "b_deg", "c_deg"};
+/// The column of the target of a moving axis.
+[[nodiscard]] constexpr std::string_view target_column(Axis axis, bool rotary) {
+  return (rotary ? kAngleColumns : kPositionColumns)[index_of(axis)];
+}
 inline constexpr std::array<std::string_view, 3> kNeededColumns{"axis", "sense", "reading"};
 /// Needed and known columns that are neither positions nor optional numbers.
 inline constexpr std::array<std::string_view, 6> kOtherColumns{"axis",     "sense", "reading",
                                                                "approach", "run",   "compensated"};
+
+/// The axis that a letter X, Y, Z, A, B, C names.
+struct NamedAxis {
+  Axis axis = Axis::X;
+  bool rotary = false;
+};
+[[nodiscard]] std::optional<NamedAxis> axis_named(std::string_view letter);
 
 /// A column with a meaning: needed, position, optional number, or a sensor.
 [[nodiscard]] bool is_known_column(std::string_view name);

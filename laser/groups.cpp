@@ -13,9 +13,15 @@ namespace {
 constexpr double kShareOfStep = 0.01;
 constexpr double kToleranceWithoutSteps_mm = 1e-3;
 
-Vector3 parked(const Reading& reading) {
+Vector3 parked_mm(const Reading& reading) {
   Vector3 position = reading.position_mm;
-  position[index_of(reading.axis)] = 0.0;
+  if (!reading.rotary) position[index_of(reading.axis)] = 0.0;
+  return position;
+}
+
+Vector3 parked_deg(const Reading& reading) {
+  Vector3 position = reading.angle_deg;
+  if (reading.rotary) position[index_of(reading.axis)] = 0.0;
   return position;
 }
 
@@ -26,8 +32,9 @@ bool same_place(const Vector3& a, const Vector3& b) {
 }
 
 bool belongs(const Reading& reading, const Group& group) {
-  return reading.axis == group.axis && reading.sense == group.sense && reading.compensated == group.compensated &&
-         same_place(parked(reading), group.parked_mm);
+  return reading.axis == group.axis && reading.rotary == group.rotary && reading.sense == group.sense &&
+         reading.compensated == group.compensated && same_place(parked_mm(reading), group.parked_mm) &&
+         same_place(parked_deg(reading), group.parked_deg);
 }
 
 }  // namespace
@@ -42,7 +49,13 @@ std::vector<Group> groups_of(const MeasurementSet& set) {
           std::find_if(groups.begin(), groups.end(), [&](const Group& group) { return belongs(reading, group); });
       latest = static_cast<std::size_t>(found - groups.begin());
       if (found == groups.end())
-        groups.push_back({reading.axis, reading.sense, parked(reading), reading.compensated, {}});
+        groups.push_back({reading.axis,
+                          reading.sense,
+                          parked_mm(reading),
+                          reading.compensated,
+                          {},
+                          reading.rotary,
+                          parked_deg(reading)});
     }
     groups[latest].readings.push_back(i);
   }
@@ -52,7 +65,7 @@ std::vector<Group> groups_of(const MeasurementSet& set) {
 double target_tolerance_mm(const MeasurementSet& set, const Group& group) {
   std::map<std::pair<int, Approach>, std::vector<double>> passes;
   for (const std::size_t i : group.readings)
-    passes[{set.readings[i].run, set.readings[i].approach}].push_back(target_mm(set.readings[i]));
+    passes[{set.readings[i].run, set.readings[i].approach}].push_back(target_of(set.readings[i]));
   double smallest = std::numeric_limits<double>::infinity();
   for (auto& [pass, positions] : passes) {
     std::sort(positions.begin(), positions.end());
@@ -67,7 +80,7 @@ double target_tolerance_mm(const MeasurementSet& set, const Group& group) {
 std::vector<TargetReadings> targets_of(const MeasurementSet& set, const Group& group, double tolerance_mm) {
   std::vector<std::size_t> order = group.readings;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return target_mm(set.readings[a]) < target_mm(set.readings[b]);
+    return target_of(set.readings[a]) < target_of(set.readings[b]);
   });
   std::vector<TargetReadings> targets;
   double first_mm = 0.0;
@@ -75,7 +88,7 @@ std::vector<TargetReadings> targets_of(const MeasurementSet& set, const Group& g
   std::size_t merged = 0;
   for (const std::size_t i : order) {
     const Reading& reading = set.readings[i];
-    const double position_mm = target_mm(reading);
+    const double position_mm = target_of(reading);
     if (targets.empty() || position_mm - first_mm > tolerance_mm) {
       targets.push_back({position_mm, {}, {}, {}});
       first_mm = position_mm;

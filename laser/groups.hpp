@@ -17,6 +17,8 @@ struct Group {
   Vector3 parked_mm{};                ///< where the other axes stand; the moving axis's own entry is 0
   std::optional<bool> compensated;    ///< as the readings have it
   std::vector<std::size_t> readings;  ///< indices into `set.readings`, in file order
+  bool rotary = false;                ///< the axis turns: positions of its targets are in degrees
+  Vector3 parked_deg{};               ///< where the other rotary axes stand
 };
 
 /// Every group, in the order of its first reading. Parked positions within 1e-6 mm are the same.
@@ -24,14 +26,14 @@ struct Group {
 
 /// Readings at one target.
 struct TargetReadings {
-  double position_mm = 0.0;     ///< mean of the merged positions
+  double position_mm = 0.0;     ///< mean of the merged positions; of a rotary axis [deg]
   std::vector<double> forward;  ///< um or um/m, in file order
   std::vector<double> reverse;
   std::vector<double> undirected;  ///< approach unknown
 };
 
-/// Positions closer than this are one target: 1 % of the smallest step inside a single pass (one run, one approach).
-/// Steps below 1e-6 mm are repeats, no steps. 1e-3 mm where no pass has two targets.
+/// Positions [mm, or deg] closer than this are one target: 1 % of the smallest step inside a single pass (one run, one
+/// approach). Steps below 1e-6 mm are repeats, no steps. 1e-3 mm where no pass has two targets.
 [[nodiscard]] double target_tolerance_mm(const MeasurementSet& set, const Group& group);
 
 /// Ascending targets. @param tolerance_mm  ≥ 0

@@ -69,6 +69,7 @@ std::vector<std::string> notes_on(const std::vector<std::string>& columns, const
   std::vector<std::string> known;
   for (const auto& column : kNumberColumns) known.emplace_back(column.name);
   known.insert(known.end(), kPositionColumns.begin(), kPositionColumns.end());
+  known.insert(known.end(), kAngleColumns.begin(), kAngleColumns.end());
   known.insert(known.end(), kOtherColumns.begin(), kOtherColumns.end());
   std::vector<std::string> notes;
   for (const std::string& column : columns) {
@@ -76,13 +77,16 @@ std::vector<std::string> notes_on(const std::vector<std::string>& columns, const
     if (!near.empty() && std::find(columns.begin(), columns.end(), near) == columns.end())
       notes.push_back(fmt::format("column {} is kept but has no meaning here: is {} meant?", column, near));
   }
-  PerAxis<bool> moved{};
-  for (const Reading& reading : readings) moved[index_of(reading.axis)] = true;
-  for (const Axis axis : kAllAxes)
-    if (moved[index_of(axis)] &&
-        std::find(columns.begin(), columns.end(), kPositionColumns[index_of(axis)]) == columns.end())
-      notes.push_back(fmt::format("{} is moved but there is no column {}: its target is taken as 0 everywhere",
-                                  letter_of(axis), kPositionColumns[index_of(axis)]));
+  for (const bool rotary : {false, true})
+    for (const Axis axis : kAllAxes) {
+      const bool moved = std::any_of(readings.begin(), readings.end(), [&](const Reading& reading) {
+        return reading.axis == axis && reading.rotary == rotary;
+      });
+      const std::string_view column = target_column(axis, rotary);
+      if (moved && std::find(columns.begin(), columns.end(), column) == columns.end())
+        notes.push_back(fmt::format("{} is moved but there is no column {}: its target is taken as 0 everywhere",
+                                    letter_of(axis, rotary), column));
+    }
   return notes;
 }
 
@@ -115,7 +119,7 @@ Reading reading_in(const Row& row, const std::vector<std::string>& columns,
       reading.text_extras[columns[i]] = field.text;
     }
   }
-  const std::string_view own = kPositionColumns[index_of(reading.axis)];
+  const std::string_view own = target_column(reading.axis, reading.rotary);
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i] == own && trimmed(row.fields[i].text).empty())
       findings.add(row.line, row.fields[i].column,
@@ -209,10 +213,34 @@ Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::s
   return set;
 }
 
+std::string curve_name(Sense sense, Axis axis, bool rotary) {
+  std::string name(ecs::name_of(curve_of(sense, axis)));
+  name.back() = letter_of(axis, rotary);
+  return name;
+}
+
+std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name) {
+  const auto found =
+      std::find_if(set.readings.begin(), set.readings.end(), [](const Reading& reading) { return reading.rotary; });
+  if (found == set.readings.end()) return std::nullopt;
+  return Problem{
+      ProblemKind::bad_input,
+      fmt::format("expected readings of linear axes, found the rotary axis {}: `ecs laser import`, `show` and "
+                  "`stats` take it",
+                  letter_of(found->axis, true)),
+      file_name,
+      std::max(1, found->line),
+      1,
+      {}};
+}
+
 Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path) {
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
-  return parse_measurement_set(*text, path.string());
+  auto set = parse_measurement_set(*text, path.string());
+  if (set)
+    if (auto refused = rotary_refused(*set, path.string())) return tl::unexpected(std::move(*refused));
+  return set;
 }
 
 }  // namespace ecs::laser

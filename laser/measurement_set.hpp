@@ -20,8 +20,10 @@ namespace ecs::laser {
 struct Reading {
   int row = 0;            ///< number of the data row in its file, from 1; 0: not from a file
   int line = 0;           ///< line of the file, from 1; 0: not from a file
-  Axis axis = Axis::X;    ///< the axis being moved
+  Axis axis = Axis::X;    ///< the axis being moved, or the direction about which it turns
+  bool rotary = false;    ///< it turns: A, B or C
   Vector3 position_mm{};  ///< target, machine coordinates
+  Vector3 angle_deg{};    ///< of the axes A, B, C; a turn is 360
   Sense sense = Sense::EX;
   double error = 0.0;  ///< actual − target; um for EX EY EZ, um/m for EA EB EC
   Approach approach = Approach::unknown;
@@ -57,8 +59,21 @@ struct MeasurementSet {
   friend bool operator==(const MeasurementSet&, const MeasurementSet&) = default;
 };
 
-/// Position of the moving axis [mm].
+/// Position of the moving linear axis [mm].
 [[nodiscard]] inline double target_mm(const Reading& reading) { return reading.position_mm[index_of(reading.axis)]; }
+
+/// Position of the moving axis: [mm], of a rotary axis [deg].
+[[nodiscard]] inline double target_of(const Reading& reading) {
+  return (reading.rotary ? reading.angle_deg : reading.position_mm)[index_of(reading.axis)];
+}
+[[nodiscard]] constexpr std::string_view target_unit(bool rotary) { return rotary ? "deg" : "mm"; }
+
+/// X, Y, Z; of a rotary axis A, B, C.
+[[nodiscard]] constexpr char letter_of(Axis axis, bool rotary) {
+  return static_cast<char>((rotary ? 'A' : 'X') + static_cast<char>(axis));
+}
+/// EXX … ECZ; of a rotary axis by the same rule: ECC is the angular positioning of C (ISO 230-7).
+[[nodiscard]] std::string curve_name(Sense sense, Axis axis, bool rotary);
 
 /// "um" for a translation, "um/m" for a rotation.
 [[nodiscard]] constexpr std::string_view unit_of(Sense sense) { return is_rotation(sense) ? "um/m" : "um"; }
@@ -73,16 +88,19 @@ struct MeasurementSet {
 [[nodiscard]] bool is_sensor_column(std::string_view name);
 
 /// Reads the CSV form: `# key: value` lines, a header row, one row per reading. Columns by name in any order:
-/// axis, sense, reading are needed; x_mm y_mm z_mm (absent = 0), approach (absent or empty = unknown), run (= 1),
-/// time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct, t_<sensor>_degC, compensated are
-/// known; others are kept. CRLF, a byte order mark, blanks round fields and quoted fields are taken as they come, and
-/// semicolons or tabs between the fields, with decimal commas then.
-/// Refuses, every bad row at once with line and column: unknown axis or sense, text or NaN where a number belongs,
-/// approach other than 1, -1, 0, a run that is no integer, an empty position of the moving axis, missing or
-/// duplicate columns, rows of another length, decimal commas between commas, empty and binary files, no readings.
+/// axis, sense, reading are needed; x_mm y_mm z_mm a_deg b_deg c_deg (absent = 0), approach (absent or empty =
+/// unknown), run (= 1), time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct,
+/// t_<sensor>_degC, compensated are known; others are kept. CRLF, a byte order mark, blanks round fields and quoted
+/// fields are taken as they come, and semicolons or tabs between the fields, with decimal commas then. Refuses, every
+/// bad row at once with line and column: unknown axis or sense, text or NaN where a number belongs, approach other than
+/// 1, -1, 0, a run that is no integer, an empty position of the moving axis, missing or duplicate columns, rows of
+/// another length, decimal commas between commas, empty and binary files, no readings.
 [[nodiscard]] Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::string& file_name);
 
-/// The same from a file.
+/// The first reading of a rotary axis as a refusal, for work that takes linear axes only; nothing if there is none.
+[[nodiscard]] std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name);
+
+/// The same from a file, of linear axes only.
 [[nodiscard]] Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path);
 
 }  // namespace ecs::laser

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 #include "base/text.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMPerDegree = 1e6 * std::numbers::pi / 180.0;
 constexpr double kZero_K = 273.15;
 
 constexpr std::array<Unit, 37> kUnits{{

@@ -1,6 +1,7 @@
 // Units that measurement files come in, and what they are in ours. Does not live here: which column has which unit.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,9 @@ struct Unit {
   double factor = 1.0;
   double offset = 0.0;
 };
+
+/// 1 degree in um/m, the unit of angles.
+inline constexpr double kUmPerMPerDegree = 1e6 * std::numbers::pi / 180.0;
 
 /// "mm", "in", "um", "mrad", "arcsec", "degF", "kPa", …; upper and lower case alike. Nothing for other words.
 [[nodiscard]] std::optional<Unit> unit_named(std::string_view name);

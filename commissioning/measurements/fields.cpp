@@ -15,7 +15,7 @@ namespace {
 Cell parked_cell(const laser::Group& group) {
   Cell parked{Json::object(), parked_text(group)};
   for (const Axis a : kAllAxes)
-    if (a != group.axis)
+    if (a != group.axis || group.rotary)
       parked.json[std::string(1, static_cast<char>(letter_of(a) - 'A' + 'a'))] =
           number_or_null(group.parked_mm[index_of(a)]);
   return parked;
@@ -31,24 +31,31 @@ std::string_view approaches_text(const LineSummary& line) {
 
 Cell line_cell(const LineSummary& line) {
   AnswerFields fields = measured_line_fields(line.group);
-  append(fields, {{"readings", count_cell(line.readings)},
-                  {"runs", count_cell(line.runs)},
-                  {"targets", count_cell(line.targets)},
-                  {"from_mm", six_digits(line.first_mm)},
-                  {"to_mm", six_digits(line.last_mm)},
-                  {"step_mm", line.step_mm ? six_digits(*line.step_mm) : null_cell("varies")},
-                  {"forward", yes_cell(line.forward, "", "")},
-                  {"reverse", yes_cell(line.reverse, "", "")},
-                  {"approaches", shown_cell(std::string(approaches_text(line)))}});
-  return record_cell(
-      "{axis:<4} {sense:<5} {parked_mm:<18} {from_mm:>9} {to_mm:>9} {step_mm:>8} {targets:>3} {runs:>4} "
-      "{approaches:<7} {compensated}\n",
-      fields);
+  append(fields,
+         {{"readings", count_cell(line.readings)},
+          {"runs", count_cell(line.runs)},
+          {"targets", count_cell(line.targets)},
+          {line.group.rotary ? "from_deg" : "from_mm", six_digits(line.first_mm)},
+          {line.group.rotary ? "to_deg" : "to_mm", six_digits(line.last_mm)},
+          {line.group.rotary ? "step_deg" : "step_mm", line.step_mm ? six_digits(*line.step_mm) : null_cell("varies")},
+          {"forward", yes_cell(line.forward, "", "")},
+          {"reverse", yes_cell(line.reverse, "", "")},
+          {"approaches", shown_cell(std::string(approaches_text(line)))}});
+  const std::string unit(laser::target_unit(line.group.rotary));
+  return record_cell("{axis:<4} {sense:<5} {parked_mm:<18} {from_" + unit + ":>9} {to_" + unit + ":>9} {step_" + unit +
+                         ":>8} {targets:>3} {runs:>4} {approaches:<7} {compensated}\n",
+                     fields);
 }
 
 Cell table_cell(const std::vector<LineSummary>& lines, std::size_t most) {
-  Cell table{Json::array(), fmt::format("{:<4} {:<5} {:<18} {:>9} {:>9} {:>8} {:>3} {:>4} {:<7} {}\n", "axis", "sense",
-                                        "parked [mm]", "from [mm]", "to [mm]", "step", "n", "runs", "appr.", "comp")};
+  const bool rotary = !lines.empty() && lines.front().group.rotary;
+  const bool mixed =
+      std::any_of(lines.begin(), lines.end(), [&](const LineSummary& line) { return line.group.rotary != rotary; });
+  const std::string unit = mixed ? "mm,deg" : std::string(laser::target_unit(rotary));
+  Cell table{Json::array(),
+             fmt::format("{:<4} {:<5} {:<18} {:>9} {:>9} {:>8} {:>3} {:>4} {:<7} {}\n", "axis", "sense", "parked [mm]",
+                         fmt::format("from [{}]", unit), mixed ? "to" : fmt::format("to [{}]", unit), "step", "n",
+                         "runs", "appr.", "comp")};
   for (const LineSummary& line : lines) {
     Cell row = line_cell(line);
     if (table.json.size() >= most) row.text.clear();
@@ -71,9 +78,9 @@ Cell metadata_cell(const laser::MeasurementSet& set) {
 }  // namespace
 
 AnswerFields measured_line_fields(const laser::Group& group) {
-  return {{"axis", word_cell(std::string(1, letter_of(group.axis)))},
+  return {{"axis", word_cell(std::string(1, laser::letter_of(group.axis, group.rotary)))},
           {"sense", word_cell(name_of(group.sense))},
-          {"component", word_cell(name_of(curve_of(group.sense, group.axis)))},
+          {"component", word_cell(laser::curve_name(group.sense, group.axis, group.rotary))},
           {"unit", word_cell(laser::unit_of(group.sense))},
           {"parked_mm", parked_cell(group)},
           {"compensated",
@@ -85,7 +92,7 @@ AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines
   std::set<std::string> axes, senses;
   std::size_t runs = 0, targets = 0;
   for (const LineSummary& line : lines) {
-    axes.insert(std::string(1, letter_of(line.group.axis)));
+    axes.insert(std::string(1, laser::letter_of(line.group.axis, line.group.rotary)));
     senses.insert(std::string(name_of(line.group.sense)));
     runs = std::max(runs, line.runs);
     targets += line.targets;

@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/import/environment.hpp"
 
 namespace ecs::commissioning {
@@ -100,7 +101,8 @@ Result<std::optional<laser::MatrixLayout>> matrix_given(const ImportArguments& a
 }
 
 bool same_line(const laser::Group& a, const laser::Group& b) {
-  return a.axis == b.axis && a.sense == b.sense && a.parked_mm == b.parked_mm && a.compensated == b.compensated;
+  return a.axis == b.axis && a.rotary == b.rotary && a.sense == b.sense && a.parked_mm == b.parked_mm &&
+         a.parked_deg == b.parked_deg && a.compensated == b.compensated;
 }
 
 int largest_run(const MeasurementSet& set, const laser::Group& group) {
@@ -118,7 +120,7 @@ void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::
     const int offset = largest_run(all, *same);
     for (const std::size_t i : group.readings) more.readings[i].run += offset;
     notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", more.source,
-                                name_of(curve_of(group.sense, group.axis)), offset + 1));
+                                laser::curve_name(group.sense, group.axis, group.rotary), offset + 1));
   }
 }
 
@@ -220,7 +222,11 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   options.keep_set_up = arguments.keep_set_up;
   options.note = arguments.note;
   options.channel = arguments.channel;
-  if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
+  if (const auto named = laser::axis_named(arguments.axis)) {
+    options.axis = named->axis;
+    options.rotary = named->rotary;
+  }
+  options.takes_rotary = arguments.takes_rotary;
   if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
   if (!arguments.parked.empty()) {
     const auto parked = parked_in(arguments.parked);

@@ -13,6 +13,7 @@ namespace ecs::commissioning {
 /// As typed; empty: not given.
 struct ImportArguments {
   std::string axis;
+  bool takes_rotary = false;  ///< the work suits rotary axes; false: their readings are refused
   std::string sense;
   std::string parked;  ///< "y=-1400,z=0"
   std::string encoding;

@@ -61,7 +61,7 @@ std::vector<LineSummary> lines_in(const laser::MeasurementSet& set) {
 std::string parked_text(const laser::Group& group) {
   std::string text;
   for (const Axis a : kAllAxes)
-    if (a != group.axis)
+    if (a != group.axis || group.rotary)
       text += fmt::format("{}{} {:.6g}", text.empty() ? "" : ", ", letter_of(a), group.parked_mm[index_of(a)]);
   return text;
 }

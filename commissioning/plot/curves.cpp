@@ -19,7 +19,7 @@ PlotSeries readings_of(const laser::MeasurementSet& set, const laser::Curve& cur
   if (approach == Approach::unknown) series.name = "readings";
   for (const laser::Reading& reading : set.readings)
     if (reading.axis == curve.axis && reading.sense == curve.sense && reading.approach == approach)
-      series.points.push_back({laser::target_mm(reading), reading.error});
+      series.points.push_back({laser::target_of(reading), reading.error});
   return series;
 }
 

@@ -110,6 +110,7 @@ Result<Iso230> iso230_of(const MeasurementSet& set, const Group& group) {
   if (group.readings.empty()) return problem(ProblemKind::refused, "expected readings to evaluate, found none");
   Iso230 axis;
   axis.axis = group.axis;
+  axis.rotary = group.rotary;
   axis.sense = group.sense;
   axis.parked_mm = group.parked_mm;
   axis.compensated = group.compensated;

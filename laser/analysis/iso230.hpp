@@ -15,7 +15,7 @@ namespace ecs::laser {
 /// One target position i. Values in um, or um/m for a rotation; absent = the readings do not give it.
 /// Symbols of ISO 230-2:2014 clause 3; forward = ↑, reverse = ↓.
 struct Iso230Target {
-  double position_mm = 0.0;
+  double position_mm = 0.0;  ///< of a rotary axis [deg]
   int n_forward = 0;
   int n_reverse = 0;
   std::optional<double> mean_forward;  ///< x̄_i↑
@@ -34,6 +34,7 @@ struct Iso230Target {
 /// two readings from one side.
 struct Iso230 {
   Axis axis = Axis::X;
+  bool rotary = false;  ///< positions are in degrees
   Sense sense = Sense::EX;
   Vector3 parked_mm{};
   std::optional<bool> compensated;

@@ -13,7 +13,9 @@ namespace {
 constexpr int kRuns = 5;                  ///< in each direction, axes up to 2000 mm
 constexpr double kTargetsPerMetre = 5.0;  ///< and at least five
 constexpr double kLongAxis_mm = 2000.0;
+constexpr double kTurn_deg = 360.0;
 
+/// [mm], of a rotary axis [deg].
 double span_mm(const Iso230& axis) { return axis.targets.back().position_mm - axis.targets.front().position_mm; }
 
 bool is_evenly_spaced(const Iso230& axis) {
@@ -26,7 +28,33 @@ bool is_evenly_spaced(const Iso230& axis) {
   return true;
 }
 
+/// Targets that the standard asks for of a rotary axis, by its travel [deg].
+std::size_t rotary_targets(double travel_deg) {
+  if (travel_deg <= 90.0) return 3;
+  return travel_deg <= 180.0 ? 5 : 8;
+}
+
+/// Where 0 and 360 degrees were both measured, they are one place.
+void note_closing(const Iso230& axis, std::vector<std::string>& notes) {
+  const Iso230Target &first = axis.targets.front(), &last = axis.targets.back();
+  const bool closes = std::abs(last.position_mm - first.position_mm - kTurn_deg) <= axis.merge_tolerance_mm;
+  const auto mean = [](const Iso230Target& t) { return t.mean ? t.mean : t.mean_forward ? t.mean_forward : t.mean_reverse; };
+  if (closes && mean(first) && mean(last))
+    notes.push_back(fmt::format("a full turn: the same place at {:g} and {:g} deg differs by {:+.3g} um/m",
+                                first.position_mm, last.position_mm, *mean(last) - *mean(first)));
+}
+
+void note_rotary_targets(const Iso230& axis, std::vector<std::string>& notes) {
+  const std::size_t wanted = rotary_targets(span_mm(axis));
+  if (axis.targets.size() < wanted)
+    notes.push_back(fmt::format("fewer than {} targets ({} on {:g} deg)", wanted, axis.targets.size(), span_mm(axis)));
+  if (is_evenly_spaced(axis))
+    notes.push_back("targets are evenly spaced: a periodic error of that pitch does not show");
+  note_closing(axis, notes);
+}
+
 void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
+  if (axis.rotary) return note_rotary_targets(axis, notes);
   const std::size_t count = axis.targets.size();
   const double metres = span_mm(axis) / kMmPerM;
   if (count < 5) notes.push_back(fmt::format("fewer than 5 targets ({})", count));
@@ -82,7 +110,7 @@ std::vector<std::string> iso230_notes(const MeasurementSet& set, const Group& gr
   note_targets(axis, notes);
   note_runs(axis, notes);
   note_left_out(axis, notes);
-  if (axis.sense != static_cast<Sense>(index_of(axis.axis)))
+  if (axis.sense != static_cast<Sense>(index_of(axis.axis) + (axis.rotary ? kAxes : 0)))
     notes.emplace_back(
         "not a positioning error: the formulas of ISO 230-2 are used, the standard does not ask for them");
   const auto undirected = std::count_if(group.readings.begin(), group.readings.end(),

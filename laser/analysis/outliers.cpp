@@ -22,7 +22,7 @@ using Cell = std::vector<std::size_t>;
 
 std::vector<Cell> cells_of(const MeasurementSet& set, const Group& group) {
   std::vector<std::size_t> order = group.readings;
-  const auto at = [&](std::size_t i) { return target_mm(set.readings[i]); };
+  const auto at = [&](std::size_t i) { return target_of(set.readings[i]); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
   const double tolerance_mm = target_tolerance_mm(set, group);
   std::vector<Cell> cells;

@@ -33,7 +33,7 @@ Layout layout_of(const MeasurementSet& set, const Group& group) {
   const double tolerance_mm = target_tolerance_mm(set, group);
   std::vector<std::size_t> order = group.readings;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return target_mm(set.readings[a]) < target_mm(set.readings[b]);
+    return target_of(set.readings[a]) < target_of(set.readings[b]);
   });
   Layout layout;
   std::map<int, std::size_t> runs;
@@ -46,9 +46,9 @@ Layout layout_of(const MeasurementSet& set, const Group& group) {
   std::optional<double> first_mm;
   for (const std::size_t i : order) {
     const Reading& reading = set.readings[i];
-    if (!first_mm || target_mm(reading) - *first_mm > tolerance_mm) {
+    if (!first_mm || target_of(reading) - *first_mm > tolerance_mm) {
       here.clear();
-      first_mm = target_mm(reading);
+      first_mm = target_of(reading);
     }
     const auto [at, is_new] = here.try_emplace(reading.approach, layout.places);
     if (is_new) ++layout.places;

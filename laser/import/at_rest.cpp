@@ -24,7 +24,9 @@ using Stretch = std::vector<const Reading*>;
 bool goes_on(const Reading& first, const Reading& next, double within_mm) {
   if (first.run != next.run || first.approach != next.approach || first.compensated != next.compensated) return false;
   for (std::size_t i = 0; i < kAxes; ++i)
-    if (!(std::abs(first.position_mm[i] - next.position_mm[i]) <= within_mm)) return false;
+    if (!(std::abs(first.position_mm[i] - next.position_mm[i]) <= within_mm) ||
+        !(std::abs(first.angle_deg[i] - next.angle_deg[i]) <= within_mm))
+      return false;
   return true;
 }
 
@@ -70,7 +72,8 @@ Reading mean_reading(const Stretch& stretch) {
   for (const Reading* reading : stretch) errors.push_back(reading->error);
   mean.error = *mean_of(errors);
   for (std::size_t i = 0; i < kAxes; ++i)
-    mean.position_mm[i] = *mean_over(stretch, [&](const Reading& one) { return std::optional(one.position_mm[i]); });
+    for (const auto place : {&Reading::position_mm, &Reading::angle_deg})
+      (mean.*place)[i] = *mean_over(stretch, [&](const Reading& one) { return std::optional((one.*place)[i]); });
   for (const NumberColumn& column : kNumberColumns)
     mean.*column.member = mean_over(stretch, [&](const Reading& one) { return one.*column.member; });
   mean.sensors_degC = means_of(stretch, &Reading::sensors_degC);

@@ -155,10 +155,10 @@ Result<MeasurementSet> read_channels(ChannelLog log, const std::string& file_nam
   std::vector<ColumnRule> rules(1);
   rules.front().field = "time_s";
   rules.insert(rules.end(), options.channels->rules.begin(), options.channels->rules.end());
-  Plan plan{fields_of(rules),  options.axis,          options.sense, options.channels->values, '.',
+  Plan plan{fields_of(rules),  options.axis,          options.rotary, options.sense, options.channels->values, '.',
             options.parked_mm, options.parked_stated, false};
   for (std::size_t i = 0; i < plan.fields.size(); ++i) plan.fields[i].index = i;
-  if (!plan.axis) plan.axis = mapped_axis(plan.fields);
+  take_mapped_axis(plan);
   std::string fault = take_units(plan, options);
   if (fault.empty()) fault = plan_fault(plan);
   if (!fault.empty()) return tl::unexpected(usage(file_name, fault));

@@ -221,9 +221,16 @@ ChannelLog channels_in(const Plan& plan, const ColumnMapping& mapping, const Tab
 /// @pre options.mapping
 Result<MeasurementSet> read_columns(std::string_view text, const std::string& file_name, const ImportOptions& options) {
   const ColumnMapping& mapping = *options.mapping;
-  Plan plan{fields_of(mapping.rules), options.axis,      options.sense,         mapping.values,
-            mapping.decimal,          options.parked_mm, options.parked_stated, !mapping.row_begins.empty()};
-  if (!plan.axis) plan.axis = mapped_axis(plan.fields);
+  Plan plan{fields_of(mapping.rules),
+            options.axis,
+            options.rotary,
+            options.sense,
+            mapping.values,
+            mapping.decimal,
+            options.parked_mm,
+            options.parked_stated,
+            !mapping.row_begins.empty()};
+  take_mapped_axis(plan);
   Findings findings(file_name);
   TableLines table = lines_in(text, plan, options, findings);
   if (options.channels) {

@@ -19,6 +19,7 @@ namespace {
 /// The kind of unit that a field may have; nothing: none.
 std::optional<UnitKind> kind_of(const Field& field) {
   if (field.role == Role::position || field.role == Role::measured) return UnitKind::length;
+  if (field.role == Role::angle) return UnitKind::angle;
   if (is_sensor_column(field.rule.field)) return UnitKind::temperature;
   if (field.rule.field == "pressure_hPa") return UnitKind::pressure;
   if (field.rule.field == "time_s") return UnitKind::time;
@@ -96,6 +97,7 @@ std::optional<Axis> measured_direction(std::string_view field) {
 Role role_of(std::string_view name) {
   if (std::find(kPositionColumns.begin(), kPositionColumns.end(), name) != kPositionColumns.end())
     return Role::position;
+  if (std::find(kAngleColumns.begin(), kAngleColumns.end(), name) != kAngleColumns.end()) return Role::angle;
   if (measured_direction(name)) return Role::measured;
   if (name == "reading") return Role::error;
   if (sense_named(name)) return Role::own_sense;
@@ -133,8 +135,14 @@ std::string set_error(Reading& reading, const Plan& plan, const Field& field, do
         !fault.empty())
       return fault;
   if (plan.values == TableValues::actual_positions) {
-    if (index_of(reading.axis) != static_cast<std::size_t>(reading.sense))
+    const std::size_t own = index_of(reading.axis) + (reading.rotary ? kAxes : 0);
+    if (own != static_cast<std::size_t>(reading.sense))
       return "values are positions: expected a sense along the moving axis";
+    if (reading.rotary) {
+      const double actual = rule.unit ? converted(rule, cell) : cell * kUmPerMPerDegree;
+      reading.error = actual * rule.factor + rule.offset - target_of(reading) * kUmPerMPerDegree;
+      return {};
+    }
     reading.error = (converted(rule, cell) * rule.factor + rule.offset - target_mm(reading)) * kUmPerMm;
     return {};
   }
@@ -148,10 +156,12 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
     return fmt::format("{}: expected {}, found {}", field.rule.field, what, in_quotes(cell));
   };
   if (field.role == Role::axis) {
-    const auto axis = cell.size() == 1 ? axis_of(lower(cell) == cell ? static_cast<char>(cell[0] - 'a' + 'A') : cell[0])
-                                       : std::nullopt;
-    if (!axis) return expected("X, Y or Z");
-    reading.axis = *axis;
+    std::string letter(cell);
+    if (letter.size() == 1 && lower(letter) == letter) letter[0] = static_cast<char>(letter[0] - 'a' + 'A');
+    const auto named = axis_named(letter);
+    if (!named) return expected("X, Y, Z, A, B or C");
+    reading.axis = named->axis;
+    reading.rotary = named->rotary;
     return {};
   }
   if (field.role == Role::sense) {
@@ -179,7 +189,10 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
     reading.text_extras[field.rule.field] = std::string(cell);
     return {};
   }
-  const double value = converted(field.rule, *number) * field.rule.factor + field.rule.offset;
+  const bool in_angle = field.role == Role::angle && field.rule.unit;
+  const double value = (in_angle ? converted(field.rule, *number) / kUmPerMPerDegree : converted(field.rule, *number)) *
+                           field.rule.factor +
+                       field.rule.offset;
   if (!std::isfinite(value)) return expected("a number that stays finite");
   if (!is_known_column(field.rule.field)) {
     reading.extras[field.rule.field] = value;
@@ -189,14 +202,16 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
 }
 
 std::string take_units(Plan& plan, const ImportOptions& options) {
-  if (options.target_unit && options.target_unit->kind != UnitKind::length)
-    return fmt::format("{} is no unit of length", options.target_unit->name);
+  if (options.target_unit && options.target_unit->kind != (plan.rotary ? UnitKind::angle : UnitKind::length))
+    return fmt::format("{} is no unit of {}", options.target_unit->name, plan.rotary ? "angle" : "length");
   for (Field& field : plan.fields) {
     if (field.rule.unit) continue;
-    if (field.role == Role::position || field.role == Role::measured) field.rule.unit = options.target_unit;
+    if (field.role == (plan.rotary ? Role::angle : Role::position) || field.role == Role::measured)
+      field.rule.unit = options.target_unit;
     if (field.role == Role::measured) continue;
     if (!is_value(field.role) || !options.reading_unit) continue;
-    const Sense sense = sense_named(field.rule.field).value_or(plan.sense.value_or(Sense::EX));
+    const Sense own = plan.rotary ? Sense::EA : Sense::EX;
+    const Sense sense = sense_named(field.rule.field).value_or(plan.sense.value_or(own));
     const UnitKind kind = is_rotation(sense) ? UnitKind::angle : UnitKind::length;
     if (options.reading_unit->kind != kind && !has_role(plan.fields, Role::sense))
       return fmt::format("{} is no unit of {}", options.reading_unit->name, name_of(sense));
@@ -211,16 +226,17 @@ std::string plan_fault(const Plan& plan) {
   if (std::string fault = measured_fault(plan.fields); !fault.empty()) return fault;
   if (has_role(plan.fields, Role::measured)) return units_fault(plan);
   if (!has_role(plan.fields, Role::axis) && !plan.axis)
-    return "columns: the table does not say which axis moved: give the axis X, Y or Z, or map its column";
+    return "columns: the table does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C, or "
+           "map its column";
   if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
       !plan.parked_stated[index_of(*plan.axis)] &&
       std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& f) {
-        return f.rule.field == kPositionColumns[index_of(*plan.axis)] || f.rule.field == "time_s";
+        return f.rule.field == target_column(*plan.axis, plan.rotary) || f.rule.field == "time_s";
       }))
     return fmt::format(
         "columns: expected {} (the target of the moving axis), found none; one target for all rows is given as "
         "--parked {}=MM",
-        kPositionColumns[index_of(*plan.axis)], lower(std::string(1, letter_of(*plan.axis))));
+        target_column(*plan.axis, plan.rotary), lower(std::string(1, letter_of(*plan.axis))));
   return units_fault(plan);
 }
 

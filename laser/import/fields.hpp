@@ -25,6 +25,7 @@ struct Pass {
 /// What a field does with its cell.
 enum class Role {
   position,
+  angle,  ///< a_deg, b_deg, c_deg: of a rotary axis
   error,
   own_sense,
   pass,
@@ -57,6 +58,7 @@ struct Field {
 struct Plan {
   std::vector<Field> fields;
   std::optional<Axis> axis;
+  bool rotary = false;  ///< that axis turns
   std::optional<Sense> sense;
   TableValues values = TableValues::errors;
   char decimal = '\0';

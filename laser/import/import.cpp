@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/units.hpp"
 #include "laser/import/at_rest.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/readers.hpp"
@@ -48,10 +49,11 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   const bool holds_positions = format.units == ErrorUnits::positions;
   if (holds_positions && options.reading_unit)
     return wrong("the file holds positions: give the unit of the targets, it is that of the readings too");
-  if (options.target_unit && options.target_unit->kind != UnitKind::length)
-    return wrong(fmt::format("{} is no unit of length", options.target_unit->name));
+  const UnitKind target_kind = options.rotary ? UnitKind::angle : UnitKind::length;
+  if (options.target_unit && options.target_unit->kind != target_kind)
+    return wrong(fmt::format("{} is no unit of {}", options.target_unit->name, options.rotary ? "angle" : "length"));
   for (Reading& reading : imported->set.readings) {
-    if (options.target_unit) {
+    if (options.target_unit && !options.rotary) {
       reading.position_mm[index_of(reading.axis)] *= options.target_unit->factor;
       if (holds_positions) reading.error *= options.target_unit->factor;
     }
@@ -65,6 +67,33 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   if (options.target_unit) imported->set.notes.push_back(fmt::format("targets taken as {}", options.target_unit->name));
   if (options.reading_unit)
     imported->set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
+  return imported;
+}
+
+/// Readings of a file that a rotary axis was measured to, whose readers know linear ones: its targets are degrees, or
+/// in the unit given.
+Result<Imported> turned(Result<Imported> imported, const ImportOptions& options) {
+  if (!imported || !options.rotary) return imported;
+  const bool holds_positions = imported->format->units == ErrorUnits::positions;
+  const double to_deg = options.target_unit ? options.target_unit->factor / kUmPerMPerDegree : 1.0;
+  for (Reading& reading : imported->set.readings) {
+    if (reading.rotary || reading.axis != *options.axis) continue;
+    if (!holds_positions && !is_rotation(reading.sense))
+      return tl::unexpected(
+          usage(imported->set.source, fmt::format("a rotary axis is measured as an angle: expected the "
+                                                  "sense EA, EB or EC, found {}",
+                                                  ecs::name_of(reading.sense))));
+    const std::size_t i = index_of(reading.axis);
+    reading.rotary = true;
+    reading.angle_deg[i] = reading.position_mm[i] * to_deg;
+    reading.position_mm[i] = options.parked_mm[i];
+    if (!holds_positions) continue;
+    reading.sense = static_cast<Sense>(kAxes + i);
+    reading.error *= to_deg * kUmPerMPerDegree / kUmPerMm;
+  }
+  imported->set.notes.push_back(fmt::format("targets taken as {} of the rotary axis {}",
+                                            options.target_unit ? options.target_unit->name : "deg",
+                                            letter_of(*options.axis, true)));
   return imported;
 }
 
@@ -86,7 +115,9 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
                                               : recognised_format(text->text, file_name);
   if (!format) return tl::unexpected(explanation_of(text->text, file_name));
   auto imported = content_of(*format, text->text, file_name, options);
-  if (!is_mapped) imported = rescaled(std::move(imported), options);
+  if (!is_mapped) imported = turned(rescaled(std::move(imported), options), options);
+  if (imported && !options.takes_rotary)
+    if (auto refused = rotary_refused(imported->set, file_name)) return tl::unexpected(std::move(*refused));
   if (imported && !options.keep_set_up && gives_measured_positions(options)) take_out_set_up(imported->set);
   if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
     keep_at_rest(imported->set, options.at_rest_mm, options.average);
@@ -107,8 +138,13 @@ Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions
 
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
   if (options.axis) return *options.axis;
-  return tl::unexpected(Problem{
-      ProblemKind::usage, "the file does not say which axis moved: give the axis X, Y or Z", file_name, 0, 0, {}});
+  return tl::unexpected(
+      Problem{ProblemKind::usage,
+              "the file does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C",
+              file_name,
+              0,
+              0,
+              {}});
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {

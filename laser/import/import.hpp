@@ -30,6 +30,8 @@ enum class Joining {
 /// What a file does not say and the caller knows.
 struct ImportOptions {
   std::optional<Axis> axis;    ///< moving axis; wins over the file's own statement
+  bool rotary = false;         ///< … it turns about that direction: A, B, C; targets are in degrees
+  bool takes_rotary = false;   ///< what is to be done with the readings suits rotary axes too; false: they are refused
   std::optional<Sense> sense;  ///< needed for .rta and .rts: pitch or yaw, vertical or horizontal is not in the file
   Vector3 parked_mm{};  ///< coordinates of the axes that do not move; the moving axis's own entry is the origin of
                         ///< a dynamic capture, and the one target of a table without positions
@@ -39,7 +41,8 @@ struct ImportOptions {
   bool table_holds_errors = false;  ///< .REN: values are errors; false: they are compensation = −error
   bool spread_environment = true;  ///< Renishaw runs: air and material go from the start to the end value linearly over
                                    ///< the readings; false: only the first and the last reading carry them
-  std::optional<Unit> target_unit;   ///< length: of target positions, where the file has another than it usually has
+  std::optional<Unit> target_unit;   ///< length, of rotary axes angle: of target positions, where the file has another
+                                     ///< than it usually has
   std::optional<Unit> reading_unit;  ///< of the errors, in the same case
   std::string channel;               ///< of a channel log; empty: the only one
   std::optional<ColumnMapping> channels;  ///< of a log: its headings are names of channels, joined by time

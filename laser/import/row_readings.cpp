@@ -21,7 +21,7 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
   std::vector<double> targets;
   std::vector<std::size_t> stop_of;
   for (std::size_t i = 0; i < set.readings.size(); ++i) {
-    if (i == 0 || set.readings[i].line != set.readings[i - 1].line) targets.push_back(target_mm(set.readings[i]));
+    if (i == 0 || set.readings[i].line != set.readings[i - 1].line) targets.push_back(target_of(set.readings[i]));
     stop_of.push_back(targets.size() - 1);
   }
   const auto motion = motion_of(targets);
@@ -34,10 +34,10 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
 
 /// Readings of the same line, target and approach are runs one after the other.
 void number_runs(MeasurementSet& set) {
-  std::map<std::tuple<Axis, Sense, Vector3, Approach>, int> seen;
+  std::map<std::tuple<Axis, Sense, Vector3, Vector3, Approach>, int> seen;
   bool repeated = false;
   for (Reading& reading : set.readings) {
-    reading.run = ++seen[{reading.axis, reading.sense, reading.position_mm, reading.approach}];
+    reading.run = ++seen[{reading.axis, reading.sense, reading.position_mm, reading.angle_deg, reading.approach}];
     repeated = repeated || reading.run > 1;
   }
   if (repeated) set.notes.push_back("no column for the run: repeats at a target are numbered in their order");
@@ -57,15 +57,17 @@ std::vector<Field> fields_of(const std::vector<ColumnRule>& rules) {
   return fields;
 }
 
-std::optional<Axis> mapped_axis(const std::vector<Field>& fields) {
-  std::optional<Axis> found;
-  for (std::size_t i = 0; i < kAxes; ++i)
-    for (const Field& field : fields)
-      if (field.rule.field == kPositionColumns[i]) {
-        if (found) return std::nullopt;
-        found = static_cast<Axis>(i);
-      }
-  return found;
+void take_mapped_axis(Plan& plan) {
+  for (const bool rotary : {true, false}) {
+    std::vector<Axis> found;
+    for (const Axis axis : kAllAxes)
+      if (std::any_of(plan.fields.begin(), plan.fields.end(),
+                      [&](const Field& field) { return field.rule.field == target_column(axis, rotary); }))
+        found.push_back(axis);
+    if (plan.axis || found.size() != 1) continue;
+    plan.axis = found.front();
+    plan.rotary = rotary;
+  }
 }
 
 int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run, Findings& findings) {
@@ -74,6 +76,7 @@ int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run
   common.line = row.number;
   common.run = run;
   common.axis = plan.axis.value_or(Axis::X);
+  common.rotary = plan.rotary;
   common.position_mm = plan.parked_mm;
   bool whole = true;
   const auto bad = [&](const Field& field, const std::string& fault) {
@@ -93,7 +96,8 @@ int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run
   if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
   const bool has_sense =
       std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) { return field.role == Role::sense; });
-  if (!has_sense) common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis)));
+  if (!has_sense)
+    common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis) + (common.rotary ? kAxes : 0)));
   if (!whole) return 0;
   const bool is_difference = row.target && plan.values != TableValues::actual_positions;
   const double from = is_difference ? row.target->number : 0.0;

@@ -15,8 +15,8 @@ namespace ecs::laser {
 
 [[nodiscard]] std::vector<Field> fields_of(const std::vector<ColumnRule>& rules);
 
-/// The axis of a table that maps one position and nothing that says more.
-[[nodiscard]] std::optional<Axis> mapped_axis(const std::vector<Field>& fields);
+/// Gives the plan the axis of a table that maps one position, or one angle, and nothing that says more.
+void take_mapped_axis(Plan& plan);
 
 /// The cells of a field, joined by blanks. @pre field.last() < cells.size()
 [[nodiscard]] std::string joined_cells(const std::vector<std::string_view>& cells, const Field& field);

@@ -28,6 +28,9 @@ bool any(const MeasurementSet& set, const Has& has) {
 /// Every column that some reading needs, in the usual order.
 std::vector<std::string> columns_used(const MeasurementSet& set) {
   std::vector<std::string> columns{"axis", "x_mm", "y_mm", "z_mm", "sense", "reading", "approach", "run"};
+  for (const Axis axis : kAllAxes)
+    if (any(set, [&](const Reading& r) { return r.angle_deg[index_of(axis)] != 0.0 || (r.rotary && r.axis == axis); }))
+      columns.emplace_back(kAngleColumns[index_of(axis)]);
   for (const NumberColumn& column : kNumberColumns)
     if (any(set, [&](const Reading& r) { return (r.*(column.member)).has_value(); })) columns.emplace_back(column.name);
   if (any(set, [](const Reading& r) { return r.compensated.has_value(); })) columns.emplace_back("compensated");
@@ -68,14 +71,17 @@ std::string number_from(const Map& map, std::string_view name) {
 }
 
 std::string cell_of(const Reading& reading, std::string_view column) {
-  if (column == "axis") return std::string(1, letter_of(reading.axis));
+  if (column == "axis") return std::string(1, letter_of(reading.axis, reading.rotary));
   if (column == "sense") return std::string(name_of(reading.sense));
   if (column == "reading") return shortest(reading.error);
   if (column == "approach") return std::to_string(static_cast<int>(reading.approach));
   if (column == "run") return std::to_string(reading.run);
   if (column == "compensated") return reading.compensated ? (*reading.compensated ? "1" : "0") : "";
   for (const Axis axis : kAllAxes)
-    if (column == kPositionColumns[index_of(axis)]) return shortest(reading.position_mm[index_of(axis)]);
+    if (column == kPositionColumns[index_of(axis)])
+      return shortest(reading.position_mm[index_of(axis)]);
+    else if (column == kAngleColumns[index_of(axis)])
+      return shortest(reading.angle_deg[index_of(axis)]);
   for (const NumberColumn& number : kNumberColumns)
     if (column == number.name) return reading.*(number.member) ? shortest(*(reading.*(number.member))) : "";
   if (is_sensor_column(column)) return number_from(reading.sensors_degC, column);

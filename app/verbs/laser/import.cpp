@@ -29,7 +29,7 @@ struct FileImportArguments : VerbArguments {
   const std::vector<std::string>& files = texts("FILE", "measurement files; several are joined", Need::required);
   const std::string& output = output_file("-o,--output", output_help());
   const std::string& save_profile = text("--save-profile", "keep the import options given, under this name or path");
-  ImportOptions import{*this};
+  RotaryImportOptions import{*this};
 };
 
 /// A plate or a probed surface has hundreds of lines; the first of them show what was read.

@@ -5,7 +5,8 @@
 namespace ecs::app {
 
 void take_import_options(Verb& verb, ImportArguments& arguments, const std::string& sense_option) {
-  verb.choice("--axis", arguments.axis, {"X", "Y", "Z"}, "the axis that was moved, where the file does not say")
+  verb.choice("--axis", arguments.axis, {"X", "Y", "Z", "A", "B", "C"},
+              "the axis that was moved, where the file does not say")
       .choice(sense_option, arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"},
               "what was measured, if not in the file")
       .text("--parked", arguments.parked, "where the other axes stood, as in y=-1400,z=0 [mm]")
@@ -15,7 +16,8 @@ void take_import_options(Verb& verb, ImportArguments& arguments, const std::stri
   verb.group("More about a measurement file")
       .choice("--encoding", arguments.encoding, {"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"},
               "code page; by itself if not given")
-      .text("--target-unit", arguments.target_unit, "unit of the targets where it is not the usual one, as in in")
+      .text("--target-unit", arguments.target_unit,
+            "unit of the targets where it is not the usual one, as in in, arcsec")
       .text("--reading-unit", arguments.reading_unit,
             "unit of the readings where it is not the usual one, as in um, arcsec")
       .flag("--accept-truncated", arguments.accept_truncated, "take what is left of a file that ends too early")

@@ -15,6 +15,10 @@ void take_import_options(Verb& verb, ImportArguments& arguments, const std::stri
 struct ImportOptions : ImportArguments {
   explicit ImportOptions(Verb& verb) { take_import_options(verb, *this); }
 };
+/// The same for work that suits rotary axes too.
+struct RotaryImportOptions : ImportOptions {
+  explicit RotaryImportOptions(Verb& verb) : ImportOptions(verb) { takes_rotary = true; }
+};
 
 /// Reads a file; notes on the console what it was taken for, and what had to be assumed.
 [[nodiscard]] Result<laser::Imported> read_with_notes(VerbContext& context, const std::string& file,

@@ -13,6 +13,7 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/quantities.hpp"
+#include "laser/analysis/growth.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/analysis/run_drift.hpp"
@@ -23,11 +24,11 @@ namespace {
 struct StatsArguments : VerbArguments {
   const std::vector<std::string>& files =
       texts("FILE", "measurement files; those of one line are joined as its runs", Need::required);
-  ImportOptions import{*this};
+  RotaryImportOptions import{*this};
 };
 
-Json target_json(const laser::Iso230Target& t) {
-  return {{"position_mm", number_or_null(t.position_mm)},
+Json target_json(const laser::Iso230Target& t, bool rotary) {
+  return {{rotary ? "position_deg" : "position_mm", number_or_null(t.position_mm)},
           {"n_forward", t.n_forward},
           {"n_reverse", t.n_reverse},
           {"mean_forward", number_or_null(t.mean_forward)},
@@ -65,10 +66,10 @@ Cell outliers_cell(const MeasuredLine& line) {
                {"line", reading.line},
                {"row", reading.row},
                {"run", reading.run},
-               {"position_mm", number_or_null(laser::target_mm(reading))},
+               {reading.rotary ? "position_deg" : "position_mm", number_or_null(laser::target_of(reading))},
                {"reading", number_or_null(reading.error)}},
               fmt::format("  outlier: {} {} at {:g}, run {}, is far from its repeats ({}:{}, row {})\n",
-                          shortest(reading.error), laser::unit_of(reading.sense), laser::target_mm(reading),
+                          shortest(reading.error), laser::unit_of(reading.sense), laser::target_of(reading),
                           reading.run, line.file_of(i), reading.line, reading.row)});
   }
   if (!list.text.empty()) list.text += "  `ecs laser process --exclude-row N` leaves a row out\n";
@@ -103,6 +104,35 @@ Cell drift_cell(const MeasuredLine& line) {
           std::move(text)};
 }
 
+std::string lag_text(double lag_s) {
+  if (lag_s == 0.0) return "at once";
+  return lag_s > 0.0 ? fmt::format("growth {:.3g} s later", lag_s) : fmt::format("sensor {:.3g} s later", -lag_s);
+}
+
+/// Of readings at one target over time (ISO 230-3).
+Cell growth_cell(const MeasuredLine& line) {
+  const auto growth = laser::growth_of(line.set, line.group);
+  if (!growth) return null_cell("");
+  const auto unit = laser::unit_of(line.group.sense);
+  std::string text = fmt::format("  growth at one target in {:.2f} h: {:.2f} {}, {:.2f} {} in the last hour\n",
+                                 growth->hours, growth->range, unit, growth->range_last_hour, unit);
+  Json sensors = Json::array();
+  for (const laser::SensorGrowth& one : growth->sensors) {
+    sensors.push_back({{"sensor", one.sensor},
+                       {"per_degC", number_or_null(one.per_degC)},
+                       {"lag_s", number_or_null(one.lag_s)},
+                       {"explained", number_or_null(one.explained)},
+                       {"rms_left", number_or_null(one.rms_left)}});
+    text += fmt::format("    {:<22} {:+8.3f} {} per degC, {}: {:.1f} % of it, {:.2f} {} rms left\n", one.sensor,
+                        one.per_degC, unit, lag_text(one.lag_s), 100.0 * one.explained, one.rms_left, unit);
+  }
+  return {{{"hours", number_or_null(growth->hours)},
+           {"range", number_or_null(growth->range)},
+           {"range_last_hour", number_or_null(growth->range_last_hour)},
+           {"sensors", std::move(sensors)}},
+          std::move(text)};
+}
+
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
@@ -110,22 +140,24 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line) {
       "{compensated}\n";
   AnswerFields fields{{"file", {line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))}},
                       {"files", {line.files, {}}}};
-  append(fields, measured_line_fields({iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}}));
+  append(fields, measured_line_fields(line.group));
   for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back({q.key, quantity_cell(q.symbol, iso.*q.value, unit, q.name)});
     layout += fmt::format("{{{}}}", q.key);
   }
-  append(fields, {{"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
+  append(fields, {{"unit_of_targets", word_cell(laser::target_unit(iso.rotary))},
+                  {"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
                   {"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}},
                   {"targets", list_cell(iso.targets,
-                                        [](const auto& target) {
-                                          return Cell{target_json(target), {}};
+                                        [&](const auto& target) {
+                                          return Cell{target_json(target, iso.rotary), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
                   {"outliers", outliers_cell(line)},
                   {"drift", drift_cell(line)},
+                  {"growth", growth_cell(line)},
                   {"notes", lines_cell(iso.notes, "  note: ")}});
-  return record_cell(layout + "{range}{outliers}{drift}{notes}", fields);
+  return record_cell(layout + "{range}{growth}{outliers}{drift}{notes}", fields);
 }
 
 /// Files that are joined, and the set that they make.

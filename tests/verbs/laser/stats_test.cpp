@@ -51,3 +51,19 @@ TEST_CASE("an outlier is told with its file and line, drift between runs with it
   CHECK(quiet["outliers"].empty());
   CHECK(quiet["drift"]["drifts"] == false);
 }
+
+TEST_CASE("a rotary axis: its letter, degrees and the angular positioning; other verbs refuse it") {
+  const Folder folder;
+  std::string text = "axis,c_deg,sense,reading,approach,run\n";
+  for (int k = 0; k <= 8; ++k) text += fmt::format("C,{},EC,{},1,1\n", 45 * k, 0.5 * k);
+  const std::string file = folder.with("c.csv", text);
+  const auto line = ran({"laser", "stats", file, "--json"}).json()["lines"][0];
+  CHECK(line["axis"] == "C");
+  CHECK(line["component"] == "ECC");
+  CHECK(line["targets"][8]["position_deg"] == 360.0);
+  CHECK(contains(ran({"laser", "show", file}).out, "target [deg]"));
+  CHECK(contains(ran({"laser", "import", file}).out, "from [deg]"));
+  const Ran refused = ran({"laser", "process", file});
+  CHECK(refused.code == 3);
+  CHECK(contains(refused.messages, "c.csv:2:1: expected readings of linear axes, found the rotary axis C"));
+}

@@ -1,0 +1,32 @@
+// Growth at one target over time, as in the tests of ISO 230-3: its size, and how it follows each sensor.
+// Does not live here: effects of a model (model/effects), several targets (iso230.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "laser/groups.hpp"
+
+namespace ecs::laser {
+
+/// error = constant + coefficient × temperature, one of them delayed by a lag of the first order.
+struct SensorGrowth {
+  std::string sensor;      ///< column
+  double per_degC = 0.0;   ///< um/degC, or um/m per degC
+  double lag_s = 0.0;      ///< positive: the growth follows the sensor so much later; negative: the sensor lags
+  double explained = 0.0;  ///< share of the squares of the errors about their mean that this explains, 0 to 1
+  double rms_left = 0.0;   ///< of the errors, or of the delayed errors where the sensor lags
+};
+
+struct Growth {
+  double hours = 0.0;                 ///< from the first reading to the last
+  double range = 0.0;                 ///< largest minus smallest
+  double range_last_hour = 0.0;       ///< over the last hour: what had not settled
+  std::vector<SensorGrowth> sensors;  ///< those that explain more first
+};
+
+/// Nothing unless all readings of the group are at one target, ten or more, with times of more than a minute.
+[[nodiscard]] std::optional<Growth> growth_of(const MeasurementSet& set, const Group& group);
+
+}  // namespace ecs::laser

@@ -1,0 +1,103 @@
+// Rotary axes A, B, C in measurement sets, tables and statistics: targets in degrees, errors in um/m.
+#include <numbers>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "laser/analysis/iso230.hpp"
+#include "laser/import/import.hpp"
+#include "laser/writers/measurement_writer.hpp"
+#include "tests/support/import_options.hpp"
+#include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+using doctest::Approx;
+
+namespace {
+
+constexpr double kArcsec = 1e6 * std::numbers::pi / 180.0 / 3600.0;  // in um/m
+
+ImportOptions of_rotary(ImportOptions options) {
+  options.takes_rotary = true;
+  return options;
+}
+
+MeasurementSet turned_set(const std::string& text, const ImportOptions& options, const std::string& name = "c.csv") {
+  const auto read = parse_any(text, name, of_rotary(options));
+  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
+  return read->set;
+}
+
+}  // namespace
+
+TEST_CASE("a rotary axis in the measurement CSV is read and written back") {
+  const std::string text = "axis,c_deg,sense,reading,approach,run\nC,0,EC,1,1,1\nC,360,EC,2.5,1,1\n";
+  const auto set = turned_set(text, {});
+  REQUIRE(set.readings.size() == 2);
+  CHECK(set.readings[1].rotary);
+  CHECK(set.readings[1].axis == Axis::Z);
+  CHECK(target_of(set.readings[1]) == 360.0);
+  CHECK(to_csv(set) == text);
+  CHECK(curve_name(Sense::EC, Axis::Z, true) == "ECC");
+  CHECK(to_csv({.readings = set.readings})
+            .starts_with("axis,x_mm,y_mm,z_mm,sense,reading,approach,run,c_deg\nC,0,0,0,EC,1"));
+  const auto lacks = parse_any("axis,c_deg,sense,reading\nC,,EC,1\n", "c.csv", of_rotary({}));
+  CHECK(contains(lacks.error().message, "c_deg: expected the target position"));
+}
+
+TEST_CASE("work on linear axes refuses a rotary one, with its line and what takes it") {
+  const auto refused = parse_any("axis,a_deg,sense,reading\nA,0,EA,1\n", "a.csv", {});
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().line == 2);
+  CHECK(contains(refused.error().message, "found the rotary axis A: `ecs laser import`, `show` and `stats` take it"));
+}
+
+TEST_CASE("targets in degrees or arc seconds, readings in arc seconds") {
+  const auto set = turned_set("0,0.5\n90,1.0\n", by_columns("b_deg=1,reading=2[arcsec]"));
+  REQUIRE(set.readings.size() == 2);
+  CHECK(set.readings[1].axis == Axis::Y);
+  CHECK(set.readings[1].sense == Sense::EB);
+  CHECK(target_of(set.readings[1]) == 90.0);
+  CHECK(set.readings[1].error == Approx(kArcsec));
+  const auto seconds = turned_set("0,1\n7200,1\n", by_columns("a_deg=1[arcsec],reading=2"));
+  CHECK(target_of(seconds.readings[1]) == Approx(2.0));
+}
+
+TEST_CASE("actual angles become errors") {
+  ImportOptions options = by_columns("c_deg=1,forward=2,reverse=3");
+  options.mapping->values = TableValues::actual_positions;
+  const auto set = turned_set("0 0.001 -0.001\n180 180.002 179.998\n", options);
+  CHECK(set.readings[2].error == Approx(0.002 * 3600.0 * kArcsec));
+  CHECK(set.readings[3].approach == Approach::reverse);
+}
+
+TEST_CASE("an instrument's file of a rotary axis: its targets are degrees") {
+  ImportOptions options;
+  options.axis = Axis::X;
+  options.rotary = true;
+  options.sense = Sense::EA;
+  const auto set = turned_set(sample_text("pitch.rta"), options, "pitch.rta");
+  CHECK(set.readings.front().rotary);
+  CHECK(set.readings.front().angle_deg[0] != set.readings.back().angle_deg[1]);
+  CHECK(says(set.notes, "targets taken as deg of the rotary axis A"));
+  options.sense = Sense::EX;
+  CHECK_FALSE(parse_any(sample_text("vmc_x.rtl"), "x.rtl", of_rotary(options)).has_value());
+}
+
+TEST_CASE("statistics of a full turn: the targets that the standard asks for, and its closing") {
+  std::string text = "axis,c_deg,sense,reading,approach,run\n";
+  for (int run = 1; run <= 5; ++run)
+    for (int k = 0; k <= 4; ++k) text += fmt::format("C,{},EC,{},1,{}\n", 90 * k, k + 0.1 * run, run);
+  const auto set = turned_set(text, {});
+  const auto iso = iso230_of(set);
+  REQUIRE(iso.has_value());
+  REQUIRE(iso->size() == 1);
+  CHECK(iso->front().rotary);
+  CHECK(*iso->front().E_forward == Approx(4.0));
+  CHECK(says(iso->front().notes, "fewer than 8 targets (5 on 360 deg)"));
+  CHECK(says(iso->front().notes, "the same place at 0 and 360 deg differs by +4 um/m"));
+  CHECK_FALSE(says(iso->front().notes, "longer than 2000 mm"));
+  CHECK_FALSE(says(iso->front().notes, "not a positioning error"));
+}
