@@ -11,11 +11,7 @@ extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kAerotech;
 
 std::span<const ControllerFormat* const> controller_formats() {
   static constexpr std::array<const ControllerFormat*, 5> kFormats{
-      &kLinuxCnc,
-      &kSiemens,
-      &kEtalon,
-      &kTwinCat,
-      &kAerotech,
+      &kLinuxCnc, &kSiemens, &kEtalon, &kTwinCat, &kAerotech,
   };
   return kFormats;
 }
