@@ -38,7 +38,9 @@ std::size_t rotary_targets(double travel_deg) {
 void note_closing(const Iso230& axis, std::vector<std::string>& notes) {
   const Iso230Target &first = axis.targets.front(), &last = axis.targets.back();
   const bool closes = std::abs(last.position_mm - first.position_mm - kTurn_deg) <= axis.merge_tolerance_mm;
-  const auto mean = [](const Iso230Target& t) { return t.mean ? t.mean : t.mean_forward ? t.mean_forward : t.mean_reverse; };
+  const auto mean = [](const Iso230Target& t) {
+    return t.mean ? t.mean : t.mean_forward ? t.mean_forward : t.mean_reverse;
+  };
   if (closes && mean(first) && mean(last))
     notes.push_back(fmt::format("a full turn: the same place at {:g} and {:g} deg differs by {:+.3g} um/m",
                                 first.position_mm, last.position_mm, *mean(last) - *mean(first)));
