@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kLeastReadings = 10;
 constexpr double kLeast_s = 60.0;
 constexpr double kHour_s = 3600.0;
-constexpr int kLagsADecade = 20;
+constexpr int kLagsADecade = 50;
 
 struct Samples {
   std::vector<double> time_s, error;

@@ -95,7 +95,7 @@ TEST_CASE("every bad row is reported at once with line, column, expectation and 
     int line, column;
     const char* message;
   };
-  const std::vector<Expected> expected{{3, 1, "axis: expected X, Y or Z, found \"W\""},
+  const std::vector<Expected> expected{{3, 1, "axis: expected X, Y, Z, A, B or C, found \"W\""},
                                        {4, 5, "sense: expected EX, EY, EZ (um) or EA, EB, EC (um/m), found \"EQ\""},
                                        {5, 8, "reading: expected a finite number, found \"nan\""},
                                        {6, 12, "approach: expected 1, -1 or 0, found \"2\""},

@@ -41,8 +41,9 @@ TEST_CASE("a rotary axis in the measurement CSV is read and written back") {
   CHECK(target_of(set.readings[1]) == 360.0);
   CHECK(to_csv(set) == text);
   CHECK(curve_name(Sense::EC, Axis::Z, true) == "ECC");
-  CHECK(to_csv({.readings = set.readings})
-            .starts_with("axis,x_mm,y_mm,z_mm,sense,reading,approach,run,c_deg\nC,0,0,0,EC,1"));
+  MeasurementSet bare;
+  bare.readings = set.readings;
+  CHECK(to_csv(bare).starts_with("axis,x_mm,y_mm,z_mm,sense,reading,approach,run,c_deg\nC,0,0,0,EC,1"));
   const auto lacks = parse_any("axis,c_deg,sense,reading\nC,,EC,1\n", "c.csv", of_rotary({}));
   CHECK(contains(lacks.error().message, "c_deg: expected the target position"));
 }
@@ -80,7 +81,8 @@ TEST_CASE("an instrument's file of a rotary axis: its targets are degrees") {
   options.sense = Sense::EA;
   const auto set = turned_set(sample_text("pitch.rta"), options, "pitch.rta");
   CHECK(set.readings.front().rotary);
-  CHECK(set.readings.front().angle_deg[0] != set.readings.back().angle_deg[1]);
+  CHECK(set.readings[1].angle_deg[0] != set.readings[0].angle_deg[0]);
+  CHECK(set.readings[1].position_mm[0] == 0.0);
   CHECK(says(set.notes, "targets taken as deg of the rotary axis A"));
   options.sense = Sense::EX;
   CHECK_FALSE(parse_any(sample_text("vmc_x.rtl"), "x.rtl", of_rotary(options)).has_value());
