@@ -14,6 +14,8 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include "protocol/registers/register_map.hpp"
+
 namespace ecs::protocol {
 
 namespace {
