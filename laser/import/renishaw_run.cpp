@@ -34,13 +34,14 @@ Result<Axis> axis_of_file(const RunFile& file, const std::string& file_name, con
                           std::vector<std::string>& notes) {
   const std::string text = value_of(file.user_text, "Axis").value_or("");
   const char own = axis_letter_in(text);
-  if (options.axis && own != '\0' && letter_of(*options.axis) != own)
-    notes.push_back(fmt::format("the file says axis {}, taken as {} as asked", own, letter_of(*options.axis)));
+  if (options.axis && own != '\0' && letter_of(*options.axis, options.rotary) != own)
+    notes.push_back(
+        fmt::format("the file says axis {}, taken as {} as asked", own, letter_of(*options.axis, options.rotary)));
   if (options.axis) return *options.axis;
   if (own != '\0') return static_cast<Axis>(own - 'X');
   return tl::unexpected(
       usage(file_name, fmt::format("the file does not say which linear axis moved (USER-TEXT Axis: {}): "
-                                   "give the axis X, Y or Z",
+                                   "give the axis X, Y or Z, of rotary axes A, B or C",
                                    in_quotes(text))));
 }
 
@@ -66,6 +67,7 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
                                                        ecs::name_of(positioning), ecs::name_of(*options.sense))));
   }
   const std::string_view choice = kind == Kind::angular ? "EA, EB or EC" : "EX, EY or EZ across the axis";
+  if (!options.sense && options.rotary && kind == Kind::angular) return static_cast<Sense>(kAxes + index_of(axis));
   if (!options.sense)
     return tl::unexpected(
         usage(file_name, fmt::format("the file does not say the sense of its readings: give {}", choice)));

@@ -50,6 +50,18 @@ TEST_CASE("add takes approach, sense and code from its options; an unknown effec
   CHECK(ran({"model", "add", workspace.model, "angular", "--code", "EQX", "--data", workspace.data}).code == 2);
 }
 
+TEST_CASE("readings that do not say what was measured are asked for it by --reading-sense") {
+  const ModelWorkspace workspace;
+  const std::vector<std::string> words{"model",       "add",    workspace.model,
+                                       "offset:X:EB", "--data", "samples/laser/pitch.rta"};
+  const Ran asked = ran(words);
+  CHECK(asked.code == 2);
+  CHECK(asked.messages.find("--reading-sense EX") != std::string::npos);
+  std::vector<std::string> given = words;
+  given.insert(given.end(), {"--reading-sense", "EB"});
+  CHECK(ran(given).messages.find("--reading-sense") == std::string::npos);
+}
+
 TEST_CASE("add writes over a file that is there only with --force") {
   const ModelWorkspace workspace;
   const std::string other = workspace.folder.with("other.toml", "# mine\n");
