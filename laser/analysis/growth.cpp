@@ -40,11 +40,11 @@ std::vector<double> delayed(const std::vector<double>& time_s, const std::vector
   return out;
 }
 
-struct Line {
+struct Regression {
   double slope = 0.0, explained = 0.0, rms_left = 0.0;
 };
 
-Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
+Regression line_through(const std::vector<double>& x, const std::vector<double>& y) {
   const double mean_x = *mean_of(x), mean_y = *mean_of(y);
   double xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -65,8 +65,8 @@ SensorGrowth growth_with(const std::string& sensor, const Samples& samples, cons
   SensorGrowth best{sensor};
   for (const bool sensor_lags : {false, true})
     for (const double lag_s : lags) {
-      const Line line = sensor_lags ? line_through(temperature, delayed(samples.time_s, samples.error, lag_s))
-                                    : line_through(delayed(samples.time_s, temperature, lag_s), samples.error);
+      const Regression line = sensor_lags ? line_through(temperature, delayed(samples.time_s, samples.error, lag_s))
+                                          : line_through(delayed(samples.time_s, temperature, lag_s), samples.error);
       if (line.explained > best.explained)
         best = {sensor, line.slope, sensor_lags ? -lag_s : lag_s, line.explained, line.rms_left};
     }
