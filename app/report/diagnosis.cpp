@@ -79,7 +79,6 @@ ReportedEffect effect_of(const Json& object) {
   out.explained = number_in(object, "explained");
   out.held_out_before_um = number_in(object, "held_out_rms_before_um");
   out.held_out_after_um = number_in(object, "held_out_rms_um");
-  out.probability = number_in(object, "probability");
   out.rivals = words_in(object, "indistinguishable_from");
   out.because = word_in(object, "because");
   out.next_measurement = word_in(object, "next_measurement");

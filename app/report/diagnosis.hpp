@@ -23,7 +23,6 @@ struct ReportedEffect {
   std::optional<double> explained;
   std::optional<double> held_out_before_um;
   std::optional<double> held_out_after_um;
-  std::optional<double> probability;
   std::vector<std::string> rivals;
   std::string because;
   std::string next_measurement;

@@ -101,8 +101,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
   TableMarkup table({{named ? "effect" : "rival or weaker explanation"},
                      {"rms after [µm]", true},
                      {"explained", true},
-                     {"held out before → after [µm]", true},
-                     {"probability", true}});
+                     {"held out before → after [µm]", true}});
   for (const ReportedEffect& effect : d.effects) {
     if (effect.named != named) continue;
     const auto held = effect.held_out_before_um && effect.held_out_after_um
@@ -110,8 +109,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                                         number_text(*effect.held_out_after_um, 2))
                           : std::string("\u2013");
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
-               text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held),
-               text(effect.probability ? unit_text(probability_text(*effect.probability)) : "\u2013")});
+               text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held)});
   }
   return table.empty() ? Markup() : table.markup();
 }
@@ -152,12 +150,12 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
     body +=
         paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
   if (d.noise_replicates > 0 && !d.effects.empty())
-    body += paragraph_of(
-        fmt::format("Probability: among the alternatives for the same part of the residual. Noise alone was "
-                    "made up {} times on the same design. Held out: rms of readings that the effect was "
-                    "not fitted to.",
-                    d.noise_replicates),
-        "class=\"small\"");
+    body +=
+        paragraph_of(fmt::format("Noise alone was "
+                                 "made up {} times on the same design. Held out: rms of readings that the effect was "
+                                 "not fitted to.",
+                                 d.noise_replicates),
+                     "class=\"small\"");
   if (!d.notes.empty()) body += element("div", list_of(d.notes), "class=\"small\"");
   return body;
 }

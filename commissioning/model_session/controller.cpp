@@ -64,9 +64,9 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
     return controller;
   }
   (*controller)
-      ->message_.say(fmt::format(
-          "begun in {} with offset, slope and backlash of what was measured; d finds what else there is, a adds it",
-          std::filesystem::path(files.model).filename().string()));
+      ->message_.say(fmt::format("begun in {} with offset and slope of what was measured, backlash where both "
+                                 "approaches were; d finds what else there is, a adds it",
+                                 std::filesystem::path(files.model).filename().string()));
   return controller;
 }
 
@@ -215,15 +215,17 @@ void ModelController::redo() {
 
 void ModelController::save() {
   if (busy()) return;
+  model::Model model = model_to_keep(model_, fit_, data(), work_->data_name);
   std::string beside;
   if (!saved_) {  // what people wrote into the file by hand, comments too, is not lost
     const auto before = read_file(files_.model);
-    if (before && !before->empty()) {
+    if (before && !before->empty() && *before != to_toml(model)) {
       beside = files_.model + ".before";
+      std::error_code error;
+      for (int i = 2; std::filesystem::exists(beside, error); ++i) beside = fmt::format("{}.before{}", files_.model, i);
       if (const auto kept = write_file(beside, *before); !kept) return message_.say(kept.error());
     }
   }
-  model::Model model = model_to_keep(model_, fit_, data(), work_->data_name);
   if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
   model_ = std::move(model);
   saved_ = true;

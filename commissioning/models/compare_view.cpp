@@ -87,7 +87,9 @@ Cell variables_cell(const Comparison& c) {
   for (const model::ResidualView* view : views) list.add(variable_cell(*view));
   std::size_t shapes = 0;
   for (const model::ResidualView* view : views) {
-    if (view->share < kWorthAShape || ++shapes > kMostShapes) break;
+    if (view->share < kWorthAShape) break;
+    if (view->bins.empty()) continue;  // a product of two coordinates has no axis of its own
+    if (++shapes > kMostShapes) break;
     std::vector<ShapePoint> points;
     for (const model::ResidualBin& bin : view->bins) points.push_back({0.5 * (bin.from + bin.to), bin.mean_um});
     list.text += "\n" + shape_text(view->variable, points);

@@ -35,8 +35,8 @@ std::string summary(const Diagnosis& d) {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
 constexpr std::string_view kHead =
-    "                               rms after                 held out [um]    proba-\n"
-    "                                    [um]    explained   before    after   bility\n";
+    "                               rms after                 held out [um]\n"
+    "                                    [um]    explained   before    after\n";
 
 /// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
 std::string set_text(const std::vector<model::SetMember>& set) {
@@ -110,7 +110,7 @@ Cell candidate_cell(const Candidate& c) {
       {"explainable_share", {number_or_null(c.explainable_share), ""}},
       {"p_value", {number_or_null(c.p_value), ""}},
       {"false_naming", {number_or_null(c.false_naming), ""}},
-      {"probability", {number_or_null(c.probability), probability_text(c.probability)}},
+      {"probability", {number_or_null(c.probability), ""}},
       {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
       {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
       {"e_value", {number_or_null(c.e_value), ""}},
@@ -123,13 +123,13 @@ Cell candidate_cell(const Candidate& c) {
        {c.indistinguishable_from,
         details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))}},
       {"because", {c.because, details(!c.because.empty(), "because: " + c.because)}},
-      {"next_measurement", {c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)}}};
+      {"next_measurement",
+       {c.next_measurement,
+        details(!c.next_measurement.empty(), (c.rivals.empty() ? "to confirm: " : "next: ") + c.next_measurement)}}};
   if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
   return {
       object_of(fields),
-      laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
-               "{probability:>8}\n",
-               fields) +
+      laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8}\n", fields) +
           (c.named
                ? laid_out(
                      "{parameters}{parameters_set}{because}{set}{indistinguishable_from}{skipped}{next_measurement}",
@@ -215,11 +215,6 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
   const double least = 1.0 / (static_cast<double>(diagnosis.noise_replicates) + 1.0);
   return candidate.false_naming <= least ? fmt::format("< {:.2g} %", 100.0 * least)
                                          : fmt::format("{:.3g} %", 100.0 * candidate.false_naming);
-}
-
-std::string probability_text(double probability) {
-  constexpr double kLeastSaid = 0.001;
-  return probability < kLeastSaid ? "< 0.1 %" : fmt::format("{:.3g} %", 100.0 * probability);
 }
 
 Cell diagnosis_cell(const Diagnosis& d) {

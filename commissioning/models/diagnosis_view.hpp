@@ -12,9 +12,6 @@ namespace ecs::commissioning {
 /// nothing that noise would not.
 [[nodiscard]] std::string chance_text(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
 
-/// Probability among the alternatives for the same part of the residual: "99.7 %", "< 0.1 %".
-[[nodiscard]] std::string probability_text(double probability);
-
 /// JSON as docs/verbs.md has it; text of 80 columns.
 [[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);
 [[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);

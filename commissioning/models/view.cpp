@@ -96,8 +96,8 @@ std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
 }
 
 std::string noise_text(const model::PureError& noise) {
-  return fmt::format("{:.3f} um from {}", noise.noise_um,
-                     noise.from_repeats ? "repeats" : "neighbouring readings (there are no repeats)");
+  if (noise.from_repeats) return fmt::format("{:.3f} um from repeats", noise.noise_um);
+  return fmt::format("at most {:.3f} um, from neighbouring readings (there are no repeats)", noise.noise_um);
 }
 
 std::string_view direction_text(int approach) {

@@ -93,8 +93,23 @@ Cell achieved_cell(const WhatIfAnswer& answer) {
   return cell;
 }
 
-std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Achieved>& after) {
+/// A line that compensation would make worse: what the unit carries cancels there what it does not.
+std::vector<std::string> made_worse(const std::vector<AfterDirection>& directions) {
+  constexpr double kWorse = 1.05;
   std::vector<std::string> notes;
+  for (const AfterDirection& one : directions)
+    if (one.predicted_um > kWorse * one.now_um)
+      notes.push_back(fmt::format(
+          "compensating with this model would make {} along {}, {}, worse, {:.3g} -> {:.3g}: there the effects that "
+          "the "
+          "unit carries cancel others, or errors that the model lacks",
+          name_of(one.sense), letter_of(one.axis), direction_text(one.approach), one.now_um, one.predicted_um));
+  return notes;
+}
+
+std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Achieved>& after,
+                                  const std::vector<AfterDirection>& directions) {
+  std::vector<std::string> notes = made_worse(directions);
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
     notes.push_back(
@@ -116,8 +131,10 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
   const auto what = model::what_if(work.model, work.data);
   if (!what) return tl::unexpected(in_file(what.error(), model_file));
-  return WhatIfAnswer{*what, after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{}),
-                      *again, notes_on(work, *again), work.model};
+  std::vector<AfterDirection> directions =
+      after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{});
+  std::vector<std::string> notes = notes_on(work, *again, directions);
+  return WhatIfAnswer{*what, std::move(directions), *again, std::move(notes), work.model};
 }
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model) {

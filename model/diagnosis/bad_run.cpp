@@ -9,6 +9,8 @@
 #include <set>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -100,7 +102,25 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
   std::optional<NoisyRun> worst;
   for (const auto& [run, ratio] : noisy_runs(data, whitened, left_out))
     if (by_raw.contains(run) && (!worst || ratio > worst->ratio)) worst = NoisyRun{run, ratio};
+  if (!worst) return worst;
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k] || data.run[k] != worst->run) continue;
+    const double r = residual(static_cast<Eigen::Index>(k));
+    count += 1.0;
+    sum += r;
+    squares += r * r;
+  }
+  worst->off_um = sum / count;
+  worst->shifted = 2.0 * count * worst->off_um * worst->off_um > squares;
   return worst;
+}
+
+std::string words_for(const NoisyRun& run) {
+  if (run.shifted)
+    return fmt::format("run {} lies {:+.2g} um off the model, {:.2g} times as far as the others", run.run, run.off_um,
+                       run.ratio);
+  return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
 }
 
 std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,

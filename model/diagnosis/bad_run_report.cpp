@@ -49,9 +49,11 @@ std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& re
 std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const Observations& data,
                          const VectorXd& residual) {
   const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
-  if (found.noisy)
-    return first(
-        fmt::format("Run {} scatters {:.2g} times as much as the others", found.noisy->run, found.noisy->ratio));
+  if (found.noisy) {
+    std::string words = words_for(*found.noisy);
+    words.front() = 'R';
+    return first(words);
+  }
   if (found.odd_pass)
     return first(fmt::format("Run {} differs from the other runs by {:.3g} in one approach", found.odd_pass->run,
                              found.odd_pass->off_um));

@@ -298,9 +298,7 @@ bool explains_most(const ReportInput& in, const RankedCandidate& first) {
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
-  if (found.noisy)
-    return fmt::format("run {} scatters {:.2g} times as much as the others: look at that run first", found.noisy->run,
-                       found.noisy->ratio);
+  if (found.noisy) return words_for(*found.noisy) + ": look at that run first";
   if (found.odd_pass)
     return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
                        found.odd_pass->run, found.odd_pass->off_um);

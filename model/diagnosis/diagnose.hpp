@@ -59,7 +59,7 @@ struct Candidate {
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
   bool named = false;                         ///< part of the answer (false: a rival or a weaker explanation)
   double rms_after_um = 0.0;                  ///< with this effect added, all readings
-  double explained = 0.0;                     ///< 1 − (rms_after/rms)²
+  double explained = 0.0;                     ///< 1 − (rms_after/rms)², outliers left out
   double kept_rms_before_um = 0.0, kept_rms_after_um = 0.0;  ///< as rms and rms_after, outliers left out
   double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
   double p_value = 1.0;            ///< nominal

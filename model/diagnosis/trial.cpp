@@ -137,12 +137,12 @@ Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& o
 }
 
 TrialNumbers trial_numbers(const VectorXd& before, const VectorXd& left, const FittedWith& after) {
-  const double rms_um = rms_of(before);
   TrialNumbers numbers;
   numbers.rms_after_um = rms_of(left);
-  numbers.explained = rms_um > 0.0 ? 1.0 - std::pow(numbers.rms_after_um / rms_um, 2) : 0.0;
   numbers.kept_rms_before_um = rms_without(before, after.left_out);
   numbers.kept_rms_after_um = rms_without(left, after.left_out);
+  if (numbers.kept_rms_before_um > 0.0)
+    numbers.explained = 1.0 - std::pow(numbers.kept_rms_after_um / numbers.kept_rms_before_um, 2);
   numbers.explainable_share =
       explainable_share(numbers.kept_rms_before_um, numbers.kept_rms_after_um, after.noise.pure.noise_um);
   return numbers;

@@ -98,7 +98,8 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
   if (effect.sense && is_rotation(*effect.sense) && effect.definition().place != Place::set_up &&
       unit.starts_with("um"))
     unit.replace(0, 2, "um/m");
-  if (parameter.name != effect.definition().searched_parameter()) return size_text(parameter.value, unit);
+  if (parameter.name != effect.definition().searched_parameter())
+    return size_text(parameter.value, unit) + (parameter.undetermined ? " (not determined)" : "");
   const std::string pitch = pitch_match(effect, data);
   return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " = ", pitch);
 }
@@ -263,6 +264,8 @@ std::string finding_text(const EffectInstance& effect, const std::vector<Paramet
     word(parameter.name, found == parameters.end() ? "an unknown amount" : value_of(effect, *found, data));
   }
   word("where", where_word(effect));
+  const bool positions = !effect.sense || !effect.axis || direction_of(*effect.sense) == *effect.axis;
+  word("slope", positions && !(effect.sense && is_rotation(*effect.sense)) ? "scale error" : "slope");
   word("axis", effect.axis ? std::string(1, letter_of(*effect.axis)) : "The");
   word("code", std::string(code_text(effect)));
   word("pair", pair_word(effect));

@@ -14,7 +14,7 @@ EffectDefinition scale() {
       .check =
           "compare the scale factor of the control, the expansion coefficient and the material's temperature entered "
           "at the laser with what they are",
-      .headline = "{where} with a scale error of {um_per_m}",
+      .headline = "{where} with a {slope} of {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "slope"}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

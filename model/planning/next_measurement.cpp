@@ -405,11 +405,14 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.named &&
-        (!candidate.rivals.empty() || !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved))
+        (!candidate.rivals.empty() || !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
+         std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
+                     [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
   return "Nothing is in doubt that a measurement could settle: what is named is proved, and nothing else of the "
          "library "
-         "fits these data as well. Add it to the model, compensate, and measure the same lines again.";
+         "fits these data as well. Add it to the model, compensate, and measure the same lines again." +
+         (diagnosis.reservation.empty() ? "" : " What these data cannot show: " + diagnosis.reservation);
 }
 
 NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,

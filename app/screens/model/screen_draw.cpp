@@ -28,9 +28,8 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
   const std::string rivals = candidate.rivals.empty() ? ""
                                                       : fmt::format("{} rival{}", candidate.rivals.size(),
                                                                     candidate.rivals.size() == 1 ? "" : "s");
-  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} % {:>8}  {}",
-                      in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
-                      100.0 * candidate.explained, probability_text(candidate.probability), rivals),
+  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {}", in_columns(place_text(candidate.effect), name_columns),
+                      diagnosis.rms_um, candidate.rms_after_um, 100.0 * candidate.explained, rivals),
           candidate.named ? Tone::strong : Tone::plain};
 }
 
@@ -226,7 +225,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   for (const model::Candidate& candidate : d.candidates)
     names = std::max(names, width_of(place_text(candidate.effect)));
   names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
-  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained probable", "effect:axis:sense", names, "rms um"),
+  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained", "effect:axis:sense", names, "rms um"),
               Tone::faint);
   std::vector<ListRow> rows;
   for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d, names));
@@ -242,7 +241,8 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   if (!rivals.empty())
     at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
                            Tone::warning);
-  canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+  canvas.paragraph(detail, at, (candidate.rivals.empty() ? "To confirm: " : "Next: ") + candidate.next_measurement,
+                   Tone::faint);
 }
 
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {

@@ -20,12 +20,13 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   if (!work) return tl::unexpected(work.error());
   std::vector<std::string> effects;
   for (const model::EffectInstance& effect : work->model.effects) effects.push_back(place_text(effect));
-  return outcome_of(record_cell(
-      "begun in {model}: offset, slope and backlash of what was measured\n{effects}next: ecs model diagnose {model} "
-      "{data}\n",
-      {{"model", word_cell(arguments.model)},
-       {"effects", lines_cell(effects, "  ")},
-       {"data", shown_cell(work->data_name)}}));
+  return outcome_of(
+      record_cell("begun in {model}: offset and slope of what was measured, backlash where both approaches "
+                  "were\n{effects}next: ecs model diagnose {model} "
+                  "{data}\n",
+                  {{"model", word_cell(arguments.model)},
+                   {"effects", lines_cell(effects, "  ")},
+                   {"data", shown_cell(work->data_name)}}));
 }
 
 }  // namespace
