@@ -246,7 +246,7 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
   CHECK(fs::exists(fresh));
-  CHECK(contains(picture(*screen), "with offset, slope and backlash"));
+  CHECK(contains(picture(*screen), "with offset and slope"));
   (void)screen->on_key({Key::Name::letter, U'd'});
   finish(*screen);
   CHECK(contains(picture(*screen), "cyclic:X:EX"));
