@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include <fmt/format.h>
+
 namespace ecs {
 
 bool would_overwrite(const std::string& path, const std::vector<std::string>& own) {
@@ -14,6 +16,15 @@ bool would_overwrite(const std::string& path, const std::vector<std::string>& ow
     std::error_code missing;
     return std::filesystem::equivalent(file, path, missing);
   });
+}
+
+Result<void> spared(const std::vector<std::string>& files, bool force, const std::vector<std::string>& own) {
+  if (force) return {};
+  for (const std::string& file : files)
+    if (would_overwrite(file, own))
+      return problem(ProblemKind::usage,
+                     fmt::format("{} exists already: give another name, or --force to overwrite it", file));
+  return {};
 }
 
 }  // namespace ecs

@@ -4,10 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "base/result.hpp"
+
 namespace ecs {
 
 /// Whether writing to `path` destroys something: a regular file with content, and none of `own`, the files that the
 /// same work reads or wrote before and so changes in place.
 [[nodiscard]] bool would_overwrite(const std::string& path, const std::vector<std::string>& own = {});
+
+/// A `usage` problem for the first of the files that would be overwritten, unless `force`.
+[[nodiscard]] Result<void> spared(const std::vector<std::string>& files, bool force,
+                                  const std::vector<std::string>& own = {});
 
 }  // namespace ecs

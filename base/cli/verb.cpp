@@ -117,10 +117,10 @@ Result<void> OutputGuard::check() const {
   const std::string first = text_of([](const VerbArgument& one) { return one.by_place(); });
   for (const VerbArgument& argument : arguments_)
     if (argument.is_output)
-      if (const std::string& file = *std::get<std::string*>(argument.into);
-          would_overwrite(file, {first, text_of([&](const auto& one) { return one.name + "-out" == argument.name; })}))
-        return problem(ProblemKind::usage,
-                       fmt::format("{} exists already: give another name, or --force to overwrite it", file));
+      if (auto kept = spared({*std::get<std::string*>(argument.into)}, false,
+                             {first, text_of([&](const auto& one) { return one.name + "-out" == argument.name; })});
+          !kept)
+        return kept;
   return {};
 }
 

@@ -91,7 +91,7 @@ ProblemKind kind_of(int exit_code) {
 
 }  // namespace
 
-Result<Json> WorkshopClient::ask(const Json& request) const {
+Result<Json> WorkshopClient::ask(const Json& request, const std::function<void(double)>& progress) const {
   Line line;
   if (!line.connect(socket_.string()))
     return no_link(fmt::format("{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
@@ -103,7 +103,10 @@ Result<Json> WorkshopClient::ask(const Json& request) const {
     if (!text) return no_link("the workshop closed the connection before it answered");
     const Json answer = Json::parse(*text, nullptr, false);
     if (!answer.is_object()) return no_link("the workshop answered something that is no JSON object");
-    if (answer.contains("progress")) continue;
+    if (answer.contains("progress")) {
+      if (progress) progress(answer.value("progress", 0.0));
+      continue;
+    }
     if (answer.value("ok", false)) return answer;
     const Json error = answer.value("error", Json::object());
     return problem(kind_of(answer.value("exit", 4)), error.value("message", std::string("refused without a reason")));

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "base/json.hpp"
@@ -18,7 +19,8 @@ class WorkshopClient {
       : socket_(std::move(socket)), cancelled_(&cancelled) {}
 
   /// `link` problem if nobody answers; what the workshop refuses comes back as it says.
-  [[nodiscard]] Result<Json> ask(const Json& request) const;
+  /// @param progress  told how much is done, 0 … 1
+  [[nodiscard]] Result<Json> ask(const Json& request, const std::function<void(double)>& progress = {}) const;
 
  private:
   std::filesystem::path socket_;

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/overwriting.hpp"
 #include "base/plain_text.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
@@ -185,7 +186,7 @@ ImportArguments with_found_profile(const std::string& file, ImportArguments give
   return given;
 }
 
-Result<fs::path> save_profile(const std::string& name, const ImportArguments& arguments) {
+Result<fs::path> save_profile(const std::string& name, const ImportArguments& arguments, bool force) {
   if (name.empty() || name.find_first_of("\"\\\n\r\t") != std::string::npos || name == "." || name == "..")
     return problem(ProblemKind::usage, "--save-profile: expected a name or a path, found \"" + name + "\"");
   const ImportArguments open;
@@ -204,6 +205,7 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
   std::ostringstream text;
   text << "# import profile of ecs laser import\n" << table << '\n';
   const fs::path path = own_profile_file(name);
+  if (auto kept = spared({path.string()}, force); !kept) return tl::unexpected(kept.error());
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   const auto written = write_file(path, text.str());

@@ -21,7 +21,8 @@ namespace ecs::commissioning {
 /// `recognised_by` or, where it has none, two lines that begin as its `row_begins`, if there is one.
 [[nodiscard]] ImportArguments with_found_profile(const std::string& file, ImportArguments given);
 
-/// Writes what was given as a profile; the file that was written.
-[[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments);
+/// Writes what was given as a profile; the file that was written. A profile of that name is replaced with `force` only.
+[[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments,
+                                                         bool force);
 
 }  // namespace ecs::commissioning

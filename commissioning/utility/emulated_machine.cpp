@@ -89,4 +89,22 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
   });
 }
 
+void measure_by_plan(TaskRunner& task, const std::string& workshop, const std::string& plan, const std::string& phase,
+                     const std::string& folder, std::function<void(const Result<std::vector<std::string>>&)> taken) {
+  if (task.running()) return;
+  std::error_code fault;
+  const Json request{{"action", "plan"},
+                     {"plan", std::filesystem::absolute(plan, fault).string()},
+                     {"phase", phase},
+                     {"folder", std::filesystem::absolute(folder, fault).lexically_normal().string()}};
+  const auto work = [workshop, request](JobControl& control) -> Result<std::vector<std::string>> {
+    const auto done =
+        WorkshopClient(workshop, control.cancelled).ask(request, [&control](double part) { control.part = part; });
+    if (!done && control.cancelled) return problem(ProblemKind::refused, "the measurement was stopped");
+    if (!done) return tl::unexpected(done.error());
+    return done->value("output", std::vector<std::string>());
+  };
+  task.start("the emulated laser measures", work, std::move(taken));
+}
+
 }  // namespace ecs::commissioning

@@ -3,6 +3,7 @@
 // for it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,10 @@ void reference_machine(TaskRunner& task, const std::string& workshop, std::vecto
 /// Drives the machine by such a request. Nothing happens while `task` runs; cancelling it stops the machine.
 /// @param message  gets where it is afterwards, or why not; outlives the task
 void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message);
+
+/// Measures what a plan asks for before compensation, or after it, with the emulated laser.
+/// @param phase  "before" or "after"  @param taken  gets the files that were written, or why not
+void measure_by_plan(TaskRunner& task, const std::string& workshop, const std::string& plan, const std::string& phase,
+                     const std::string& folder, std::function<void(const Result<std::vector<std::string>>&)> taken);
 
 }  // namespace ecs::commissioning

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "base/overwriting.hpp"
 #include "ecs_emulator/part_programs/files.hpp"
 #include "ecs_emulator/verbs/request_verb.hpp"
 
@@ -18,6 +19,7 @@ struct ProgramArguments {
   std::string output;
   std::string machine;
   bool even = false;
+  bool force = false;
   Json request = Json::object();
 };
 
@@ -36,7 +38,10 @@ void add_plan_options(RequestVerb verb) {
   verb.number("--overrun", "overrun", "mm (5)");
 }
 
-Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>& files) {
+Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>& files, bool force) {
+  std::vector<std::string> names;
+  for (const ProgramFile& file : files) names.push_back((folder / file.name).string());
+  if (auto kept = spared(names, force); !kept) return tl::unexpected(kept.error());
   std::error_code error;
   fs::create_directories(folder, error);
   for (const ProgramFile& file : files)
@@ -63,7 +68,7 @@ Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramArguments&
   if (!arguments.request.empty())
     return problem(ProblemKind::usage, "expected a plan file or --axis, --from, …, got both");
   const auto files = programs_of_plan(arguments.plan, machine, arguments.even);
-  return files ? write_all(arguments.output, *files) : tl::unexpected(files.error());
+  return files ? write_all(arguments.output, *files, arguments.force) : tl::unexpected(files.error());
 }
 
 }  // namespace
@@ -77,7 +82,8 @@ extern const VerbDefinition kProgram = verb<ProgramArguments>(
       add_plan_options(RequestVerb(verb, arguments.request));
       verb.flag("--even", arguments.even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks")
           .text("--machine", arguments.machine, "machine file: park the other axes, check the travel")
-          .text("-o,--output", arguments.output, "file; with a plan: folder", Need::required);
+          .output_file("-o,--output", arguments.output, "file; with a plan: folder", Need::required)
+          .flag("--force", arguments.force, "overwrites files that are there");
     },
     write_programs);
 

@@ -10,11 +10,13 @@
 #include <unistd.h>
 
 #include "base/outcome.hpp"
+#include "base/overwriting.hpp"
 
 namespace ecs::emulator {
 namespace {
 
 using Json = nlohmann::json;
+constexpr const char* kForce = "force";
 
 Json coordinates_in(const std::vector<std::string>& texts) {
   Json place = Json::object();
@@ -98,6 +100,21 @@ void RequestVerb::paths(const std::string& option, const std::string& key, const
   verb_.add({option, cli::OnTexts(take), help});
 }
 
+void RequestVerb::force() { flag("--force", kForce, "overwrites output files that are there"); }
+
+bool force_in(Json& request) { return request.erase(kForce) > 0; }
+
+Result<void> spared_by(const Json& request, bool force) {
+  std::vector<std::string> files;
+  for (const char* key : {"output", "trace"}) {
+    if (!request.contains(key)) continue;
+    if (request[key].is_string()) files.push_back(request[key]);
+    if (request[key].is_array())
+      for (const Json& file : request[key]) files.push_back(file);
+  }
+  return spared(files, force);
+}
+
 void add_measure_options(RequestVerb verb) {
   verb.word("--axis", "axis", "", Need::required);
   verb.word("--sense", "sense", "", Need::required);
@@ -120,6 +137,7 @@ void add_measure_options(RequestVerb verb) {
   verb.word("--engineer", "engineer");
   verb.word("--plan-name", "plan_name");
   verb.paths("-o,--output", "output", "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
+  verb.force();
 }
 
 void add_capture_options(RequestVerb verb) {
@@ -134,6 +152,7 @@ void add_capture_options(RequestVerb verb) {
   verb.word("--date", "date");
   verb.word("--engineer", "engineer");
   verb.paths("-o,--output", "output", "files: .csv, .rtx");
+  verb.force();
 }
 
 void add_survey_options(RequestVerb verb) {
@@ -141,6 +160,7 @@ void add_survey_options(RequestVerb verb) {
   verb.integer("--approach", "approach");
   verb.flag("--with-scatter", "with_scatter");
   verb.path("-o,--output", "output");
+  verb.force();
 }
 
 void add_run_options(RequestVerb verb) {
@@ -153,6 +173,7 @@ void add_run_options(RequestVerb verb) {
   verb.number("--trace-period", "trace_period", "between samples, s (0.001); 0: every tick");
   verb.word("--date", "date", "into the metadata");
   verb.word("--engineer", "engineer", "into the metadata");
+  verb.force();
 }
 
 Result<Outcome> printed(const std::string& answer) {

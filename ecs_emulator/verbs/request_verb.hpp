@@ -31,6 +31,8 @@ class RequestVerb {
   void path(const std::string& option, const std::string& key, const std::string& help = "",
             Need need = Need::optional);
   void paths(const std::string& option, const std::string& key, const std::string& help = "");
+  /// --force: see force_in().
+  void force();
 
  private:
   Verb& verb_;
@@ -42,6 +44,11 @@ void add_measure_options(RequestVerb verb);
 void add_capture_options(RequestVerb verb);
 void add_survey_options(RequestVerb verb);
 void add_run_options(RequestVerb verb);
+
+/// Whether --force was given; the request itself does not hold it any more.
+[[nodiscard]] bool force_in(nlohmann::json& request);
+/// A `usage` problem if the request writes to a file that is there, unless `force`.
+[[nodiscard]] Result<void> spared_by(const nlohmann::json& request, bool force);
 
 /// Prints the answer of a workshop on stdout; what it refused is the problem.
 [[nodiscard]] Result<Outcome> printed(const std::string& answer);

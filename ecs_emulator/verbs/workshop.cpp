@@ -24,7 +24,11 @@ VerbDefinition request(const std::string& name, std::string help, const std::str
           [name, declare](Verb& verb) -> Action {
             const auto request = std::make_shared<Json>(Json{{"action", name}});
             declare(RequestVerb(verb, *request));
-            return [request](VerbContext& context) { return ask(context, request->dump()); };
+            return [request](VerbContext& context) -> Result<Outcome> {
+              const bool force = force_in(*request);
+              if (auto kept = spared_by(*request, force); !kept) return tl::unexpected(kept.error());
+              return ask(context, request->dump());
+            };
           }};
 }
 
@@ -52,6 +56,7 @@ void add_fault_options(RequestVerb verb) {
 struct PlanArguments {
   std::string plan;
   std::string folder;
+  bool force = false;
   PlanChoice choice;
 };
 
@@ -63,6 +68,8 @@ Result<Outcome> follow_plan(VerbContext& context, const PlanArguments& arguments
   std::filesystem::create_directories(choice.folder, error);
   const auto requests = requests_of(arguments.plan, choice);
   if (!requests) return tl::unexpected(requests.error());
+  for (const std::string& request : *requests)  // all of them before the first is measured
+    if (auto kept = spared_by(Json::parse(request), arguments.force); !kept) return tl::unexpected(kept.error());
   for (const std::string& request : *requests)
     if (auto answered = ask(context, request); !answered) return answered;
   return Outcome{};
@@ -108,6 +115,7 @@ extern const VerbDefinition kPlan = verb<PlanArguments>(
           .choice("--phase", arguments.choice.phase, {"before", "after"}, "rows of this phase, and of both",
                   Need::required)
           .text("-o,--output", arguments.folder, "folder for the files", Need::required)
+          .flag("--force", arguments.force, "overwrites files that are there")
           .flag("--moved", arguments.choice.moved, "targets off equal steps, as ISO 230-2 asks")
           .text("--date", arguments.choice.date, "")
           .text("--engineer", arguments.choice.engineer, "");

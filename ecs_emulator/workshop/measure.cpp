@@ -1,7 +1,11 @@
 #include "ecs_emulator/workshop/measure.hpp"
 
+#include <filesystem>
+
+#include "base/overwriting.hpp"
 #include "ecs_emulator/instruments/measurement_files.hpp"
 #include "ecs_emulator/instruments/measurement_request.hpp"
+#include "ecs_emulator/instruments/plan_file.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {
@@ -36,6 +40,32 @@ Answer measure_machine(const Workshop& workshop, Arguments& arguments,
   const auto set = measure(*workshop.simulation, *plan, progress);
   if (!set) return tl::unexpected(set.error());
   return handed_out(*set, outputs);
+}
+
+Answer follow_plan(const Workshop& workshop, Arguments& arguments,
+                   const std::function<void(const std::string&)>& report) {
+  const std::string plan = arguments.word("plan");
+  PlanChoice choice;
+  choice.phase = arguments.word("phase");
+  choice.folder = arguments.word("folder");
+  choice.moved = arguments.flag("moved");
+  if (plan.empty()) arguments.complain("plan: expected the file of a plan");
+  if (choice.folder.empty()) arguments.complain("folder: expected where the files go");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto requests = requests_of(plan, choice);
+  if (!requests) return tl::unexpected(requests.error());
+  std::vector<std::string> files;
+  for (const std::string& request : *requests) files.push_back(Json::parse(request)["output"][0]);
+  if (auto kept = spared(files, false); !kept) return tl::unexpected(kept.error());
+  std::error_code error;
+  std::filesystem::create_directories(choice.folder, error);
+  for (std::size_t k = 0; k < requests->size(); ++k) {
+    if (report) report(Json{{"progress", static_cast<double>(k) / static_cast<double>(requests->size())}}.dump());
+    const Json request = Json::parse((*requests)[k]);
+    Arguments row(request);
+    if (auto measured = measure_machine(workshop, row, {}); !measured) return measured;
+  }
+  return Json{{"output", files}};
 }
 
 Answer capture_machine(const Workshop& workshop, Arguments& arguments) {

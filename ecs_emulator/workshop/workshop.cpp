@@ -221,6 +221,7 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "jog") return jog(workshop, arguments);
   if (action == "reference") return reference_machine(workshop, arguments);
   if (action == "measure") return measure_machine(workshop, arguments, report);
+  if (action == "plan") return follow_plan(workshop, arguments, report);
   if (action == "capture") return capture_machine(workshop, arguments);
   if (action == "run") return run_part_program(workshop, arguments, report);
   if (action == "mdi") return run_block(workshop, arguments);
@@ -232,7 +233,7 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "fault") return fault(workshop, arguments);
   if (action == "arm-code") return arm_code(workshop, arguments);
   return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, capture, run, mdi, survey, power, wait, tick, load, "
+      "action: expected state, jog, reference, measure, plan, capture, run, mdi, survey, power, wait, tick, load, "
       "fault or arm-code, got \"{}\"",
       action));
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "commissioning/link/choice.hpp"
 #include "commissioning/session/recent_files.hpp"
 
 namespace ecs::app {
@@ -31,6 +32,23 @@ std::vector<FolderEntry> entries_of(const fs::path& folder) {
     return a.folder != b.folder ? a.folder : a.name < b.name;
   });
   return entries;
+}
+
+/// The machine that the bundled emulator emulates, and what comes with it: somebody who begins has no files of their
+/// own.
+std::vector<std::string> files_of_the_emulator() {
+  std::vector<std::string> files;
+  const auto machine = sample_machine();
+  if (!machine) return files;
+  std::error_code fault;
+  for (const char* name : {"machine.toml", "parameters.toml", "model.toml"})
+    if (const fs::path path = machine->parent_path() / name; fs::is_regular_file(path, fault))
+      files.push_back(path.string());
+  return files;
+}
+
+bool holds(const std::vector<std::pair<std::string, FileLook>>& files, const std::string& path) {
+  return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.first == path; });
 }
 
 fs::path home() {
@@ -78,8 +96,18 @@ void FileChooser::go(const fs::path& folder) {
     for (const std::string& path : recent) {
       if (control.cancelled || looked.recent.size() == kMostRecent) break;
       if (fs::path(path).parent_path() == folder) continue;
-      if (FileLook file = looked_at(path); wish.has(file.kind)) looked.recent.emplace_back(path, std::move(file));
+      if (FileLook file = looked_at(path); wish.has(file.kind)) {
+        file.what += ", used last";
+        looked.recent.emplace_back(path, std::move(file));
+      }
     }
+    if (!wish.kinds.empty() && !wish.many)
+      for (const std::string& path : files_of_the_emulator())
+        if (FileLook file = looked_at(path);
+            wish.has(file.kind) && !holds(looked.recent, path) && fs::path(path).parent_path() != folder) {
+          file.what += ", of the bundled emulator";
+          looked.recent.emplace_back(path, std::move(file));
+        }
     return looked;
   };
   looking_.start("looking", look, [this](Looked looked) { take(std::move(looked)); });
@@ -145,8 +173,7 @@ ListRow FileChooser::picture_of_row(const Row& row, int columns) const {
   if (row.kind == RowKind::recent) {
     const auto& [path, look] = recent_[row.at];
     const std::string parent = fs::path(path).parent_path().filename().string();
-    return {fmt::format("    {} {}", in_columns(parent + "/" + fs::path(path).filename().string(), names),
-                        look.what + ", used last"),
+    return {fmt::format("    {} {}", in_columns(parent + "/" + fs::path(path).filename().string(), names), look.what),
             Tone::strong};
   }
   const FolderEntry& entry = entries_[row.at];

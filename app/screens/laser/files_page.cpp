@@ -6,6 +6,9 @@
 
 #include "app/screens/files/chooser.hpp"
 #include "app/screens/laser/page.hpp"
+#include "app/ui/talk.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::app {
 namespace {
@@ -26,6 +29,11 @@ class FilesPage final : public LaserPage {
 
   void draw(Canvas& canvas, const Area& area) const override {
     if (chooser_) return chooser_->draw(canvas, area);
+    if (measuring_.running()) {
+      draw_progress(canvas, area.between_margins(), 0, measuring_.label() + " (Esc stops it)", measuring_.part(),
+                    measuring_.seconds_left());
+      return;
+    }
     const LaserWork& work = controller().work();
     if (const std::string& map = controller().choices().opened_map; !map.empty()) {
       canvas.paragraph(
@@ -36,10 +44,10 @@ class FilesPage final : public LaserPage {
       return;
     }
     if (controller().choices().files.empty()) {
-      const std::string begin =
-          "No measured files yet: a opens a folder to choose from (an error map is taken as it is). Then, step by step "
-          "(digits go to a step, n to the "
-          "next one, and back at any time):";
+      const std::string begin = fmt::format(
+          "No measured files yet: a opens a folder to choose from (an error map is taken as it is){}. Then, "
+          "step by step (digits go to a step, n to the next one, and back at any time):",
+          emulated() ? "; e measures the emulated machine by a plan" : "");
       draw_nothing_yet(canvas, area, begin);
       int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
       for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
@@ -63,6 +71,8 @@ class FilesPage final : public LaserPage {
                        FileWish{{FileKind::measurements, FileKind::map}, true});
     } else if (is_letter(key, U'p')) {
       host().ask_parameters();
+    } else if (is_letter(key, U'e')) {
+      ask_to_measure();
     } else if (is_letter(key, U'r')) {
       controller().read_again();
     } else if (key.name == Key::Name::enter) {
@@ -77,7 +87,15 @@ class FilesPage final : public LaserPage {
     return true;
   }
 
-  bool advance() override { return chooser_ && chooser_->advance(); }
+  bool advance() override {
+    const bool measured = measuring_.advance() || measuring_.running();
+    return (chooser_ && chooser_->advance()) || measured;
+  }
+  bool on_escape() override {
+    const bool measures = measuring_.running();
+    measuring_.cancel();
+    return measures;
+  }
   bool typing() const override { return chooser_ && chooser_->typing(); }
   bool holds_keys() const override { return chooser_.has_value(); }
   CellPosition cursor(const Area& area) const override {
@@ -85,12 +103,15 @@ class FilesPage final : public LaserPage {
   }
 
   std::vector<KeyHelp> keys() const override {
-    if (!chooser_)
-      return {{"a", "add files"},
-              {"Enter", "what a file does not say"},
-              {"x", "take off"},
-              {"p", "parameters"},
-              {"r", "read again"}};
+    if (!chooser_) {
+      std::vector<KeyHelp> keys{{"a", "add files"},
+                                {"Enter", "what a file does not say"},
+                                {"x", "take off"},
+                                {"p", "parameters"},
+                                {"r", "read again"}};
+      if (emulated()) keys.insert(keys.begin() + 1, {"e", "measure"});
+      return keys;
+    }
     std::vector<KeyHelp> keys;
     for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
     return keys;
@@ -103,6 +124,43 @@ class FilesPage final : public LaserPage {
   }
 
  private:
+  [[nodiscard]] bool emulated() const {
+    const WatchedUnit unit = controller().unit().snapshot();
+    return unit.emulator && !unit.workshop.empty();
+  }
+
+  /// The emulated laser measures what a plan asks for; the files are added.
+  void ask_to_measure() {
+    if (!emulated()) {
+      controller().message().say("This is a real machine: measure it with its laser, then a adds the files.",
+                                 Tone::warning);
+      return;
+    }
+    const auto sample = sample_file(std::filesystem::path("mill") / "plan.toml");
+    host().fill(LaserForm(
+        "measure the emulated machine",
+        {{"plan", "which lines, targets and runs (.toml); docs/emulator.md", sample ? sample->string() : "", {}, true},
+         {"phase", "what the plan asks for before compensation, or after it", "before", {"before", "after"}},
+         {"folder", "where the files go; none that is there is overwritten", "before", {}, true}},
+        [this](const std::vector<std::string>& v) {
+          std::error_code fault;
+          if (!std::filesystem::is_regular_file(v[0], fault)) return fmt::format("there is no plan {}", v[0]);
+          if (v[2].empty()) return std::string("a folder is needed");
+          measure_by_plan(measuring_, controller().unit().snapshot().workshop, v[0], v[1], v[2],
+                          [this](const Result<std::vector<std::string>>& files) { take_measured(files); });
+          return std::string();
+        }));
+  }
+
+  void take_measured(const Result<std::vector<std::string>>& files) {
+    if (!files) return controller().message().say(files.error());
+    controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
+      c.opened_map.clear();
+      for (const std::string& path : *files) c.files.push_back({path, {}});
+    });
+    controller().message().say(fmt::format("{} lines measured; p takes the parameters, then the steps", files->size()));
+  }
+
   static const LaserFile* read(const LaserWork& work, const LaserFileChoice& choice) {
     for (const LaserFile& file : work.files)
       if (file.choice.path == choice.path && given_answers(file.choice.answers) == given_answers(choice.answers))
@@ -172,6 +230,7 @@ class FilesPage final : public LaserPage {
   ListPlace place_;
   std::optional<FileChooser> chooser_;
   std::filesystem::path folder_;
+  TaskRunner measuring_;
 };
 
 }  // namespace

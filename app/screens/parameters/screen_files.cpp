@@ -109,7 +109,7 @@ void ParametersScreen::ask_for_check() {
 
 void ParametersScreen::ask_where_to_save() {
   prompt_for("save as", "Path of the file; Tab completes it. The old file stays whole until the new one is on disc.",
-             controller_.file(), [this](const std::string& path) {
+             controller_.file().empty() ? "parameters.toml" : controller_.file(), [this](const std::string& path) {
                const std::string lost = path.empty() ? "" : controller_.overwrites(path);
                if (lost.empty()) return save_to(path);
                asking_.ask({"Save over it?", lost, "save", "do not save"}, [this, path] { save_to(path); });

@@ -29,6 +29,7 @@ struct FileImportArguments : VerbArguments {
   const std::vector<std::string>& files = texts("FILE", "measurement files; several are joined", Need::required);
   const std::string& output = output_file("-o,--output", output_help());
   const std::string& save_profile = text("--save-profile", "keep the import options given, under this name or path");
+  const bool& force = flag("--force", "overwrites an output file or a profile that is there");
   RotaryImportOptions import{*this};
 };
 
@@ -92,7 +93,7 @@ Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
   if (!arguments.save_profile.empty()) {
     const auto kept = with_profile(arguments.import);
     if (!kept) return tl::unexpected(kept.error());
-    const auto saved = save_profile(arguments.save_profile, *kept);
+    const auto saved = save_profile(arguments.save_profile, *kept, arguments.force);
     if (!saved) return tl::unexpected(saved.error());
     profile = fmt::format("import options kept in {}\n", saved->string());
   }

@@ -2,12 +2,14 @@
 #include "commissioning/measurements/table.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
+#include "base/overwriting.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 
@@ -22,6 +24,7 @@ struct TableArguments : VerbArguments {
   const std::string& after = text("--after", "folder of NAME.csv, measured with compensation", Need::required);
   const std::string& plots = text("--plots", "folder for a plot NAME.svg of each row");
   const bool& png = flag("--png", "with --plots: NAME.png as well");
+  const bool& force = flag("--force", "overwrites plots that are there");
 };
 
 PlotFigure figure_of(const TableRow& row) {
@@ -40,22 +43,25 @@ PlotFigure figure_of(const TableRow& row) {
 }
 
 Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, const TableArguments& arguments) {
-  std::vector<std::string> written;
-  if (arguments.plots.empty()) return written;
-  std::error_code error;
-  std::filesystem::create_directories(arguments.plots, error);
-  if (error) return problem(ProblemKind::output, fmt::format("{}: {}", arguments.plots, error.message()));
+  if (arguments.plots.empty()) return std::vector<std::string>();
+  std::vector<std::pair<std::string, PlotFigure>> plots;
+  std::vector<std::string> names;
   for (const TableRow& row : rows) {
     const PlotFigure figure = figure_of(row);
     if (figure.panels.empty()) continue;
     for (const char* extension : {".svg", ".png"}) {
       if (std::string_view(extension) == ".png" && !arguments.png) continue;
-      const std::filesystem::path path = std::filesystem::path(arguments.plots) / (row.planned.name + extension);
-      if (const auto drawn = write_plot(path, figure); !drawn) return tl::unexpected(drawn.error());
-      written.push_back(path.string());
+      names.push_back((std::filesystem::path(arguments.plots) / (row.planned.name + extension)).string());
+      plots.emplace_back(names.back(), figure);
     }
   }
-  return written;
+  if (auto kept = spared(names, arguments.force); !kept) return tl::unexpected(kept.error());
+  std::error_code error;
+  std::filesystem::create_directories(arguments.plots, error);
+  if (error) return problem(ProblemKind::output, fmt::format("{}: {}", arguments.plots, error.message()));
+  for (const auto& [path, figure] : plots)
+    if (const auto drawn = write_plot(path, figure); !drawn) return tl::unexpected(drawn.error());
+  return names;
 }
 
 int exit_code_of(const std::vector<TableRow>& rows) {

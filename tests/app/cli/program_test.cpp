@@ -60,6 +60,14 @@ TEST_CASE(
   CHECK(exit_code_after_signal(false) == 128 + SIGINT);
 }
 
+TEST_CASE("ecs --help shows every verb with its help, and the options") {
+  const Ran r = ran({"--help"});
+  CHECK(r.code == 0);
+  for (const auto& entry : ran({"--json"}).json()["verbs"])
+    CHECK(r.out.find("  " + entry["verb"].get<std::string>()) != std::string::npos);
+  for (const char* part : {"--link", "--json", "ecs FILE..."}) CHECK(r.out.find(part) != std::string::npos);
+}
+
 TEST_CASE("a misspelt verb is a usage error that names the nearest one") {
   const Ran r = ran({"parms"});
   CHECK(r.code == 2);

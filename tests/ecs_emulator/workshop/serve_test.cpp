@@ -107,6 +107,34 @@ TEST_CASE("a host loads a map over the line, the machine is referenced in the wo
   }
 }
 
+TEST_CASE("a plan is measured as one request, and no file that is there is overwritten") {
+  Served served;
+  const std::string plan = served.folder.with(
+      "plan.toml",
+      "[[measure]]\nname = \"EXX\"\naxis = \"X\"\nsense = \"EX\"\nfrom_mm = 0.0\nto_mm = -100.0\nstep_mm = 50.0\n");
+  const Json request{{"action", "plan"}, {"plan", plan}, {"phase", "before"}, {"folder", served.folder / "measured"}};
+  CHECK(served.ask(request)["output"][0] == served.folder / "measured/EXX.csv");
+  const auto again = ask_workshop(served.options.workshop, request.dump());
+  REQUIRE(again.has_value());
+  CHECK(contains(*again, "exists already"));
+}
+
+TEST_CASE("a second host reaches the same unit over TCP, with the token") {
+  Served served;
+  served.end();
+  served.options.also_tcp = true;
+  served.options.token_file = served.folder.with("token", "a token of this test");
+  served.begin();
+  auto first = served.client();
+  const std::string link = served.about["second_link"];
+  auto second = protocol::UnitClient::connect(*protocol::link_address_of(link), {}, {0, "test", {}});
+  REQUIRE_MESSAGE(second.has_value(), (second ? "" : to_text(second.error())));
+  CHECK(second->identity()->serial_number == first.identity()->serial_number);
+  const auto without =
+      protocol::UnitClient::connect(*protocol::link_address_of(link.substr(0, link.find('?'))), {}, {0, "test", {}});
+  CHECK_FALSE(without.has_value());
+}
+
 TEST_CASE("the link is served while a long measurement runs") {
   Served served;
   auto client = served.client();

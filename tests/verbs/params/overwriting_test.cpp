@@ -2,6 +2,7 @@
 #include "base/overwriting.hpp"
 
 #include "base/file.hpp"
+#include "tests/support/emulator.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -41,6 +42,35 @@ TEST_CASE("would_overwrite() spares nothing but regular files with content that 
   CHECK_FALSE(would_overwrite((folder.path / "none.csv").string()));
   CHECK_FALSE(would_overwrite("/dev/null"));
   CHECK_FALSE(would_overwrite(folder.path.string()));
+}
+
+TEST_CASE("the emulator and its workshop overwrite a file only with --force") {
+  const Folder folder;
+  const std::string measured = folder.with("exx.csv", "mine"), program = folder.with("exx.nc", "mine");
+  const std::string measure =
+      kEmulator +
+      " measure --machine samples/mill/machine.toml --axis X --sense EX --from 0 --to -100 --step 50 "
+      "--runs 1 --parked y=-1400,z=0 -o " +
+      measured;
+  const std::string write = kEmulator + " program --axis X --from 0 --to -100 --step 50 --runs 1 -o " + program;
+  for (const auto& [command, file] : {std::pair{measure, measured}, {write, program}}) {
+    CHECK(std::system((command + " >/dev/null 2>&1").c_str()) != 0);
+    CHECK(ecs::read_file(file).value() == "mine");
+    CHECK(std::system((command + " --force >/dev/null 2>&1").c_str()) == 0);
+    CHECK(ecs::read_file(file).value() != "mine");
+  }
+}
+
+TEST_CASE("an import profile of the same name is replaced only with --force") {
+  const StateFolder folder;
+  const std::string file = folder.with("gauge.txt", "0;1\n10;2\n20;3\n");
+  std::vector<std::string> words{"laser",          "import", file, "--columns",         "x_mm=1[mm],forward1=2[um]",
+                                 "--save-profile", "gauge",  "-o", folder / "gauge.csv"};
+  const Ran first = ran(words);
+  CHECK_MESSAGE(first.code == 0, first.messages);
+  words.back() = folder / "again.csv";
+  CHECK(contains(ran(words).messages, "gauge.toml exists already"));
+  CHECK(ran(with(words, {"--force"})).code == 0);
 }
 
 }  // namespace
