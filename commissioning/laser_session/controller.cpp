@@ -136,6 +136,7 @@ void LaserController::keep() {
 void LaserController::take_up_offered() {
   if (!offered_) return;
   choices_ = choices_in(offered_->text).value_or(LaserChoices{});
+  past_.emplace_back("the work of the draft", LaserChoices{});
   message_.say("taken up: work of " + offered_->kept);
   warn_of_newer_files(offered_->kept);
   offered_.reset();
