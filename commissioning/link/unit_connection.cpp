@@ -107,14 +107,21 @@ void UnitConnection::choose(const std::string& link) {
 
 UnitConnection::Turn::Turn(UnitConnection& connection, JobControl& control) : connection_(&connection) {
   ++connection.waiting_;
-  link_lock_ = std::unique_lock(connection.link_mutex_);
+  link_lock_ = std::unique_lock(connection.link_mutex_, std::defer_lock);
+  while (!link_lock_.try_lock() && !control.cancelled) std::this_thread::sleep_for(kGlance);
   --connection.waiting_;
+  if (!link_lock_.owns_lock()) return;
   const std::lock_guard lock(connection.control_mutex_);
   connection.control_ = &control;
   connection.cancelled_ = connection.leaving_ || control.cancelled;
 }
 
+Problem UnitConnection::link_was_busy() {
+  return {ProblemKind::refused, "given up while other work had the link to the unit", {}, 0, 0, {}};
+}
+
 UnitConnection::Turn::~Turn() {
+  if (!link_lock_.owns_lock()) return;
   const std::lock_guard lock(connection_->control_mutex_);
   connection_->control_ = nullptr;
   connection_->cancelled_ = connection_->leaving_.load();

@@ -72,6 +72,7 @@ class UnitConnection {
   template <class Work>
   [[nodiscard]] auto with_link(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
+    if (!turn.has_link()) return tl::unexpected(link_was_busy());
     const auto shown = snapshot().identity;
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
@@ -84,6 +85,7 @@ class UnitConnection {
   [[nodiscard]] auto with_link_to_any_unit(JobControl& control, Work work)
       -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
+    if (!turn.has_link()) return tl::unexpected(link_was_busy());
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     auto result = work(*unit_link_);
     settle();
@@ -119,11 +121,13 @@ class UnitConnection {
   };
 
  private:
-  /// The link to oneself, before the next look at the unit; `control` can cancel.
+  /// The link to oneself, before the next look at the unit; `control` can cancel, also while other work has the link.
   class Turn {
    public:
     Turn(UnitConnection& connection, JobControl& control);
     ~Turn();
+    /// False: cancelled before the link was free.
+    [[nodiscard]] bool has_link() const { return link_lock_.owns_lock(); }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
 
@@ -132,6 +136,7 @@ class UnitConnection {
     std::unique_lock<std::mutex> link_lock_;
   };
 
+  [[nodiscard]] static Problem link_was_busy();
   void run(const std::stop_token& stop);
   void look();
   [[nodiscard]] Result<void> opened();

@@ -26,7 +26,7 @@ std::string word_for(const DatumTestController::AxisRow& row) {
     case TestState::chosen:
       return "to be tested";
     case TestState::under_way:
-      return std::string(ecs::name_of(row.stage)) + " ...";
+      return row.stage == DatumStage::failed ? "FAILED, ending" : std::string(ecs::name_of(row.stage)) + " ...";
     case TestState::passed:
       return "DATUM FOUND";
     case TestState::failed:
@@ -129,6 +129,11 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
   [[nodiscard]] std::string call() const {
     if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
     if (!controller_.under_test()) return "Sending ...";
+    const auto& rows = controller_.rows();
+    if (std::any_of(rows.begin(), rows.end(), [this](const auto& row) {
+          return row.axis == *controller_.under_test() && row.stage == DatumStage::failed;
+        }))
+      return "The routine of this axis has failed: the unit ends it, then says why.";
     if (controller_.referencing())
       return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
     return controller_.emulator() ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.",
