@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/workshop_client.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -89,20 +91,63 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
   });
 }
 
-void measure_by_plan(TaskRunner& task, const std::string& workshop, const std::string& plan, const std::string& phase,
-                     const std::string& folder, std::function<void(const Result<std::vector<std::string>>&)> taken) {
-  if (task.running()) return;
+namespace {
+
+using Measured = Result<std::vector<std::string>>;
+
+Measured measured_by_plan(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
+  const Json request{{"action", "plan"}, {"plan", wanted.plan}, {"phase", wanted.phase}, {"folder", wanted.folder}};
+  const auto done = workshop.ask(request, [&control](double part) { control.part = part; });
+  if (!done) return tl::unexpected(done.error());
+  return done->value("output", std::vector<std::string>());
+}
+
+/// Forty steps over the travel of each axis, off equal steps as ISO 230-2 asks.
+Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
+  constexpr double kSteps = 40.0;
+  const auto read = params::read_machine(wanted.machine);
+  if (!read) return tl::unexpected(read.error());
+  std::vector<std::string> files;
+  std::vector<Json> requests;
+  for (const Axis a : kAllAxes) {
+    const auto& axis = read->machine.axes[index_of(a)];
+    if (!axis) continue;
+    const std::string letter(1, letter_of(a));
+    files.push_back((std::filesystem::path(wanted.folder) / fmt::format("E{0}{0}.csv", letter)).string());
+    requests.push_back({{"action", "measure"},
+                        {"axis", letter},
+                        {"sense", "E" + letter},
+                        {"from", axis->travel_mm[0]},
+                        {"to", axis->travel_mm[1]},
+                        {"step", (axis->travel_mm[1] - axis->travel_mm[0]) / kSteps},
+                        {"moved", true},
+                        {"output", Json::array({files.back()})}});
+  }
+  if (auto kept = spared(files, false); !kept) return tl::unexpected(kept.error());
   std::error_code fault;
-  const Json request{{"action", "plan"},
-                     {"plan", std::filesystem::absolute(plan, fault).string()},
-                     {"phase", phase},
-                     {"folder", std::filesystem::absolute(folder, fault).lexically_normal().string()}};
-  const auto work = [workshop, request](JobControl& control) -> Result<std::vector<std::string>> {
-    const auto done =
-        WorkshopClient(workshop, control.cancelled).ask(request, [&control](double part) { control.part = part; });
+  std::filesystem::create_directories(wanted.folder, fault);
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    control.part = static_cast<double>(k) / static_cast<double>(requests.size());
+    if (const auto done = workshop.ask(requests[k]); !done) return tl::unexpected(done.error());
+  }
+  return files;
+}
+
+}  // namespace
+
+void measure_by_plan(TaskRunner& task, const std::string& workshop, const EmulatedMeasurement& wanted,
+                     std::function<void(const Measured&)> taken) {
+  if (task.running()) return;
+  EmulatedMeasurement whole = wanted;
+  std::error_code fault;
+  whole.folder = std::filesystem::absolute(wanted.folder, fault).lexically_normal().string();
+  if (!wanted.plan.empty()) whole.plan = std::filesystem::absolute(wanted.plan, fault).string();
+  const auto work = [workshop, whole](JobControl& control) -> Measured {
+    const WorkshopClient client(workshop, control.cancelled);
+    auto done =
+        whole.plan.empty() ? measured_positions(client, whole, control) : measured_by_plan(client, whole, control);
     if (!done && control.cancelled) return problem(ProblemKind::refused, "the measurement was stopped");
-    if (!done) return tl::unexpected(done.error());
-    return done->value("output", std::vector<std::string>());
+    return done;
   };
   task.start("the emulated laser measures", work, std::move(taken));
 }

@@ -26,9 +26,15 @@ void reference_machine(TaskRunner& task, const std::string& workshop, std::vecto
 /// @param message  gets where it is afterwards, or why not; outlives the task
 void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message);
 
-/// Measures what a plan asks for before compensation, or after it, with the emulated laser.
-/// @param phase  "before" or "after"  @param taken  gets the files that were written, or why not
-void measure_by_plan(TaskRunner& task, const std::string& workshop, const std::string& plan, const std::string& phase,
-                     const std::string& folder, std::function<void(const Result<std::vector<std::string>>&)> taken);
+/// What the emulated laser measures.
+struct EmulatedMeasurement {
+  std::string plan;     ///< file; empty: the positions of every axis of the machine over its travel
+  std::string machine;  ///< file, for that
+  std::string phase;    ///< of the plan: "before" or "after"
+  std::string folder;   ///< where the files go; none that is there is overwritten
+};
+/// @param taken  gets the files that were written, or why not
+void measure_by_plan(TaskRunner& task, const std::string& workshop, const EmulatedMeasurement& wanted,
+                     std::function<void(const Result<std::vector<std::string>>&)> taken);
 
 }  // namespace ecs::commissioning

@@ -7,7 +7,6 @@
 #include "app/screens/files/chooser.hpp"
 #include "app/screens/laser/page.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/choice.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::app {
@@ -136,24 +135,41 @@ class FilesPage final : public LaserPage {
                                  Tone::warning);
       return;
     }
-    const auto sample = sample_file(std::filesystem::path("mill") / "plan.toml");
+    const std::string link = controller().unit().snapshot().link;  // emulator:MACHINE
+    const std::filesystem::path machine = link.substr(std::min(link.size(), link.find(':') + 1));
+    const std::filesystem::path plan = machine.parent_path() / "plan.toml";
+    std::error_code none;
+    const std::string beside = std::filesystem::is_regular_file(plan, none) ? plan.string() : "";
     host().fill(LaserForm(
         "measure the emulated machine",
-        {{"plan", "which lines, targets and runs (.toml); docs/emulator.md", sample ? sample->string() : "", {}, true},
+        {{"plan",
+          "lines, targets and runs (.toml, docs/emulator.md); empty: the positions of every axis",
+          beside,
+          {},
+          true},
          {"phase", "what the plan asks for before compensation, or after it", "before", {"before", "after"}},
          {"folder", "where the files go; none that is there is overwritten", "before", {}, true}},
-        [this](const std::vector<std::string>& v) {
+        [this, machine](const std::vector<std::string>& v) {
           std::error_code fault;
-          if (!std::filesystem::is_regular_file(v[0], fault)) return fmt::format("there is no plan {}", v[0]);
+          if (!v[0].empty() && !std::filesystem::is_regular_file(v[0], fault))
+            return fmt::format("there is no plan {}", v[0]);
           if (v[2].empty()) return std::string("a folder is needed");
-          measure_by_plan(measuring_, controller().unit().snapshot().workshop, v[0], v[1], v[2],
-                          [this](const Result<std::vector<std::string>>& files) { take_measured(files); });
+          measure_by_plan(measuring_, controller().unit().snapshot().workshop, {v[0], machine.string(), v[1], v[2]},
+                          [this, phase = v[1], folder = v[2]](const Result<std::vector<std::string>>& files) {
+                            take_measured(files, phase, folder);
+                          });
           return std::string();
         }));
   }
 
-  void take_measured(const Result<std::vector<std::string>>& files) {
+  /// What was measured with compensation is of no use for a map: it is compared with what was measured before.
+  void take_measured(const Result<std::vector<std::string>>& files, const std::string& phase,
+                     const std::string& folder) {
     if (!files) return controller().message().say(files.error());
+    if (phase == "after")
+      return controller().message().say(
+          fmt::format("{} lines measured into {}. F3, laser table compares them with those measured before.",
+                      files->size(), folder));
     controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
       c.opened_map.clear();
       for (const std::string& path : *files) c.files.push_back({path, {}});

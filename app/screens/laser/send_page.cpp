@@ -187,9 +187,13 @@ class VerifyPage final : public LaserPage {
     if (verdict.same() && stale.empty()) {
       lines.say("next",
                 "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
-      lines.say("", "2. c switches the unit to compensation; reference every axis at the control");
-      lines.say("", "3. measure the same lines again, compensated, into another folder");
-      lines.say("", "4. compare before and after: / laser table on the first screen, or the report");
+      lines.say("", d.unit().snapshot().emulator
+                        ? "2. c switches the unit to compensation; g in DISPLAY ECS STATUS (F3) references the machine"
+                        : "2. c switches the unit to compensation; reference every axis at the control");
+      const bool emulated = d.unit().snapshot().emulator;
+      lines.say("", std::string("3. measure the same lines again, compensated, into another folder") +
+                        (emulated ? ": e in step 1, phase after" : ""));
+      lines.say("", "4. compare before and after: F3, laser table, or the report");
       return;
     }
     const Area rest = lines.rest();
