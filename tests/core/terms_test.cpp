@@ -213,3 +213,17 @@ TEST_CASE("component names read back, and say what they are") {
     CHECK(sense_named(name_of(sense_of(component))) == sense_of(component));
   }
 }
+
+TEST_CASE("squareness lies among the parameters, each component in its place") {
+  UnitParameters parameters;
+  squareness_um_per_m(parameters, Component::C0Y) = 16.0;
+  squareness_um_per_m(parameters, Component::B0Z) = -38.8;
+  squareness_um_per_m(parameters, Component::A0Z) = -66.93;
+  CHECK(parameters.C0Y_um_per_m == 16.0);
+  CHECK(parameters.B0Z_um_per_m == -38.8);
+  CHECK(parameters.A0Z_um_per_m == -66.93);
+  const UnitParameters& same = parameters;
+  CHECK(squareness_um_per_m(same, Component::C0Y) == 16.0);
+  CHECK(squareness_um_per_m(same, Component::B0Z) == -38.8);
+  CHECK(squareness_um_per_m(same, Component::A0Z) == -66.93);
+}

@@ -34,6 +34,7 @@ class UnitModel : public UnitPort {
   bool busy = false;
   std::vector<CommandCode> log;
   std::string serial_number = "ECS-0042";
+  std::uint16_t protocol_version = kProtocolVersion;
   std::uint32_t samples = 0;
   std::function<void()> on_commit;   ///< called before the commit is carried out
   std::function<void()> on_abandon;  ///< called before what is staged is abandoned
@@ -50,7 +51,7 @@ class UnitModel : public UnitPort {
   int foreign_replies = 0;  ///< so many of the next identity and monitor blocks are as if another host had asked
 
   Identity identity() override {
-    return {kProtocolVersion, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
+    return {protocol_version, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
   }
   UnitStatus status() override {
     UnitStatus status;

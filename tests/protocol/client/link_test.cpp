@@ -495,3 +495,68 @@ TEST_CASE("a host arms a unit that was restarted since the host opened its sessi
   CHECK(unit.arm("271828", 30).has_value());
   CHECK(unit.armed_s().value() == 1800);
 }
+
+TEST_CASE("the newest events are read, the oldest of them first") {
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  CHECK(unit.event_blocks(0)->empty());
+  CHECK(unit.event_blocks(8)->empty());
+  for (int k = 0; k < 7; ++k) REQUIRE(unit.set_axis_position(Axis::X, k));
+  std::vector<std::uint32_t> numbers;
+  const auto blocks = unit.event_blocks(5).value();
+  for (const Registers& block : blocks) {
+    const auto page = event_page_in(block).value();
+    for (const HostEvent& event : page.events)
+      if (event.number != 0) numbers.push_back(event.number);
+  }
+  CHECK(numbers == std::vector<std::uint32_t>{3, 4, 5, 6, 7});
+}
+
+TEST_CASE("every command of a host reaches the unit as it was given") {
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  CHECK(unit.record_datum(Axis::Y, 1s).has_value());
+  CHECK(unit.run_ram_test().has_value());
+  CHECK(unit.reset_unit().has_value());
+  CHECK(unit.run_user_software(0x041000, 77, 1s).has_value());
+  const auto [log, last] =
+      shop.in_server([](ModbusServer&, UnitModel& model) { return std::pair(model.log, model.last); });
+  CHECK(log == std::vector{CommandCode::record_datum, CommandCode::run_ram_test, CommandCode::reset_unit,
+                           CommandCode::run_user_software});
+  CHECK(last.address == 0x041000);
+  CHECK(last.argument == 77);
+  CHECK(unit.link().address() == shop.address());
+}
+
+TEST_CASE("a unit of another protocol version is refused, and both versions are named") {
+  auto shop = Workshop::on_tcp();
+  shop.in_server([](ModbusServer&, UnitModel& model) { return model.protocol_version = 7; });
+  const auto unit = UnitClient::connect(shop.address(), shop.options());
+  REQUIRE_FALSE(unit.has_value());
+  CHECK(says(unit.error(), "the unit speaks protocol version 7, this program version 2"));
+}
+
+TEST_CASE("a symbolic link that leads to a server which lives is not taken from it, and its process is named") {
+  const auto path = std::filesystem::temp_directory_path() / ("ecs-held-" + std::to_string(::getpid()));
+  const auto server = ModbusServer::on_pty({path, 9600, false, 1}).value();
+  const auto second = ModbusServer::on_pty({path, 9600, false, 1});
+  REQUIRE_FALSE(second.has_value());
+  CHECK(says(second.error(), "this link leads to /dev/pts/"));
+  CHECK(says(second.error(), "pid "));
+  CHECK_FALSE(ModbusServer::on_pty({"/proc/nowhere/line", 9600, false, 1}).has_value());
+  CHECK(std::filesystem::is_character_file(path));
+}
+
+TEST_CASE("a port that cannot be listened at is named, and what is no address") {
+  const auto server = ModbusServer::on_tcp({}).value();
+  TcpOptions taken;
+  taken.port = std::get<TcpPeer>(server.address().endpoint).port;
+  const auto second = ModbusServer::on_tcp(taken);
+  REQUIRE_FALSE(second.has_value());
+  CHECK(says(second.error(), "cannot listen on"));
+  TcpOptions word;
+  word.host = "localhost";
+  const auto named = ModbusServer::on_tcp(word);
+  REQUIRE_FALSE(named.has_value());
+  CHECK(says(named.error(), "expected an IPv4 address"));
+}

@@ -1,4 +1,5 @@
 // Frames byte by byte: the check, the worked example of the documentation, exceptions, nonsense.
+#include <array>
 #include <numeric>
 #include <string>
 
@@ -126,6 +127,18 @@ TEST_CASE("no frame, however wrong, disturbs the next good one") {
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
 }
 
+TEST_CASE("function 22 changes the bits of one register that its mask names") {
+  UnitModel model;
+  RegisterServer server(model);
+  auto codec = FrameCodec::make(Framing::tcp, 1).value();
+  REQUIRE(server.write(kEcho.first, std::array<std::uint16_t, 1>{0x1234}).has_value());
+  const FrameBytes masked{0, 9, 0, 0, 0, 8, 1, 22, 0, 0, 0xFF, 0xF0, 0xAA, 0xA5};
+  CHECK(codec.answer(masked, server) == masked);
+  CHECK(server.read(kEcho.first, 1).value() == Registers{0x1235});
+  const FrameBytes nowhere{0, 9, 0, 0, 0, 8, 1, 22, 0xFF, 0, 0xFF, 0xF0, 0xAA, 0xA5};
+  CHECK(codec.answer(nowhere, server) == FrameBytes{0, 9, 0, 0, 0, 3, 1, 0x80 | 22, 2});
+}
+
 TEST_CASE("the length of a request is known as soon as its header is") {
   CHECK_FALSE(rtu_request_length(FrameBytes{1}).has_value());
   CHECK(rtu_request_length(FrameBytes{1, 3}) == 8);
@@ -133,6 +146,8 @@ TEST_CASE("the length of a request is known as soon as its header is") {
   CHECK_FALSE(rtu_request_length(FrameBytes{1, 16, 0, 0, 0, 1}).has_value());
   CHECK(rtu_request_length(FrameBytes{1, 16, 0, 0, 0, 1, 2}) == 11);
   CHECK_FALSE(rtu_request_length(FrameBytes{1, 0x41, 0, 0, 0, 0, 0, 0}).has_value());
+  CHECK(rtu_request_length(FrameBytes{1, 17}) == 4);
+  CHECK(rtu_request_length(FrameBytes{1, 22}) == 10);
   CHECK(tcp_request_length(FrameBytes{0, 1, 0, 0, 0, 6}).length == 12);
   CHECK(tcp_request_length(FrameBytes{0, 1, 0, 9, 0, 6}).broken);
   CHECK(tcp_request_length(FrameBytes{0, 1, 0, 0, 9, 6}).broken);

@@ -242,3 +242,11 @@ TEST_CASE("an arming that ends by itself and an output that ends without its hos
   model.unit_clock.ms += 10'000'000;
   CHECK(events_of(server, 7).empty());  // who ends it itself
 }
+
+TEST_CASE("nobody is armed for more than a day") {
+  UnitModel model;
+  RegisterServer server(model, kShownCode);
+  RegisterHost host(server);
+  CHECK(host.give(arming(host, kShownCode, kMostArmed_min + 1)).error == UnitError::bad_argument);
+  CHECK(host.give(arming(host, kShownCode, kMostArmed_min)).value == 86'400);
+}

@@ -169,3 +169,36 @@ TEST_CASE("a host of another protocol version gets no session, and the unit name
   CHECK(state.session == 0);
   CHECK(state.protocol_version == kProtocolVersion);
 }
+
+TEST_CASE("a command whose number or fields make no sense is refused and does nothing") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server);
+  (void)host.look();
+  Command strange = host.next({.code = CommandCode::clear_fault});
+  strange.code = static_cast<CommandCode>(kCommandCount + 3);
+  CHECK(host.send(strange).error == UnitError::unknown_command);
+  Command axis = host.next({.code = CommandCode::set_axis_position});
+  axis.axis = static_cast<Axis>(9);
+  CHECK(host.send(axis).error == UnitError::bad_argument);
+  CHECK(host.give({.code = CommandCode::check_memory, .address = kBankA.first, .length = 0}).error ==
+        UnitError::bad_argument);
+  CHECK(host.give({.code = CommandCode::check_memory, .address = 0x900000, .length = 4}).error ==
+        UnitError::address_unknown);
+  CHECK(model.commands_begun == 0);
+}
+
+TEST_CASE("checks of no bytes, of too many pieces and of no memory are exceptions") {
+  UnitModel model;
+  RegisterServer server(model);
+  const auto refusal = [&](const CheckSelect& select) {
+    REQUIRE(server.write(kCheckSelect.first, registers_of(select, 0)).has_value());
+    const auto answer = server.read(kChecks.first, kChecks.count);
+    return answer ? std::optional<ModbusException>() : answer.error();
+  };
+  CHECK(refusal({kBankA.first, 0, 480}) == ModbusException::illegal_value);
+  CHECK(refusal({kBankA.first, 480, 0}) == ModbusException::illegal_value);
+  CHECK(refusal({kBankA.first, 61 * 480, 480}) == ModbusException::illegal_value);
+  CHECK(refusal({0x900000, 480, 480}) == ModbusException::illegal_address);
+  CHECK_FALSE(refusal({kBankA.first, 60 * 480, 480}));
+}
