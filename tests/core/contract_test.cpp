@@ -53,6 +53,7 @@ TEST_CASE("every region of memory lies where docs/unit.md says") {
   CHECK(is_region(kCommitRecords, 0x0F0000, 128));
   CHECK(is_region(kBankA, 0x100000, 5 * kOneModule));
   CHECK(is_region(kBankB, 0x200000, 5 * kOneModule));
+  CHECK(kRegions.size() == 5);
   CHECK(bank_bytes(1) == kOneModule);
   CHECK(kMostValues == 160'000);
   CHECK(kUserRegisters == 0x040000);
