@@ -131,15 +131,15 @@ void FileChooser::take(Looked looked) {
   if (!moved_ && !typing() && !wish_.many) put_wished_first();
 }
 
-/// Of one file alone: those of the kinds wished for first, the cursor on the first of them.
+/// Of one file alone: those of the kinds wished for first, the cursor on the first of them in this folder.
 void FileChooser::put_wished_first() {
   if (wish_.kinds.empty() || !wish_.none.empty()) return;
   std::stable_sort(entries_.begin(), entries_.end(),
                    [this](const FolderEntry& a, const FolderEntry& b) { return wished(a) && !wished(b); });
   const auto all = rows();
-  const auto first = std::find_if(all.begin(), all.end(), [this](const Row& row) {
-    return row.kind == RowKind::recent || (row.kind == RowKind::entry && wished(entries_[row.at]));
-  });
+  const auto first_of = [&](auto&& is) { return std::find_if(all.begin(), all.end(), is); };
+  auto first = first_of([this](const Row& row) { return row.kind == RowKind::entry && wished(entries_[row.at]); });
+  if (first == all.end()) first = first_of([](const Row& row) { return row.kind == RowKind::recent; });
   place_.selected = first == all.end() ? 0 : static_cast<int>(first - all.begin());
 }
 
