@@ -163,7 +163,7 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
   const Chain chain = params::chain_of(machine).value_or(Chain{});
   for (const Demand& demand : parts_->demands) {
     const std::size_t a = index_of(demand.axis);
-    const auto complain = [&](std::string message) {
+    const auto complain = [&](const std::string& message) {
       problems.push_back({ProblemKind::bad_input, demand.table + ": " + message, parts_->file, demand.line, 0, {}});
     };
     if (!chain.has(demand.axis)) {

@@ -183,7 +183,7 @@ std::vector<std::string> UserFormulas::optional_columns() const {
 
 std::vector<bool> UserFormulas::linear_parameters(const std::vector<double>& start) const {
   // affine in the parameter at two settings of the others, and its slope does not depend on other linear ones
-  const auto at = [&](std::vector<double> parameters) { return values(parameters); };
+  const auto at = [&](const std::vector<double>& parameters) { return values(parameters); };
   std::vector<double> other = start;
   for (double& value : other) value = 1.3 * value + 0.7;
   std::vector<bool> linear(start.size(), true);
