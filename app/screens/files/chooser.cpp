@@ -51,6 +51,12 @@ bool holds(const std::vector<std::pair<std::string, FileLook>>& files, const std
   return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.first == path; });
 }
 
+/// Of this program; "/" where it has none.
+fs::path samples_folder() {
+  const auto machine = sample_machine();
+  return machine ? fs::weakly_canonical(machine->parent_path().parent_path()) : fs::path("/");
+}
+
 fs::path home() {
   const char* folder = std::getenv("HOME");
   return folder == nullptr ? fs::path("/") : fs::path(folder);
@@ -162,12 +168,14 @@ std::vector<FileChooser::Row> FileChooser::rows() const {
     for (std::size_t k = 0; k < recent_.size(); ++k) rows.push_back({RowKind::recent, k});
   for (std::size_t k = 0; k < entries_.size(); ++k)
     if (entries_[k].name.starts_with(typed)) rows.push_back({RowKind::entry, k});
+  if (typed.empty() && !folder_.string().starts_with(samples_folder().string())) rows.push_back({RowKind::samples, 0});
   return rows;
 }
 
 ListRow FileChooser::picture_of_row(const Row& row, int columns) const {
   if (row.kind == RowKind::none) return {fmt::format("    [{}]", wish_.none), Tone::strong};
   if (row.kind == RowKind::up) return {"    ..", Tone::plain};
+  if (row.kind == RowKind::samples) return {"    [samples: machines, plans, measurements, models]", Tone::strong};
   if (row.kind == RowKind::all) return {fmt::format("    [all {} measurement files here]", readable()), Tone::strong};
   const int names = std::clamp(columns * 2 / 5, 12, 40);
   if (row.kind == RowKind::recent) {
@@ -241,6 +249,10 @@ FileChooser::Answer FileChooser::enter() {
   const bool on_folder = row.kind == RowKind::entry && entries_[row.at].folder;
   if (row.kind == RowKind::up && marked_.empty()) {
     go(folder_.parent_path());
+    return Answer::open;
+  }
+  if (row.kind == RowKind::samples && marked_.empty()) {
+    go(samples_folder());
     return Answer::open;
   }
   if (on_folder && (marked_.empty() || typing())) {

@@ -50,7 +50,7 @@ class FileChooser {
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys() const;
 
  private:
-  enum class RowKind { none, up, all, recent, entry };
+  enum class RowKind { none, up, all, recent, entry, samples };
   struct Row {
     RowKind kind = RowKind::entry;
     std::size_t at = 0;  ///< of the recent files or of the entries
