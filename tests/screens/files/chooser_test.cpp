@@ -39,6 +39,7 @@ TEST_CASE("files of the kind that is asked for come first, with the cursor on th
   FileChooser chooser(folder.path / "work", {{FileKind::model}});
   settle(chooser);
   const std::string text = seen(chooser);
+  CAPTURE(text);
   CHECK(contains(text, ">     z_model.toml"));
   CHECK(contains(text, "machine"));
   CHECK(chooser.on_key({Key::Name::enter}) == FileChooser::Answer::chosen);
