@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <mutex>
 #include <random>
 #include <thread>
 #include <vector>
@@ -88,6 +89,9 @@ Result<int> locked(const std::filesystem::path& memory) {
   return file;
 }
 
+std::mutex started_guard;
+std::optional<std::filesystem::path> started_machine;
+
 /// In the child, between fork and exec: only async-signal-safe calls.
 [[noreturn]] void become(const std::vector<char*>& words, int output, int errors) {
   ::setpgid(0, 0);  // Ctrl-C is for `ecs`, which stops the child in its own time
@@ -115,7 +119,14 @@ Result<std::unique_ptr<EmulatorProcess>> EmulatorProcess::start(const EmulatorOp
   }
   if (const auto launched = process->launch(options); !launched) return tl::unexpected(launched.error());
   if (const auto greeted = process->read_greeting(); !greeted) return tl::unexpected(greeted.error());
+  const std::lock_guard guard(started_guard);
+  started_machine = options.machine;
   return process;
+}
+
+std::optional<std::filesystem::path> emulated_machine() {
+  const std::lock_guard guard(started_guard);
+  return started_machine;
 }
 
 Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {

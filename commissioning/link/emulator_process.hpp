@@ -59,6 +59,9 @@ class EmulatorProcess {
   std::string arm_code_;
 };
 
+/// The machine file of the emulator that this program started last; nothing: it has started none.
+[[nodiscard]] std::optional<std::filesystem::path> emulated_machine();
+
 /// The file of the battery-backed memory of the emulator with this machine, in state_folder().
 [[nodiscard]] Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine);
 

@@ -382,8 +382,11 @@ void ModelController::compensate() {
   task_.start("switching to compensation", work, [this](const Result<void>& done) {
     if (!done) return message_.say(done.error());
     message_.say(
-        "the unit tests its memory and compensates: reference every axis at the control, measure the same lines again; "
-        "o opens those files");
+        unit_->snapshot().emulator
+            ? "the unit watches: g in DISPLAY ECS STATUS (F3) references the emulated machine, e in step 1 of PROCESS "
+              "LASER DATA measures it again; o here opens those files"
+            : "the unit watches: reference every axis at the control now, then it compensates; measure the same lines "
+              "again, o opens those files");
   });
 }
 

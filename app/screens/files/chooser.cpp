@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "commissioning/link/choice.hpp"
+#include "commissioning/link/emulator_process.hpp"
 #include "commissioning/session/recent_files.hpp"
 
 namespace ecs::app {
@@ -34,16 +35,16 @@ std::vector<FolderEntry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// The machine that the bundled emulator emulates, and what comes with it: somebody who begins has no files of their
-/// own.
+/// The machine of the emulator that this program runs, and what comes with it: somebody who begins has no files of
+/// their own. Nothing beside a real unit: its machine is another one.
 std::vector<std::string> files_of_the_emulator() {
   std::vector<std::string> files;
-  const auto machine = sample_machine();
+  const auto machine = emulated_machine();
   if (!machine) return files;
   std::error_code fault;
-  for (const char* name : {"machine.toml", "parameters.toml", "model.toml"})
-    if (const fs::path path = machine->parent_path() / name; fs::is_regular_file(path, fault))
-      files.push_back(path.string());
+  const fs::path folder = machine->parent_path();
+  for (const fs::path& path : {*machine, folder / "parameters.toml", folder / "model.toml"})
+    if (fs::is_regular_file(path, fault)) files.push_back(fs::absolute(path, fault).string());
   return files;
 }
 

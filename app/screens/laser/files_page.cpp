@@ -139,6 +139,8 @@ class FilesPage final : public LaserPage {
     const std::filesystem::path machine = link.substr(std::min(link.size(), link.find(':') + 1));
     const std::filesystem::path plan = machine.parent_path() / "plan.toml";
     std::error_code none;
+    const auto newest = controller().unit().newest();
+    const std::string phase = newest && newest->mode == UnitMode::compensating ? "after" : "before";
     const std::string beside = std::filesystem::is_regular_file(plan, none) ? plan.string() : "";
     host().fill(LaserForm(
         "measure the emulated machine",
@@ -147,8 +149,8 @@ class FilesPage final : public LaserPage {
           beside,
           {},
           true},
-         {"phase", "what the plan asks for before compensation, or after it", "before", {"before", "after"}},
-         {"folder", "where the files go; none that is there is overwritten", "before", {}, true}},
+         {"phase", "what the plan asks for before compensation, or after it", phase, {"before", "after"}},
+         {"folder", "where the files go; none that is there is overwritten", phase, {}, true}},
         [this, machine](const std::vector<std::string>& v) {
           std::error_code fault;
           if (!v[0].empty() && !std::filesystem::is_regular_file(v[0], fault))
