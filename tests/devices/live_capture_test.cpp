@@ -78,7 +78,14 @@ TEST_CASE(
     }
     fake::show(*gauge, 0.5 * k);
     fake::rest(60);
-    fake::press(*pedal, 35);
+    // on a busy computer a press may be too short to be seen: then, as a person does, once more
+    const std::string then = k == 17 ? "18 readings of 18" : fmt::format("{} of 18 in all", k + 2);
+    bool taken = false;
+    for (int attempt = 0; attempt < 3 && !taken; ++attempt) {
+      fake::press(*pedal, 35);
+      taken = shows(screen, then, 5, 120);
+    }
+    REQUIRE(taken);
   }
   REQUIRE(shows(screen, "18 readings of 18 targets written", 30, 120));
   const auto set = laser::read_measurement_set(out);
