@@ -33,7 +33,7 @@ class Arming {
   [[nodiscard]] std::uint32_t left_s(const HostSession& session, std::uint64_t now_ms) const;
   /// Before another code is looked at.
   [[nodiscard]] std::uint16_t wait_s(std::uint64_t now_ms) const;
-  /// A host whose time has ended since this was last asked; each is told once, who ended it itself is not.
+  /// A host whose time has ended since this was last asked; each is reported once; a host that ended it itself is not.
   [[nodiscard]] std::optional<ArmingEnd> take_ended(std::uint64_t now_ms);
   /// At a start of the unit: nobody is armed, and wrong codes are forgotten.
   void begin_again();

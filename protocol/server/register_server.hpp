@@ -32,7 +32,7 @@ class UnitPort {
   [[nodiscard]] virtual UnitClock clock() = 0;
   /// A host has armed the unit.
   virtual void host_armed() {}
-  /// When, by clock(), it has switched its outputs off because no command came any more; each time is told once.
+  /// When, by clock(), it has switched its outputs off because no command came any more; each time is reported once.
   [[nodiscard]] virtual std::optional<std::uint64_t> take_outputs_ended() { return std::nullopt; }
 
   /// Fills `out`, all of it or (any error but `none`) nothing.

@@ -52,7 +52,7 @@ TEST_CASE("a number is the whole text, finite and decimal") {
     CHECK_MESSAGE(!number_in(wrong), wrong);
 }
 
-TEST_CASE("an assignment in a formula is told from comparisons") {
+TEST_CASE("an assignment in a formula is distinguished from comparisons") {
   for (const char* formula : {"a=5", "a = 5", "a += 1", "sin(a=1)", "a==b=c", "=", "a="})
     CHECK_MESSAGE(assigns(formula), formula);
   for (const char* formula : {"", "a", "a == b", "a<=b", "a >= b", "a!=b", "a == b ? c != d : e <= f"})

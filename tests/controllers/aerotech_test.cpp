@@ -38,7 +38,7 @@ TEST_CASE("a table of one axis, its units and its sign") {
   CHECK(table_for(*inch, Component::EXX).compensation[1] == Approx(25.4));
 }
 
-TEST_CASE("a table of two axes is taken apart into a curve along each, and what is left is told") {
+TEST_CASE("a table of two axes is taken apart into a curve along each, and what is left is reported") {
   // Z by X (rows, descending) and Y (columns): 1 um a row, 2 um a column, and 0.5 um that only the table holds
   const auto read = read_cal(
       "' made\n:START2D 1 2 4 6 -5 10 2\n:START2D OFFSETROW=100 OFFSETCOL=50\n"

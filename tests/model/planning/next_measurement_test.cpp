@@ -14,6 +14,24 @@ using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
 
+namespace {
+
+/// What is proposed after a line of even targets that shows a backlash.
+NextMeasurement next_after_even_targets() {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  return next;
+}
+
+}  // namespace
+
 TEST_CASE("a polarity of the map and a gain of minus one are the same: reported, not measured") {
   Model model = straight();
   laser::ErrorMap map;
@@ -133,15 +151,7 @@ TEST_CASE("an adequate model with many readings asks for nothing") {
 }
 
 TEST_CASE("a proposal says what it tells, how surely and how long it takes, then what to do") {
-  auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
-  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
-  const Model model = straight();
-  const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  const NextMeasurement next = next_measurement(model, data, *found);
-  REQUIRE_FALSE(next.proposals.empty());
+  const NextMeasurement next = next_after_even_targets();
   for (const MeasurementProposal& one : next.proposals) {
     CAPTURE(one.tells);
     CAPTURE(one.sentence);
@@ -177,15 +187,7 @@ TEST_CASE("where one cause is proved and nothing else fits, nothing is in doubt;
 }
 
 TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
-  auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
-  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
-  const Model model = straight();
-  const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  const NextMeasurement next = next_measurement(model, data, *found);
-  REQUIRE_FALSE(next.proposals.empty());
+  const NextMeasurement next = next_after_even_targets();
   for (const MeasurementProposal& proposal : next.proposals) {
     CAPTURE(proposal.condition);
     CHECK(!even_step_mm(proposal.targets_mm));

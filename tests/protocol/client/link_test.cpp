@@ -396,7 +396,7 @@ TEST_CASE("answers to another host's requests do not count as late ones") {
   CHECK(says(none.error(), "end the other program, or take it off the link"));
 }
 
-TEST_CASE("a TCP peer that is no unit is told from a disturbed line: there is no CRC on TCP") {
+TEST_CASE("a TCP peer that is no unit is distinguished from a disturbed line: there is no CRC on TCP") {
   Dripping peer("HTTP/1.0 400 Bad Request\r\n\r\n");
   const LinkAddress address{TcpPeer{"127.0.0.1", peer.port}, 1};
   LinkTiming timing = timing_of(address);

@@ -237,7 +237,7 @@ TEST_CASE("an arming that ends by itself and an output that ends without its hos
   CHECK(events[1].error == UnitError::time_out);
   CHECK(events[1].host == "host 7");
   CHECK(events[1].unit_time_s == 125);
-  CHECK(events_of(server, 6).empty());  // each is told once
+  CHECK(events_of(server, 6).empty());  // each is reported once
   (void)other.give(arming(other, "", 0));
   model.unit_clock.ms += 10'000'000;
   CHECK(events_of(server, 7).empty());  // who ends it itself

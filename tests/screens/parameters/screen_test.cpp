@@ -10,6 +10,14 @@ namespace {
 
 using namespace screen_test;
 
+/// A screen that is left with an edited deadband, not saved.
+void leave_unsaved(const ParametersCase& one) {
+  ParametersScreen screen(no_link());
+  open_file(screen, one);
+  find(screen, "deadband");
+  edit(screen, "7.5");
+}
+
 TEST_CASE("the parameters screen first asks for the source of the parameters, and says whether a unit answers") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
@@ -277,12 +285,7 @@ TEST_CASE("after a crash a new screen restores the unsaved work and the values i
 
 TEST_CASE("unsaved work of another time is dropped only after a yes") {
   const ParametersCase one;
-  {
-    ParametersScreen screen(no_link());
-    open_file(screen, one);
-    find(screen, "deadband");
-    edit(screen, "7.5");
-  }
+  leave_unsaved(one);
   ParametersScreen screen(no_link());
   type(screen, "dn");
   CHECK(draft_of("parameters"));
@@ -293,12 +296,7 @@ TEST_CASE("unsaved work of another time is dropped only after a yes") {
 
 TEST_CASE("u takes back the work of a draft that was taken up") {
   const ParametersCase one;
-  {
-    ParametersScreen screen(no_link());
-    open_file(screen, one);
-    find(screen, "deadband");
-    edit(screen, "7.5");
-  }
+  leave_unsaved(one);
   ParametersScreen screen(no_link());
   (void)press(screen, Key::Name::enter);
   type(screen, "u");
