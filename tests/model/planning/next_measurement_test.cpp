@@ -25,7 +25,7 @@ NextMeasurement next_after_even_targets() {
   const Observations data = observations_of(set, model, mill());
   const auto found = diagnose(model, data);
   REQUIRE(found);
-  const NextMeasurement next = next_measurement(model, data, *found);
+  NextMeasurement next = next_measurement(model, data, *found);
   REQUIRE_FALSE(next.proposals.empty());
   return next;
 }

@@ -329,7 +329,7 @@ namespace {
 class Dripping {
  public:
   /// @param head  what comes first, at once
-  explicit Dripping(std::string head = {"\0\1\0\0\0\170\1\27\164", 9})
+  explicit Dripping(const std::string& head = {"\0\1\0\0\0\170\1\27\164", 9})
       : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in place{};
     place.sin_family = AF_INET;
