@@ -140,6 +140,15 @@ TEST_CASE("the datum routine waits for an axis at rest") {
   CHECK(run.state.stage == DatumStage::waiting);
 }
 
+TEST_CASE("the reference motion begins 0.05 mm from where the axis stood") {
+  ReferenceRun run = fanuc();
+  run.stand(1);
+  run.drive_to(0.04, 300);
+  CHECK(run.state.stage == DatumStage::waiting);
+  run.drive_to(0.06, 300);
+  CHECK(run.state.stage == DatumStage::seeking_switch);
+}
+
 TEST_CASE("a routine that begins on the switch fails: wrong initial state") {
   ReferenceRun run = fanuc();
   run.at_mm = 55.0;

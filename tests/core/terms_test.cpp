@@ -201,6 +201,8 @@ TEST_CASE("component names read back, and say what they are") {
   for (std::size_t c = 0; c < kComponents; ++c) CHECK(component_of(kComponentNames[c]) == static_cast<Component>(c));
   CHECK(!component_of("EXA"));
   CHECK(!component_of("exx"));
+  CHECK(!component_of(""));
+  CHECK(!sense_named(""));
   CHECK(is_positioning(Component::EYY));
   CHECK(is_straightness(Component::EYX));
   CHECK(is_angular(Component::ECZ));
