@@ -29,5 +29,5 @@ TEST_CASE("modes, stages and failures have names, numbers beyond them are unknow
   CHECK(name_of(DatumFailure::no_marker) == "no marker");
   CHECK(advice_for(DatumFailure::no_marker) == "check the marker signal of the transducer");
   CHECK(name_of(DatumFailure::stopped_early) == "stopped early");
-  CHECK(name_of(static_cast<DatumFailure>(kDatumFailureCount)) == "unknown");
+  CHECK(name_of(static_cast<DatumFailure>(8)) == "unknown");
 }
