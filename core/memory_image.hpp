@@ -30,7 +30,7 @@ inline constexpr std::uint32_t magic = 0, format = 4, total_bytes = 8, check = 1
 
 /// Offsets inside the identity. Texts are UTF-8, padded with zeros.
 namespace identity_at {
-inline constexpr std::uint32_t serial_number = 0, machine = 16, configuration = 56, end = 60;
+inline constexpr std::uint32_t serial_number = 0, machine = 16, configuration = 56;
 }
 inline constexpr std::size_t kMostSerialNumberBytes = identity_at::machine - identity_at::serial_number;
 inline constexpr std::size_t kMostMachineBytes = identity_at::configuration - identity_at::machine;
