@@ -20,7 +20,7 @@ using Set = laser::MeasurementSet;
 namespace {
 
 double ramp(const laser::Reading& r) { return 3.0 + 9.0 * p(r) / 1000.0; }
-double lost_motion(const laser::Reading& r) { return d(r); }
+double lost_motion_of_two(const laser::Reading& r) { return d(r); }
 
 Plan plan(int targets, int runs, bool both_ways = true) {
   Plan one;
@@ -132,13 +132,13 @@ TEST_CASE("one to six readings name no cause") {
 TEST_CASE("a backlash in four readings is not claimed to be anything else") {
   for (int n = 2; n <= 5; ++n)
     for (unsigned seed = 1; seed <= 4; ++seed)
-      check_only(answer(straight(), measured(plan(n, 1), kNoise_um, lost_motion, seed)), {"backlash:X:EX"});
+      check_only(answer(straight(), measured(plan(n, 1), kNoise_um, lost_motion_of_two, seed)), {"backlash:X:EX"});
 }
 
 TEST_CASE("without repeats noise is still noise, and a backlash still a backlash") {
   noise_alone([](unsigned seed) { return measured(plan(41, 1), kNoise_um, ramp, seed); });
   noise_alone([](unsigned seed) { return measured(plan(41, 1, false), kNoise_um, ramp, seed); });
-  is_found("backlash:X:EX", [](unsigned seed) { return measured(plan(41, 1), kNoise_um, lost_motion, seed); });
+  is_found("backlash:X:EX", [](unsigned seed) { return measured(plan(41, 1), kNoise_um, lost_motion_of_two, seed); });
 }
 
 TEST_CASE("a step in one run in one direction is a step or nothing") {
@@ -164,7 +164,7 @@ TEST_CASE("columns that never change explain nothing and change nothing") {
   };
   noise_alone([&](unsigned seed) { return constant(measured(plan(31, 3), kNoise_um, ramp, seed)); });
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    const Diagnosis found = answer(straight(), constant(measured(plan(31, 3), kNoise_um, lost_motion, seed)));
+    const Diagnosis found = answer(straight(), constant(measured(plan(31, 3), kNoise_um, lost_motion_of_two, seed)));
     check_found(found, "backlash:X:EX");
     CHECK(names(found.candidates.front(), "servo_lag:X:EX"));  // at one feed nobody can tell
   }
@@ -208,7 +208,8 @@ TEST_CASE("a model whose terms are the same twice still finds what is missing, a
               model);
   is_found(
       "backlash:X:EX",
-      [&](unsigned seed) { return at_one_temperature(measured(plan(31, 3), kNoise_um, lost_motion, seed)); }, 2, model);
+      [&](unsigned seed) { return at_one_temperature(measured(plan(31, 3), kNoise_um, lost_motion_of_two, seed)); }, 2,
+      model);
   const Set set = at_one_temperature(measured(plan(31, 3), kNoise_um, ramp, 1));
   const auto fitted = fit(model, observations_of(set, model, mill()));
   REQUIRE(fitted);
@@ -236,7 +237,7 @@ TEST_CASE("one outlier in a hundred readings is listed and does not change the v
       for (const int row : blank.outliers)
         CHECK(std::abs(noise.readings[static_cast<std::size_t>(row - 1)].error -
                        ramp(noise.readings[static_cast<std::size_t>(row - 1)])) > 3.0 * kNoise_um);
-      check_found(answer(straight(), spoiled(measured({}, kNoise_um, lost_motion, seed), size_um, seed)),
+      check_found(answer(straight(), spoiled(measured({}, kNoise_um, lost_motion_of_two, seed), size_um, seed)),
                   "backlash:X:EX");
     }
 }
@@ -277,7 +278,7 @@ TEST_CASE("data without noise get an answer") {
   noise_alone([](unsigned seed) { return measured({}, 0.0, ramp, seed); }, 1);
   noise_alone([](unsigned seed) { return measured(plan(41, 1), 0.0, ramp, seed); }, 1);
   is_found(
-      "backlash:X:EX", [](unsigned seed) { return measured({}, 0.0, lost_motion, seed); }, 1);
+      "backlash:X:EX", [](unsigned seed) { return measured({}, 0.0, lost_motion_of_two, seed); }, 1);
 }
 
 TEST_CASE("the size of the numbers does not matter") {
@@ -287,7 +288,7 @@ TEST_CASE("the size of the numbers does not matter") {
     };
     noise_alone([&](unsigned seed) { return scaled(ramp, seed); }, 2);
     is_found(
-        "backlash:X:EX", [&](unsigned seed) { return scaled(lost_motion, seed); }, 2);
+        "backlash:X:EX", [&](unsigned seed) { return scaled(lost_motion_of_two, seed); }, 2);
   }
   noise_alone(
       [](unsigned seed) {
@@ -307,7 +308,7 @@ TEST_CASE("one approach, or none known, names no effect of approach") {
       },
       2);
   for (unsigned seed = 1; seed <= 3; ++seed)
-    check_nothing_named(answer(straight(), with_each(measured(plan(41, 3), kNoise_um, lost_motion, seed),
+    check_nothing_named(answer(straight(), with_each(measured(plan(41, 3), kNoise_um, lost_motion_of_two, seed),
                                                      [](laser::Reading& r) { r.approach = Approach::unknown; })));
 }
 

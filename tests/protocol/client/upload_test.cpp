@@ -499,14 +499,14 @@ TEST_CASE("a map is not committed in another unit that the cable has been moved 
 
 namespace {
 
-const std::string kShownCode = "271828";
+const std::string kUnitCode = "271828";
 
 /// An armed host sends a map to a unit that takes its hosts for armed no longer once some of it has travelled.
 Result<UploadReport> sent_across_the_end_of_arming(Workshop& shop, bool knows_code) {
   shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
   auto unit = shop.client();
-  REQUIRE(unit.arm(kShownCode, 1));
-  if (knows_code) unit.know_code(kShownCode);
+  REQUIRE(unit.arm(kUnitCode, 1));
+  if (knows_code) unit.know_code(kUnitCode);
   bool happened = false;
   return unit.upload_image(noise_image(40'000), [&](const Progress& progress) {
     if (happened || progress.bytes_done < 5'000) return;
@@ -520,7 +520,7 @@ Result<UploadReport> sent_across_the_end_of_arming(Workshop& shop, bool knows_co
 TEST_CASE("a host whose arming ends within a transfer is armed again if it knows the code, otherwise it says so") {
   for (const bool knows_code : {true, false}) {
     CAPTURE(knows_code);
-    Workshop shop(ModbusServer::on_tcp({}).value(), kShownCode);
+    Workshop shop(ModbusServer::on_tcp({}).value(), kUnitCode);
     const auto sent = sent_across_the_end_of_arming(shop, knows_code);
     CHECK(sent.has_value() == knows_code);
     CHECK((active_image(shop) == noise_image(40'000)) == knows_code);

@@ -11,14 +11,14 @@
 namespace ecs::app {
 namespace {
 
-const std::string kSample = "samples/investigation/";
+const std::string kInvestigation = "samples/investigation/";
 
 /// The emulator of the sample with its workshop, until the end of the test.
 class ServedSample {
  public:
   ServedSample() {
-    process_ = started({kEmulator, "serve", "--machine", kSample + "machine.toml", "--workshop", workshop, "--mode",
-                        "integrate", "--with-parent"},
+    process_ = started({kEmulator, "serve", "--machine", kInvestigation + "machine.toml", "--workshop", workshop,
+                        "--mode", "integrate", "--with-parent"},
                        folder / "ready.json");
     constexpr int kLooks = 400;
     for (int i = 0; i < kLooks && content_of(folder / "ready.json").empty(); ++i)
@@ -31,9 +31,9 @@ class ServedSample {
   [[nodiscard]] Ran investigate(const std::string& minutes, std::vector<std::string> more = {}) const {
     std::vector<std::string> words{"model",
                                    "investigate",
-                                   kSample + "model.toml",
+                                   kInvestigation + "model.toml",
                                    "--machine",
-                                   kSample + "machine.toml",
+                                   kInvestigation + "machine.toml",
                                    "--workshop",
                                    workshop,
                                    "--minutes",
@@ -85,16 +85,17 @@ TEST_CASE("minutes that allow no run leave nothing measured, and exit 0") {
 }
 
 TEST_CASE("a workshop or a folder, not both and not neither") {
-  CHECK(ran({"model", "investigate", kSample + "model.toml", "--machine", kSample + "machine.toml", "--minutes", "10"})
+  CHECK(ran({"model", "investigate", kInvestigation + "model.toml", "--machine", kInvestigation + "machine.toml",
+             "--minutes", "10"})
             .code == 2);
-  CHECK(ran({"model", "investigate", kSample + "model.toml", "--machine", kSample + "machine.toml", "--minutes", "10",
-             "--workshop", "/tmp/none", "--watch", "/tmp/none"})
+  CHECK(ran({"model", "investigate", kInvestigation + "model.toml", "--machine", kInvestigation + "machine.toml",
+             "--minutes", "10", "--workshop", "/tmp/none", "--watch", "/tmp/none"})
             .code == 2);
 }
 
 TEST_CASE("a socket on which no workshop listens is a fault of the link") {
-  const Ran investigated = ran({"model", "investigate", kSample + "model.toml", "--machine", kSample + "machine.toml",
-                                "--minutes", "10", "--workshop", "/nowhere/shop"});
+  const Ran investigated = ran({"model", "investigate", kInvestigation + "model.toml", "--machine",
+                                kInvestigation + "machine.toml", "--minutes", "10", "--workshop", "/nowhere/shop"});
   CHECK(investigated.code == 4);
   CHECK(investigated.messages.find("no workshop listens here") != std::string::npos);
 }
