@@ -1,6 +1,7 @@
 // `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files; files of one line
 // are its runs.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -9,6 +10,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
+#include "app/verbs/laser/stats_summary.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
@@ -21,9 +23,13 @@
 namespace ecs::app {
 namespace {
 
+/// Outliers of a line in the text without --all.
+constexpr std::size_t kMostOutliers = 10;
+
 struct StatsArguments : VerbArguments {
   const std::vector<std::string>& files =
       texts("FILE", "measurement files; those of one line are joined as its runs", Need::required);
+  const bool& all = flag("--all", "each measurement line whole, however many");
   RotaryImportOptions import{*this};
 };
 
@@ -58,20 +64,25 @@ struct MeasuredLine {
   std::function<std::string(std::size_t)> file_of;
 };
 
-Cell outliers_cell(const MeasuredLine& line) {
+/// @param most  outliers in the text
+Cell outliers_cell(const MeasuredLine& line, std::size_t most) {
   Cell list{Json::array(), {}};
   for (const std::size_t i : laser::outliers_of(line.set, line.group)) {
     const laser::Reading& reading = line.set.readings[i];
+    const bool shown = list.json.size() < most;
     list.add({{{"file", line.file_of(i)},
                {"line", reading.line},
                {"row", reading.row},
                {"run", reading.run},
                {reading.rotary ? "position_deg" : "position_mm", number_or_null(laser::target_of(reading))},
                {"reading", number_or_null(reading.error)}},
-              fmt::format("  outlier: {} {} at {:g}, run {}, is far from its repeats ({}:{}, row {})\n",
-                          shortest(reading.error), laser::unit_of(reading.sense), laser::target_of(reading),
-                          reading.run, line.file_of(i), reading.line, reading.row)});
+              shown ? fmt::format("  outlier: {} {} at {:g}, run {}, is far from its repeats ({}:{}, row {})\n",
+                                  shortest(reading.error), laser::unit_of(reading.sense), laser::target_of(reading),
+                                  reading.run, line.file_of(i), reading.line, reading.row)
+                    : ""});
   }
+  if (list.json.size() > most)
+    list.text += fmt::format("  and {} more outliers: --all shows them\n", list.json.size() - most);
   if (!list.text.empty()) list.text += "  `ecs laser process --exclude-row N` leaves a row out\n";
   return list;
 }
@@ -133,7 +144,7 @@ Cell growth_cell(const MeasuredLine& line) {
           std::move(text)};
 }
 
-Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line) {
+Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, bool all) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
@@ -153,11 +164,25 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line) {
                                           return Cell{target_json(target, iso.rotary), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
-                  {"outliers", outliers_cell(line)},
+                  {"outliers", outliers_cell(line, all ? SIZE_MAX : kMostOutliers)},
                   {"drift", drift_cell(line)},
                   {"growth", growth_cell(line)},
                   {"notes", lines_cell(iso.notes, "  note: ")}});
   return record_cell(layout + "{range}{growth}{outliers}{drift}{notes}", fields);
+}
+
+/// @param answer  the line as JSON
+LineStatistics line_statistics(const laser::Iso230& iso, const MeasuredLine& line, const Json& answer) {
+  const Json& drift = answer["drift"];
+  const auto size_of = [&](std::size_t i) { return std::abs(line.set.readings[i].error); };
+  const auto largest = std::max_element(line.group.readings.begin(), line.group.readings.end(),
+                                        [&](std::size_t a, std::size_t b) { return size_of(a) < size_of(b); });
+  return {.iso = iso,
+          .group = line.group,
+          .files = line.files,
+          .outliers = answer["outliers"].size(),
+          .drifts = drift.is_object() && (drift["drifts"] == true || !drift["apart"].empty()),
+          .largest = line.set.readings[*largest].error};
 }
 
 /// Files that are joined, and the set that they make.
@@ -210,16 +235,20 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
     sets.push_back(std::move(imported->set));
   }
   Cell lines{Json::array(), {}};
+  std::vector<LineStatistics> statistics;
   for (const JoinedFiles& machine : joined_by_machine(sets)) {
     for (const std::string& note : machine.all.notes) context.console.note(note);
     for (const laser::Group& group : laser::groups_of(machine.all)) {
       const auto iso = laser::iso230_of(machine.all, group);
       if (!iso) return tl::unexpected(iso.error());
       if (!lines.text.empty()) lines.text += "\n";
-      lines.add(iso230_cell(
-          *iso, {machine.all, group, machine.files_of(group), [&](std::size_t i) { return machine.file_of(i); }}));
+      const MeasuredLine line{machine.all, group, machine.files_of(group),
+                              [&](std::size_t i) { return machine.file_of(i); }};
+      lines.add(iso230_cell(*iso, line, arguments.all));
+      statistics.push_back(line_statistics(*iso, line, lines.json.back()));
     }
   }
+  if (!arguments.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);
   return outcome_of(record_cell("{lines}", {{"lines", lines}}));
 }
 

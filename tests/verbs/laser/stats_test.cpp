@@ -1,4 +1,6 @@
 // `laser stats`: files of one line are its runs; outliers and drift between runs are told.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -66,4 +68,25 @@ TEST_CASE("a rotary axis: its letter, degrees and the angular positioning; other
   const Ran refused = ran({"laser", "process", file});
   CHECK(refused.code == 3);
   CHECK(contains(refused.messages, "c.csv:2:1: expected readings of linear axes, found the rotary axis C"));
+}
+
+TEST_CASE("many measurement lines are summarised in few rows; --all and JSON give each whole") {
+  const Folder folder;
+  std::string text = "axis,x_mm,y_mm,sense,reading,approach,run\n";
+  for (int line = 0; line < 300; ++line)
+    for (int target = 0; target < 3; ++target)
+      for (const int approach : {1, -1})
+        text += fmt::format("X,{},{},EX,{},{},1\n", 100 * target, line, line == 77 ? 9 * target : target, approach);
+  const std::string file = folder.with("plate.csv", text);
+  const std::string summary = ran({"laser", "stats", file}).out;
+  CHECK(std::count(summary.begin(), summary.end(), '\n') < 40);
+  CHECK(contains(summary, "EXX      300      1800      18.000     18.000"));
+  const auto worst = summary.find("the worst:");
+  REQUIRE(worst != std::string::npos);
+  CHECK(contains(summary.substr(worst, 200), "EXX   Y 77, Z 0"));  // first
+  CHECK(contains(summary, "note on 300 of 300 lines: fewer than 5 targets (3)"));
+  CHECK(contains(summary, "300 measurement lines: --all shows each with all its quantities"));
+  const std::string all = ran({"laser", "stats", file, "--all"}).out;
+  CHECK(std::count(all.begin(), all.end(), '\n') > 300 * 15);
+  CHECK(ran({"laser", "stats", file, "--json"}).json()["lines"].size() == 300);
 }
