@@ -196,6 +196,15 @@ Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& fol
   return numbers;
 }
 
+std::vector<std::string> rig_files(const std::filesystem::path& folder) {
+  std::vector<std::string> files{folder / "figures.gp", folder / "figure_3_3_printed_kw.csv"};
+  for (const char* figure : {"3_3", "3_5", "3_9", "3_10", "3_11", "3_12"})
+    for (const char* ending : {"csv", "svg"}) files.push_back(folder / fmt::format("figure_{}.{}", figure, ending));
+  for (const char* figure : {"3_9", "3_10", "3_11", "3_12"})
+    files.push_back(folder / fmt::format("means_{}.dat", figure));
+  return files;
+}
+
 std::string table_of(const std::vector<RigNumber>& numbers) {
   std::string text = fmt::format("{:<7} {:<46} {:>9} {:>9}\n", "figure", "", "thesis", "here");
   for (const RigNumber& n : numbers)

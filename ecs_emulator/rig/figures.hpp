@@ -46,6 +46,9 @@ struct MovingError {
 /// @return the numbers
 [[nodiscard]] Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& folder, std::uint64_t seed);
 
+/// The files that draw_rig_figures writes into a folder, pictures too.
+[[nodiscard]] std::vector<std::string> rig_files(const std::filesystem::path& folder);
+
 /// The numbers as a table for a terminal.
 [[nodiscard]] std::string table_of(const std::vector<RigNumber>& numbers);
 

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "base/overwriting.hpp"
 #include "ecs_emulator/rig/figures.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 
@@ -10,6 +11,7 @@ struct RigArguments {
   std::string folder;
   std::optional<std::uint64_t> seed;
   bool json = false;
+  bool force = false;
 };
 
 nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
@@ -24,6 +26,7 @@ nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
 }
 
 Result<Outcome> draw_rig(VerbContext& /*context*/, const RigArguments& arguments) {
+  if (auto kept = spared(rig_files(arguments.folder), arguments.force); !kept) return tl::unexpected(kept.error());
   const auto numbers = draw_rig_figures(arguments.folder, arguments.seed.value_or(7));
   if (!numbers) return tl::unexpected(numbers.error());
   return Outcome{arguments.json ? json_of(*numbers).dump(2) : table_of(*numbers), {}};
@@ -36,6 +39,7 @@ extern const VerbDefinition kRig = verb<RigArguments>(
     [](Verb& verb, RigArguments& arguments) {
       verb.text("-o,--output", arguments.folder, "folder for data (CSV) and pictures (SVG)", Need::required)
           .seed(arguments.seed, "seed of the scatter (7)")
+          .flag("--force", arguments.force, "overwrites files that are there")
           .flag("--json", arguments.json, "the numbers as JSON");
     },
     draw_rig);

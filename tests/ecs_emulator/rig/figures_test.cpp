@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <doctest/doctest.h>
+
+#include "tests/support/folder.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -152,4 +155,15 @@ TEST_CASE("the band is that of means and three standard deviations, whatever the
   CHECK(band.error_band_um == doctest::Approx(13.0 + 26.0));
   CHECK(band.non_repeatability_um == doctest::Approx(12.0));
   CHECK(band.largest_reading_um == 22.0);
+}
+
+TEST_CASE("the rig names every file that it writes, so that none is overwritten unasked") {
+  const Folder folder;
+  const std::filesystem::path path = folder / "rig";
+  REQUIRE(draw_rig_figures(path, 7).has_value());
+  std::vector<std::string> named = rig_files(path), written;
+  for (const auto& file : std::filesystem::directory_iterator(path)) written.push_back(file.path());
+  std::sort(named.begin(), named.end());
+  std::sort(written.begin(), written.end());
+  CHECK(named == written);
 }

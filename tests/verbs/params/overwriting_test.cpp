@@ -44,6 +44,13 @@ TEST_CASE("would_overwrite() spares nothing but regular files with content that 
   CHECK_FALSE(would_overwrite(folder.path.string()));
 }
 
+TEST_CASE("the figures of the rig overwrite none of their files without --force") {
+  const Folder folder;
+  const std::string figure = folder.with("figure_3_9.csv", "mine");
+  CHECK(std::system((kEmulator + " rig -o " + (folder / "") + " >/dev/null 2>&1").c_str()) != 0);
+  CHECK(ecs::read_file(figure).value() == "mine");
+}
+
 TEST_CASE("the emulator and its workshop overwrite a file only with --force") {
   const Folder folder;
   const std::string measured = folder.with("exx.csv", "mine"), program = folder.with("exx.nc", "mine");
