@@ -116,8 +116,8 @@ void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
     next.push_back("Error model: the measurements hold structure that no effect of the library explains; see there.");
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())
-      next.push_back(fmt::format("Error model: {} ({}) is missing from it. To be sure of that: {}", effect.title,
-                                 effect.place, effect.next_measurement));
+      next.push_back(fmt::format("Error model: {} ({}) is missing from it. {}", effect.title, effect.place,
+                                 effect.next_measurement));
 }
 
 }  // namespace

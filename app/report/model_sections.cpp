@@ -127,7 +127,7 @@ Markup details(const ReportedDiagnosis& d) {
     body += paragraph_of(effect.rivals.empty()
                              ? "No other effect of the library does the same on these data."
                              : fmt::format("Cannot be distinguished from: {}.", fmt::join(effect.rivals, ", ")));
-    if (!effect.next_measurement.empty()) body += paragraph_of("To be sure: " + effect.next_measurement);
+    if (!effect.next_measurement.empty()) body += paragraph_of("Next: " + effect.next_measurement);
     out += element("article", body);
   }
   return out;

@@ -123,9 +123,7 @@ Cell candidate_cell(const Candidate& c) {
        {c.indistinguishable_from,
         details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))}},
       {"because", {c.because, details(!c.because.empty(), "because: " + c.because)}},
-      {"next_measurement",
-       {c.next_measurement,
-        details(!c.next_measurement.empty(), (c.rivals.empty() ? "to confirm: " : "next: ") + c.next_measurement)}}};
+      {"next_measurement", {c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)}}};
   if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
   return {
       object_of(fields),

@@ -415,6 +415,22 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          (diagnosis.reservation.empty() ? "" : " What these data cannot show: " + diagnosis.reservation);
 }
 
+NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis) {
+  if (auto settled = nothing_in_doubt(diagnosis)) {
+    for (Candidate& candidate : diagnosis.candidates)
+      if (candidate.named) candidate.next_measurement = *settled;
+    return {{}, {}, {std::move(*settled)}};
+  }
+  NextMeasurement next = next_measurement(model, data, diagnosis);
+  if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().named) return next;
+  const OpenGroup group = open_group(diagnosis);
+  for (Candidate& candidate : diagnosis.candidates)
+    if (std::any_of(group.rivals.begin(), group.rivals.end(),
+                    [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
+      candidate.next_measurement = next.proposals.front().sentence;
+  return next;
+}
+
 NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                  const MeasuringTimes& times) {
   NextMeasurement next;

@@ -88,6 +88,11 @@ struct NextMeasurement {
 [[nodiscard]] NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                                const MeasuringTimes& times = {});
 
+/// What to measure after a diagnosis, the same in every answer: next_measurement(), or no proposal and a note where
+/// nothing_in_doubt(). Named candidates and their rivals that the first proposal decides between take its sentence as
+/// Candidate::next_measurement, in place of the advice of their effect.
+[[nodiscard]] NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis);
+
 /// Whether readings at the rows of `plan` (their values do not count) determine the model.
 struct PlanCheck {
   std::vector<EffectFit> effects;  ///< parameters with the sigma to expect

@@ -62,6 +62,7 @@ void draw_bar(Canvas& canvas, const Area& area, int row, double value, double mo
 }  // namespace
 
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
+  if (files_.active()) return files_.draw(canvas, area, 0);
   draw_tabs(canvas, area.top(1));
   const int state_part = state_rows(area);
   const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - state_part), area.columns};
@@ -112,11 +113,11 @@ void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
   if (column + width_of(file) + 2 <= area.columns) canvas.text_right(area.left(area.columns - 1), 0, file, Tone::faint);
 }
 
-/// What is asked has rows of its own where little would be left to type into.
+/// What is asked has rows of its own where the text would be cut beside it, or little would be left to type into.
 int ModelScreen::asked_rows(const Area& area) const {
-  return width_of(asked_->label) <= area.columns * 2 / 3
-             ? 0
-             : static_cast<int>(wrapped(asked_->label, area.columns - 2).size());
+  const int label = width_of(asked_->label);
+  const bool beside = label <= area.columns * 2 / 3 && label + width_of(asked_->line.text()) + 4 <= area.columns;
+  return beside ? 0 : static_cast<int>(wrapped(asked_->label, area.columns - 2).size());
 }
 
 /// What the last rows say while nothing is asked and nothing was told.
@@ -241,8 +242,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   if (!rivals.empty())
     at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
                            Tone::warning);
-  canvas.paragraph(detail, at, (candidate.rivals.empty() ? "To confirm: " : "Next: ") + candidate.next_measurement,
-                   Tone::faint);
+  canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
 }
 
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {

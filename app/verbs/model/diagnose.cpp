@@ -8,6 +8,7 @@
 #include "commissioning/models/answer_check.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/plots.hpp"
+#include "model/planning/next_measurement.hpp"
 
 namespace ecs::app {
 namespace {
@@ -35,8 +36,9 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   options.plain = arguments.plain;
   options.cancelled = &interrupted();
-  const auto diagnosis = model::diagnose(work->model, work->data, options);
+  auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
+  (void)model::planned_next(work->model, work->data, *diagnosis);  // the proposal of `ecs model next`
   Cell answer = diagnosis_cell(*diagnosis);
   if (const auto added = add_check_inputs(answer, arguments.common, *work, arguments.plain); !added)
     return tl::unexpected(added.error());

@@ -125,13 +125,9 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
       return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
-  const auto diagnosis = model::diagnose(work->model, work->data);
+  auto diagnosis = model::diagnose(work->model, work->data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  model::NextMeasurement next;
-  if (const auto settled = model::nothing_in_doubt(*diagnosis))
-    next.notes.push_back(*settled);
-  else
-    next = model::next_measurement(work->model, work->data, *diagnosis);
+  const model::NextMeasurement next = model::planned_next(work->model, work->data, *diagnosis);
   const auto written = written_for(next, work->machine, arguments);
   if (!written) return tl::unexpected(written.error());
   Cell answer = proposals_cell(next, *diagnosis, arguments);

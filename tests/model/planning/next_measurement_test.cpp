@@ -186,6 +186,27 @@ TEST_CASE("where one cause is proved and nothing else fits, nothing is in doubt;
   CHECK_FALSE(nothing_in_doubt(diagnosis));
 }
 
+TEST_CASE("what an answer says of the next measurement is what is proposed first, or that nothing is in doubt") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE_FALSE(found->candidates.front().rivals.empty());
+  const NextMeasurement next = planned_next(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(found->candidates.front().next_measurement == next.proposals.front().sentence);
+  Candidate& proved = found->candidates.front();
+  proved.rivals.clear();
+  proved.parameters_set.clear();
+  proved.e_value = 1e6;
+  const NextMeasurement settled = planned_next(model, data, *found);
+  CHECK(settled.proposals.empty());
+  REQUIRE(settled.notes.size() == 1);
+  CHECK(found->candidates.front().next_measurement == settled.notes.front());
+}
+
 TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
   const NextMeasurement next = next_after_even_targets();
   for (const MeasurementProposal& proposal : next.proposals) {

@@ -1,0 +1,109 @@
+// Sentences about what to measure next and what compensation would leave: none contradicts its own numbers.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/support/emulator.hpp"
+#include "tests/support/verb_run.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using Json = nlohmann::json;
+
+namespace {
+
+Json answer(const std::string& verb, const std::filesystem::path& folder) {
+  const Ran one =
+      ran({"model", verb, folder / "model.toml", folder / "data.csv", "--machine", folder / "machine.toml", "--json"});
+  REQUIRE_MESSAGE(one.code == 0, one.messages);
+  return one.json();
+}
+
+/// What a proposal tells: minutes and separation of its own run, which is the run of its sentence.
+void check_proposal(const Json& one) {
+  const std::string tells = one["tells"], sentence = one["sentence"];
+  CHECK_MESSAGE(contains(tells, fmt::format("{:.0f} min", one["minutes"].get<double>())), tells);
+  std::smatch found;
+  if (static const std::regex sigma(R"(: (\d+\.\d) sigma)"); std::regex_search(tells, found, sigma)) {
+    const double told = std::stod(found[1]);
+    const bool is_own = std::any_of(one["pairs"].begin(), one["pairs"].end(), [&](const Json& pair) {
+      return std::abs(pair["sigma"].get<double>() - told) < 0.051;
+    });
+    CHECK_MESSAGE((is_own || std::abs(one["separation_sigma"].get<double>() - told) < 0.051), tells);
+    CHECK_MESSAGE(told >= 1.0, tells);
+  } else {
+    CHECK_MESSAGE(one["pairs"].empty(), tells);
+  }
+  const auto& targets = one["targets_mm"];
+  CHECK_MESSAGE(contains(sentence, fmt::format("{} targets from {:g} to {:g} mm", targets.size(),
+                                               targets.front().get<double>(), targets.back().get<double>())),
+                sentence);
+  const int runs = one["runs"];
+  CHECK_MESSAGE(contains(sentence, fmt::format(", {} {}, feed", runs, runs == 1 ? "run" : "runs")), sentence);
+  CHECK_MESSAGE(contains(sentence, "both ways") == one["bidirectional"].get<bool>(), sentence);
+}
+
+/// `next` and the answer of `diagnose` propose the same, and nothing where nothing is in doubt.
+void check_next(const Json& next, const Json& diagnosis) {
+  for (const Json& one : next["proposals"]) check_proposal(one);
+  const bool settled = std::any_of(next["notes"].begin(), next["notes"].end(), [](const Json& note) {
+    return note.get<std::string>().starts_with("Nothing is in doubt");
+  });
+  if (settled) CHECK(next["proposals"].empty());
+  CHECK(next["verdict"] == diagnosis["verdict"]);
+  for (const Json& candidate : diagnosis["candidates"]) {
+    if (!candidate["named"].get<bool>()) continue;
+    if (settled) CHECK(contains(candidate["next_measurement"].get<std::string>(), "Nothing is in doubt"));
+    if (!candidate["indistinguishable_from"].empty() && !next["proposals"].empty()) {
+      CHECK(candidate["next_measurement"] == next["proposals"][0]["sentence"]);
+      break;  // the first group of rivals
+    }
+  }
+}
+
+/// Two sums that make up what is predicted; a direction that gets worse is told, and no other.
+void check_what_if(const Json& after) {
+  const double machine = after["machine_um"], measurement = after["measurement_um"], left = after["rms_after_um"];
+  if (measurement == 0.0) CHECK(machine == doctest::Approx(left).epsilon(1e-6));
+  CHECK(left <= (machine + measurement) * (1.0 + 1e-9));
+  bool of_measurement = false;
+  for (const Json& effect : after["effects"]) {
+    CHECK_FALSE((effect["carried"].get<bool>() && effect["of_measurement"].get<bool>()));
+    of_measurement = of_measurement || effect["of_measurement"].get<bool>();
+  }
+  CHECK((measurement > 0.0) == of_measurement);
+  static const std::regex worse(R"(worse, (\S+) -> ([^:]+):)");
+  for (const Json& note : after["notes"]) {
+    const std::string text = note;
+    std::smatch found;
+    if (std::regex_search(text, found, worse)) CHECK_MESSAGE(std::stod(found[2]) >= std::stod(found[1]), text);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("no sentence on the next measurement or on compensation contradicts its numbers in hidden cases") {
+  constexpr int kFewest = 6, kMost = 200;
+  constexpr std::chrono::seconds kLongest{20};
+  const Folder folder;
+  const std::string hide = fmt::format("{} hide --seed 780001 --count {} --readings 150 -o {} >/dev/null", kEmulator,
+                                       kMost, folder / "cases");
+  REQUIRE(std::system(hide.c_str()) == 0);
+  std::vector<std::filesystem::path> cases;
+  for (const auto& one : std::filesystem::directory_iterator(folder / "cases")) cases.push_back(one.path());
+  std::sort(cases.begin(), cases.end());
+  REQUIRE(cases.size() == kMost);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kMost && (i < kFewest || std::chrono::steady_clock::now() - begin < kLongest); ++i) {
+    const auto& one = cases[static_cast<std::size_t>(i)];
+    CAPTURE(one.filename().string());
+    check_next(answer("next", one), answer("diagnose", one));
+    check_what_if(answer("what-if", one));
+  }
+}
