@@ -8,6 +8,18 @@
 
 namespace ecs {
 
+namespace {
+
+Result<void> unless_there(const std::vector<std::string>& files, const std::vector<std::string>& own,
+                          std::string_view instead) {
+  for (const std::string& file : files)
+    if (would_overwrite(file, own))
+      return problem(ProblemKind::usage, fmt::format("{} exists already: {}", file, instead));
+  return {};
+}
+
+}  // namespace
+
 bool would_overwrite(const std::string& path, const std::vector<std::string>& own) {
   std::error_code error;
   if (path.empty() || !std::filesystem::is_regular_file(path, error)) return false;
@@ -19,12 +31,11 @@ bool would_overwrite(const std::string& path, const std::vector<std::string>& ow
 }
 
 Result<void> spared(const std::vector<std::string>& files, bool force, const std::vector<std::string>& own) {
-  if (force) return {};
-  for (const std::string& file : files)
-    if (would_overwrite(file, own))
-      return problem(ProblemKind::usage,
-                     fmt::format("{} exists already: give another name, or --force to overwrite it", file));
-  return {};
+  return force ? Result<void>() : unless_there(files, own, "give another name, or --force to overwrite it");
+}
+
+Result<void> none_there(const std::vector<std::string>& files, std::string_view instead) {
+  return unless_there(files, {}, instead);
 }
 
 }  // namespace ecs

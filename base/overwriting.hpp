@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.hpp"
@@ -15,5 +16,7 @@ namespace ecs {
 /// A `usage` problem for the first of the files that would be overwritten, unless `force`.
 [[nodiscard]] Result<void> spared(const std::vector<std::string>& files, bool force,
                                   const std::vector<std::string>& own = {});
+/// The same where nothing can force it. @param instead  what to do: "give another folder"
+[[nodiscard]] Result<void> none_there(const std::vector<std::string>& files, std::string_view instead);
 
 }  // namespace ecs

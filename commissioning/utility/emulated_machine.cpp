@@ -123,7 +123,7 @@ Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasur
                         {"moved", true},
                         {"output", Json::array({files.back()})}});
   }
-  if (auto kept = spared(files, false); !kept) return tl::unexpected(kept.error());
+  if (auto kept = none_there(files, "give another folder"); !kept) return tl::unexpected(kept.error());
   std::error_code fault;
   std::filesystem::create_directories(wanted.folder, fault);
   for (std::size_t k = 0; k < requests.size(); ++k) {

@@ -56,7 +56,7 @@ Answer follow_plan(const Workshop& workshop, Arguments& arguments,
   if (!requests) return tl::unexpected(requests.error());
   std::vector<std::string> files;
   for (const std::string& request : *requests) files.push_back(Json::parse(request)["output"][0]);
-  if (auto kept = spared(files, false); !kept) return tl::unexpected(kept.error());
+  if (auto kept = none_there(files, "give another folder"); !kept) return tl::unexpected(kept.error());
   std::error_code error;
   std::filesystem::create_directories(choice.folder, error);
   for (std::size_t k = 0; k < requests->size(); ++k) {

@@ -359,15 +359,25 @@ TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wh
   CHECK(contains(picture(*menu), "> E.C.S. PARAMETERS"));
 }
 
-TEST_CASE("a file can be typed on the model screen where the terminal is narrow") {
+TEST_CASE("the key that saves a model is on the first line of keys of every page at 80 columns") {
+  const ModelCase one;
+  ModelScreen screen = one.screen();
+  for (const char32_t page : {U'1', U'2', U'3', U'4', U'5', U'6'}) {
+    (void)screen.on_key({Key::Name::letter, page});
+    CHECK(contains(picture_of(screen, "MODEL", {}, Canvas(24, 80), false).plain_text(), "s save"));
+  }
+}
+
+TEST_CASE("files measured again are chosen from a list on the model screen, or typed, where the terminal is narrow") {
   const ModelCase one;
   ModelScreen screen = one.screen();
   (void)letter(screen, 'o');
-  type(screen, "again.csv");
-  const std::string text = picture_of(screen, "MODEL", {}, Canvas(12, 40), false).plain_text();
-  CHECK(contains(text, "measured again with compensation,"));
-  CHECK(contains(text, "again.csv_"));
-  const CellPosition cursor = screen.cursor(screen_area(Canvas(12, 40)));
-  CHECK(cursor.row == 10);
-  CHECK(cursor.column == 1 + 9);
+  const Canvas narrow(12, 40);
+  CHECK(contains(picture_of(screen, "MODEL", {}, narrow, false).plain_text(), "Files measured again"));
+  type(screen, one / "no");
+  (void)screen.on_key({Key::Name::enter});
+  CHECK(contains(picture_of(screen, "MODEL", {}, narrow, false).plain_text(), "there is no "));
+  (void)screen.on_key({Key::Name::escape});
+  (void)screen.on_key({Key::Name::escape});
+  CHECK(contains(picture_of(screen, "MODEL", {}, narrow, false).plain_text(), "[6 After]"));
 }

@@ -16,8 +16,9 @@ void Prompt::begin(std::string label, Kind kind, const std::string& text, Take t
   take_ = std::move(take);
 }
 
-void Prompt::begin_choosing(std::string label, FileWish wish, Take take) {
-  begin(std::move(label), Kind::path, "", std::move(take), {});
+void Prompt::begin_choosing(std::string label, FileWish wish, TakeFiles take) {
+  begin(std::move(label), Kind::path, "", nullptr, {});
+  take_files_ = std::move(take);
   chooser_ =
       std::make_unique<FileChooser>(folder_.empty() ? std::filesystem::current_path() : folder_, std::move(wish));
 }
@@ -36,14 +37,9 @@ void Prompt::on_chooser_key(const Key& key) {
   const FileChooser::Answer answer = chooser_->on_key(key);
   if (answer == FileChooser::Answer::open) return;
   folder_ = chooser_->folder();
-  if (answer == FileChooser::Answer::given_up) {
-    chooser_.reset();
-    take_ = nullptr;
-    return;
-  }
   const std::unique_ptr<FileChooser> chooser = std::move(chooser_);
-  const Take take = std::exchange(take_, nullptr);
-  for (const std::string& path : chooser->taken()) take(path);
+  const TakeFiles take = std::exchange(take_files_, nullptr);
+  if (answer == FileChooser::Answer::chosen) take(chooser->taken());
 }
 
 bool Prompt::on_key(const Key& key) {

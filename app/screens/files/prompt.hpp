@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "app/screens/files/chooser.hpp"
 #include "app/ui/screen.hpp"
@@ -27,12 +28,20 @@ class Prompt {
   void ask(std::string label, Kind kind, const std::string& text, F take, std::string hint = {}) {
     begin(std::move(label), kind, text, taking(std::move(take)), std::move(hint));
   }
-  /// One file, or several with `wish.many`: `take` is called for each in turn and refuses none.
+  /// One file, or several with `wish.many`: `take` is given all of them, or each in turn; it refuses none.
   template <class F>
   void choose(std::string label, FileWish wish, F take) {
-    begin_choosing(std::move(label), std::move(wish), taking(std::move(take)));
+    if constexpr (std::is_invocable_v<F, const std::vector<std::string>&>)
+      begin_choosing(std::move(label), std::move(wish), std::move(take));
+    else
+      begin_choosing(std::move(label), std::move(wish),
+                     [take = std::move(take)](const std::vector<std::string>& paths) {
+                       for (const std::string& path : paths) take(path);
+                     });
   }
-  [[nodiscard]] bool active() const { return take_ != nullptr; }
+  /// Where choosing begins the next time.
+  void begin_in(const std::filesystem::path& folder) { folder_ = folder; }
+  [[nodiscard]] bool active() const { return take_ != nullptr || choosing(); }
   [[nodiscard]] bool choosing() const { return chooser_ != nullptr; }
   /// @return whether the key was for it: while it is open, all are
   bool on_key(const Key& key);
@@ -54,7 +63,8 @@ class Prompt {
       return take;
   }
   void begin(std::string label, Kind kind, const std::string& text, Take take, std::string hint);
-  void begin_choosing(std::string label, FileWish wish, Take take);
+  using TakeFiles = std::function<void(const std::vector<std::string>&)>;
+  void begin_choosing(std::string label, FileWish wish, TakeFiles take);
   void on_chooser_key(const Key& key);
   void give(const std::string& text);
   [[nodiscard]] int columns(const Area& area) const;
@@ -68,6 +78,7 @@ class Prompt {
   std::unique_ptr<FileChooser> chooser_;  ///< null: a line is typed
   std::filesystem::path folder_;          ///< of the file chosen last
   Take take_;
+  TakeFiles take_files_;
 };
 
 }  // namespace ecs::app

@@ -7,6 +7,7 @@
 #include "app/screens/files/chooser.hpp"
 #include "app/screens/laser/page.hpp"
 #include "app/ui/talk.hpp"
+#include "commissioning/session/recent_files.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::app {
@@ -167,7 +168,8 @@ class FilesPage final : public LaserPage {
   /// What was measured with compensation is of no use for a map: it is compared with what was measured before.
   void take_measured(const Result<std::vector<std::string>>& files, const std::string& phase,
                      const std::string& folder) {
-    if (!files) return controller().message().say(files.error());
+    if (!files) return controller().message().say(fmt::format("{}. e asks again.", to_text(files.error())), Tone::bad);
+    for (const std::string& path : *files) remember_file(path);
     if (phase == "after")
       return controller().message().say(
           fmt::format("{} lines measured into {}. F3, laser table compares them with those measured before.",

@@ -95,9 +95,7 @@ void ModelScreen::on_asked(const Key& key) {
   } else if (key.name == Key::Name::tab && asked_->purpose == Asked::For::effect) {
     asked_->line.set(completed_effect(asked_->line.text()));
   } else if (key.name == Key::Name::tab) {
-    const std::string text = asked_->line.text();
-    const bool several = asked_->purpose == Asked::For::measured_again;
-    asked_->line.set((several ? completed_paths(text) : completed_path(text)).completed);
+    asked_->line.set(completed_path(asked_->line.text()).completed);
   } else if (key.name == Key::Name::enter) {
     const Asked asked = *asked_;
     asked_.reset();
@@ -124,8 +122,6 @@ void ModelScreen::on_answer(const Asked& asked) {
     case Asked::For::effect:
       page_ = Page::ladder;
       return controller_->start_adding(text);
-    case Asked::For::measured_again:
-      return controller_->start_after(split_words(text));
     case Asked::For::workshop:
       workshop_ = text;
       asked_ = {Asked::For::minutes,
@@ -224,8 +220,9 @@ void ModelScreen::write_map(const std::string& zero_reason) {
 }
 
 bool ModelScreen::advance() {
-  const bool changed = controller_->advance();
-  if (controller_->busy() || asked_ || asking_.active()) return changed;
+  const bool looked = files_.advance();
+  const bool changed = controller_->advance() || looked;
+  if (controller_->busy() || asked_ || files_.active() || asking_.active()) return changed;
   if (const auto& planned = controller_->planned_map()) {
     if (planned->missing.empty())
       write_map("");
@@ -261,7 +258,8 @@ bool ModelScreen::on_after_key(const Key& key) {
   if (is_letter(key, U'w')) {
     controller_->start_after({});
   } else if (is_letter(key, U'o')) {
-    asked_ = {Asked::For::measured_again, "measured again with compensation, files:", {}};
+    files_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
+                  [this](const std::vector<std::string>& paths) { controller_->start_after(paths); });
   } else if (is_letter(key, U'm')) {
     begin_map();
   } else if (is_letter(key, U't')) {
@@ -281,6 +279,7 @@ bool ModelScreen::on_after_key(const Key& key) {
 }
 
 CellPosition ModelScreen::cursor(const Area& area) const {
+  if (files_.active()) return files_.cursor(area, 0);
   if (!asked_) return {-1, -1};
   const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
   return {area.row + area.rows - 1,
@@ -289,7 +288,7 @@ CellPosition ModelScreen::cursor(const Area& area) const {
 
 Step ModelScreen::on_key(const Key& key) {
   if (draft_ || leaving_) return on_question(key);
-  if (answers(asking_, key)) return stay();
+  if (answers(asking_, key) || files_.on_key(key)) return stay();
   if (asked_) {
     on_asked(key);
     return stay();
@@ -350,6 +349,7 @@ Step ModelScreen::on_key(const Key& key) {
 
 std::vector<KeyHelp> ModelScreen::keys() const {
   if (const auto& question = asking_.question()) return {{"y", question->yes}, {"n", question->no}};
+  if (files_.active()) return files_.keys();
   if (asked_) return {{"Enter", "go on"}, {"Tab", "complete"}, {"Esc", "leave it"}};
   std::vector<KeyHelp> keys;
   if (page_ == Page::curves)
@@ -372,7 +372,7 @@ std::vector<KeyHelp> ModelScreen::keys() const {
     keys.insert(keys.begin(), {"f", "write what was found"});
   if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty())
     keys.insert(keys.begin(), {"a", "add"});
-  keys.push_back({"s", "save"});
+  keys.insert(keys.begin() + 2, {"s", "save"});
   keys.push_back({"u", "undo"});
   keys.push_back({"y", "redo"});
   keys.push_back({"n", "name an effect"});

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "app/screens/files/prompt.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
@@ -23,7 +24,7 @@ class ModelScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] std::string unsaved() const override;
-  [[nodiscard]] bool typing() const override { return asked_.has_value() && !asking_.active(); }
+  [[nodiscard]] bool typing() const override { return (asked_.has_value() || files_.active()) && !asking_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
@@ -31,7 +32,7 @@ class ModelScreen final : public Screen {
   static constexpr int kPages = 6;
   /// A line that is being typed at the bottom.
   struct Asked {
-    enum class For { measured_again, map, params, zero_reason, workshop, minutes, investigated, effect } purpose;
+    enum class For { map, params, zero_reason, workshop, minutes, investigated, effect } purpose;
     std::string label;
     TextLine line;
   };
@@ -87,6 +88,7 @@ class ModelScreen final : public Screen {
   std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
   bool leaving_ = false;        ///< asked whether the model may stay unsaved
   std::optional<Asked> asked_;
+  Prompt files_;          ///< measured again with compensation
   Asking asking_;         ///< before the model is saved, files are overwritten, the map is sent
   ListPlace effect_;      ///< in the list of the page Ladder
   std::string map_file_;  ///< as typed; the parameters are asked next

@@ -2,6 +2,7 @@
 #include "app/screens/unit/screens.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 #include "tests/support/unit_screen.hpp"
+#include "tests/support/utility_bench.hpp"
 
 namespace ecs::app {
 namespace {
