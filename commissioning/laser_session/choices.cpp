@@ -19,11 +19,37 @@ constexpr TextAnswer kTexts[] = {{"axis", &ImportArguments::axis},
                                  {"target-unit", &ImportArguments::target_unit},
                                  {"reading-unit", &ImportArguments::reading_unit},
                                  {"channel", &ImportArguments::channel},
+                                 {"channels", &ImportArguments::channels},
+                                 {"join", &ImportArguments::join},
+                                 {"environment", &ImportArguments::environment},
                                  {"columns", &ImportArguments::columns},
                                  {"delimiter", &ImportArguments::delimiter},
                                  {"decimal", &ImportArguments::decimal},
                                  {"values", &ImportArguments::values},
                                  {"profile", &ImportArguments::profile}};
+
+struct NumberAnswer {
+  const char* name;
+  std::optional<double> ImportArguments::*value;
+};
+constexpr NumberAnswer kNumbers[] = {{"max-gap", &ImportArguments::max_gap_s},
+                                     {"at-rest", &ImportArguments::at_rest_mm},
+                                     {"environment-every", &ImportArguments::environment_every_s}};
+
+struct CountAnswer {
+  const char* name;
+  int ImportArguments::*value;
+};
+constexpr CountAnswer kCounts[] = {{"skip", &ImportArguments::skip}, {"rows", &ImportArguments::rows}};
+
+struct FlagAnswer {
+  const char* name;
+  bool ImportArguments::*value;
+};
+constexpr FlagAnswer kFlags[] = {{"accept-truncated", &ImportArguments::accept_truncated},
+                                 {"table-holds-errors", &ImportArguments::table_holds_errors},
+                                 {"average", &ImportArguments::average},
+                                 {"keep-set-up", &ImportArguments::keep_set_up}};
 
 Json json_of(const LaserLineChoice& line) {
   Json runs = Json::array(), readings = Json::array();
@@ -72,6 +98,7 @@ LaserChoices choices_of(const Json& object) {
   for (const Json& one : object.at("files")) {
     LaserFileChoice file{one.at("path").get<std::string>(), {}};
     for (const auto& [name, value] : one.at("answers").items()) set_answer(file.answers, name, value);
+    file.places = one.value("places", file.places);
     choices.files.push_back(std::move(file));
   }
   for (const auto& [key, line] : object.at("lines").items()) choices.lines[key] = line_in(line);
@@ -92,7 +119,7 @@ std::string choices_text(const LaserChoices& choices) {
               {"params", choices.params_file}, {"scope", choices.scope},          {"header", json_of(choices.header)},
               {"map", choices.map_file},       {"opened_map", choices.opened_map}};
   for (const LaserFileChoice& file : choices.files)
-    object["files"].push_back({{"path", file.path}, {"answers", given_answers(file.answers)}});
+    object["files"].push_back({{"path", file.path}, {"answers", given_answers(file.answers)}, {"places", file.places}});
   for (const auto& [key, line] : choices.lines)
     if (!(line == LaserLineChoice{})) object["lines"][key] = json_of(line);
   for (const auto& [code, component] : choices.components)
@@ -112,21 +139,24 @@ std::map<std::string, std::string> given_answers(const ImportArguments& answers)
   std::map<std::string, std::string> given;
   for (const TextAnswer& answer : kTexts)
     if (!(answers.*answer.value).empty()) given[answer.name] = answers.*answer.value;
-  if (answers.accept_truncated) given["accept-truncated"] = "yes";
-  if (answers.table_holds_errors) given["table-holds-errors"] = "yes";
-  if (answers.skip > 0) given["skip"] = std::to_string(answers.skip);
-  if (answers.rows > 0) given["rows"] = std::to_string(answers.rows);
+  for (const NumberAnswer& answer : kNumbers)
+    if (const auto& value = answers.*answer.value) given[answer.name] = shortest(*value);
+  for (const CountAnswer& answer : kCounts)
+    if (answers.*answer.value > 0) given[answer.name] = std::to_string(answers.*answer.value);
+  for (const FlagAnswer& answer : kFlags)
+    if (answers.*answer.value) given[answer.name] = "yes";
   return given;
 }
 
 void set_answer(ImportArguments& answers, const std::string& name, const std::string& value) {
   for (const TextAnswer& answer : kTexts)
     if (name == answer.name) answers.*answer.value = value;
-  const auto number = static_cast<int>(integer_in(value).value_or(0));
-  if (name == "accept-truncated") answers.accept_truncated = value == "yes";
-  if (name == "table-holds-errors") answers.table_holds_errors = value == "yes";
-  if (name == "skip") answers.skip = number;
-  if (name == "rows") answers.rows = number;
+  for (const NumberAnswer& answer : kNumbers)
+    if (name == answer.name) answers.*answer.value = number_in(value);
+  for (const CountAnswer& answer : kCounts)
+    if (name == answer.name) answers.*answer.value = static_cast<int>(integer_in(value).value_or(0));
+  for (const FlagAnswer& answer : kFlags)
+    if (name == answer.name) answers.*answer.value = value == "yes";
 }
 
 const std::vector<AnswerField>& answer_fields() {
@@ -137,14 +167,28 @@ const std::vector<AnswerField>& answer_fields() {
        {"", "EX", "EY", "EZ", "EA", "EB", "EC"}},
       {"parked", "where the other axes stood [mm], as in y=-1400,z=0", {}},
       {"columns", "a table: which column is what, as in x_mm=1,reading=3*0.001,run=2,approach=4", {}},
-      {"skip", "lines before the table", {}},
-      {"rows", "rows of the table to take; empty: all", {}},
+      {"skip", "lines before the table", {}, AnswerField::Kind::number},
+      {"rows", "rows of the table to take; empty: all", {}, AnswerField::Kind::number},
       {"delimiter", "between the columns: one character, or blank, tab, comma, semicolon", {}},
       {"decimal", "decimal sign of the table", {"", "point", "comma"}},
       {"values", "what the readings of the table are", {"", "error", "actual", "compensation"}},
       {"target-unit", "unit of the targets where it is not the usual one: mm, in", {}},
       {"reading-unit", "unit of the readings where it is not the usual one: um, mil, arcsec", {}},
       {"channel", "of a log that holds several channels", {}},
+      {"channels", "of a log: several channels joined by time, as in x_mm=ENC[mm],reading=AI1[um]", {}},
+      {"join", "how channels meet in time; empty: linear", {"", "linear", "nearest", "previous"}},
+      {"max-gap",
+       "the greatest gap [s] over which channels are joined; empty: 5 usual intervals",
+       {},
+       AnswerField::Kind::number},
+      {"at-rest", "only rows whose position stays within this [mm]", {}, AnswerField::Kind::number},
+      {"average", "readings at rest become one, their mean", {"", "yes"}},
+      {"environment", "air and temperatures over time: a .pos, or a table with headings", {}, AnswerField::Kind::path},
+      {"environment-every",
+       "seconds between the rows of the environment, where it has no time",
+       {},
+       AnswerField::Kind::number},
+      {"keep-set-up", "shift and rotation of measured positions stay in the errors", {"", "yes"}},
       {"encoding",
        "code page of the texts; by itself if empty",
        {"", "UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},

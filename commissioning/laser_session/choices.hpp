@@ -16,6 +16,9 @@ namespace ecs::commissioning {
 struct LaserFileChoice {
   std::string path;
   ImportArguments answers;  ///< what the file does not say
+  /// Where the other axes stood, as in "y=-1400,z=0", where the file states it wrongly; by the line as the file states
+  /// it (LaserLine::stated).
+  std::map<std::string, std::string> places{};
 };
 
 /// Readings left out of one measured line, each with its reason (may be empty). Nothing is removed from any file.
@@ -71,6 +74,7 @@ struct AnswerField {
   const char* name;  ///< "axis"
   const char* help;
   std::vector<std::string> choices;  ///< empty: any text
+  enum class Kind { text, number, path } kind = Kind::text;
 };
 [[nodiscard]] const std::vector<AnswerField>& answer_fields();
 

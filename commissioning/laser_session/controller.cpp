@@ -12,6 +12,7 @@
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
+#include "commissioning/laser_session/machine_mismatch.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -195,6 +196,7 @@ void LaserController::work_out(bool with_map) {
   };
   working_out_.start("working out", work, [this, with_map](LaserWorkPtr done) {
     work_ = std::move(done);
+    mismatch_ = work_->map.parameters ? mismatch_of(*work_->map.parameters, work_->lines, unit_->snapshot()) : "";
     if (pending_ || !with_map) work_out(!pending_);
   });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <map>
 #include <set>
 
@@ -106,7 +107,36 @@ struct Part {
   bool whole_file = false;
   bool square = false;
   PerAxis<bool> position_known{};
+  std::string stated;  ///< key of the line as the file states it
+  std::string note{};
 };
+
+/// The readings at the place that is given, the axis that moves left as it is.
+void put_at(Part& part, const std::string& parked) {
+  ImportArguments given;
+  given.parked = parked;
+  const auto options = import_options(given);
+  if (!options) return;
+  const PerAxis<bool> named = places_named(parked);
+  for (laser::Reading& reading : part.set.readings)
+    for (const Axis a : kAllAxes)
+      if (const std::size_t k = index_of(a); named[k] && a != reading.axis)
+        reading.position_mm[k] = options->parked_mm[k];
+  for (std::size_t k = 0; k < named.size(); ++k) part.position_known[k] = part.position_known[k] || named[k];
+  part.whole_file = false;
+}
+
+/// The line as a file states it, or at the place that corrects that.
+Part part_of(const LaserFile& file, const laser::Group& group, bool square, bool alone) {
+  Part part{set_of(*file.set, group), file.choice.path,     alone && given_answers(file.choice.answers).empty(), square,
+            file.position_known,      key_of(group, square)};
+  const auto corrected = file.choice.places.find(part.stated);
+  if (corrected == file.choice.places.end()) return part;
+  put_at(part, corrected->second);
+  part.note = fmt::format("place corrected to {}; {} says {}", corrected->second,
+                          std::filesystem::path(part.file).filename().string(), parked_text(group));
+  return part;
+}
 
 LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first) {
   LaserLine line;
@@ -132,6 +162,8 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
     PerAxis<bool> known = parts.front().position_known;
     for (const Part& part : parts) {
       lines.back().files.push_back(part.file);
+      lines.back().stated.push_back(part.stated);
+      if (!part.note.empty()) lines.back().notes.push_back(part.note);
       for (std::size_t k = 0; k < known.size(); ++k) known[k] = known[k] && part.position_known[k];
     }
     take_place(lines.back(), known);
@@ -142,6 +174,7 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
   for (std::size_t k = 0; k < parts.size(); ++k) {
     lines.push_back(line_of(k == 0 ? key : fmt::format("{}, file {}", key, k + 1), parts[k].set, parts[k]));
     lines.back().files = {parts[k].file};
+    lines.back().stated = {parts[k].stated};
     lines.back().whole_file = parts[k].whole_file;
     lines.back().notes.push_back("not joined: " + to_text(all.error()));
   }
@@ -193,6 +226,27 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   return file;
 }
 
+Result<void> correct_place(LaserChoices& choices, const LaserLine& line, const std::string& parked) {
+  ImportArguments given;
+  given.parked = parked;
+  if (const auto options = import_options(given); !options) return tl::unexpected(options.error());
+  for (std::size_t k = 0; k < line.files.size(); ++k)
+    for (LaserFileChoice& file : choices.files)
+      if (file.path == line.files[k]) {
+        if (parked.empty())
+          file.places.erase(line.stated[k]);
+        else
+          file.places[line.stated[k]] = parked;
+      }
+  Part moved{*line.set, {}, false, line.square, {}, {}};
+  put_at(moved, parked);
+  if (auto left_out = choices.lines.extract(line.key)) {  // stays with the line
+    left_out.key() = key_of(laser::groups_of(moved.set).front(), line.square);
+    choices.lines.insert(std::move(left_out));
+  }
+  return {};
+}
+
 std::string missing_place_of(const LaserLine& line) {
   if (line.place_unknown.empty()) return {};
   std::string axes;
@@ -212,10 +266,10 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
     const auto groups = laser::groups_of(*file.set);
     const bool square = is_square(*file.set);
     for (const laser::Group& group : groups) {
-      const std::string key = key_of(group, square);
+      Part part = part_of(file, group, square, groups.size() == 1);
+      const std::string key = key_of(laser::groups_of(part.set).front(), square);
       if (!parts.contains(key)) order.push_back(key);
-      const bool whole = groups.size() == 1 && given_answers(file.choice.answers).empty();
-      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square, file.position_known});
+      parts[key].push_back(std::move(part));
     }
   }
   std::vector<LaserLine> lines;

@@ -38,10 +38,15 @@ struct LaserLine {
   laser::Group group;                                ///< all of them
   LineSummary summary;
   std::vector<std::string> files;
+  std::vector<std::string> stated;  ///< the key of the line as each of the files states it
   std::vector<std::string> notes;
   bool whole_file = false;  ///< the one file holds this line alone and says all of it: a map can name it as it is
   std::vector<std::size_t> suspects;  ///< readings far from their repeats; nothing is done to them
 };
+
+/// Corrects where the other axes stood in all files of the line. @param parked  "y=-1400,z=0"; empty: as the files say.
+/// A `usage` problem names what is wrong.
+[[nodiscard]] Result<void> correct_place(LaserChoices& choices, const LaserLine& line, const std::string& parked);
 
 /// What is missing of the place and what tells it, in words; empty: nothing is.
 [[nodiscard]] std::string missing_place_of(const LaserLine& line);

@@ -84,6 +84,18 @@ std::string from_lines(const LaserAssignment& assignment, Component component) {
   return fmt::format("{}", fmt::join(names, " and "));
 }
 
+/// Why the lines that measure a curve are not used for it; empty: there are none.
+std::string why_unused(const LaserAssignment& assignment, Component component) {
+  if (is_squareness(component)) return {};
+  const std::string measured =
+      fmt::format("({} along {}): ", name_of(sense_of(component)), letter_of(moving_axis(component)));
+  std::vector<std::string> reasons;
+  for (const std::string& unused : assignment.unused)
+    if (const std::size_t at = unused.find(measured); at != std::string::npos)
+      reasons.push_back(unused.substr(at + measured.size()));
+  return fmt::format("{}", fmt::join(reasons, "; "));
+}
+
 LaserComponent state_of(const LaserMapWork& work, Component component) {
   LaserComponent out{component, ComponentState::missing, {}};
   for (const laser::DeclaredZero& zero : work.recipe.declared_zero)
@@ -96,6 +108,7 @@ LaserComponent state_of(const LaserMapWork& work, Component component) {
   const double held = is_squareness(component) ? squareness_um_per_m(work.parameters->parameters, component) : 0.0;
   if (held != 0.0)
     return {component, ComponentState::in_parameters, fmt::format("{:.2f} um/m in the parameters", held)};
+  out.detail = why_unused(work.assignment, component);
   return out;
 }
 

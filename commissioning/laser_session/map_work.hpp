@@ -26,7 +26,7 @@ enum class ComponentState {
 struct LaserComponent {
   Component component = Component::EXX;
   ComponentState state = ComponentState::missing;
-  std::string detail;  ///< files, reason, or why not
+  std::string detail;  ///< files, reason, or why not; of a missing one why its measurement is not used
 };
 
 /// Which lines make which component; kept as long as lines and parameters stay the same.

@@ -17,7 +17,9 @@ std::vector<LaserFile> read_files(const LaserChoices& choices, const LaserWork* 
             given_answers(file.choice.answers) == given_answers(choice.answers))
           known = &file;
     changed = changed || known == nullptr || known != &before->files[k];
+    changed = changed || (known != nullptr && known->choice.places != choice.places);
     files.push_back(known != nullptr ? *known : read_laser_file(choice));
+    files.back().choice = choice;
     control.part = static_cast<double>(k + 1) / static_cast<double>(choices.files.size());
   }
   return files;

@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
+#include "commissioning/laser_session/machine_mismatch.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/compare_view.hpp"
@@ -39,6 +40,9 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelController> controller(new ModelController);
   controller->files_ = files;
+  if (const WatchedUnit watched = unit ? unit->snapshot() : WatchedUnit{}; work->machine)
+    if (const std::string mismatch = mismatch_of(*work->machine, work->set, watched); !mismatch.empty())
+      controller->message_.say(mismatch + " Choose the machine file of this machine.", Tone::bad);
   controller->unit_ = std::move(unit);
   controller->work_ = std::make_shared<const ModelWork>(std::move(*work));
   controller->lines_ = measured_lines(controller->data());
@@ -63,10 +67,11 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
     std::filesystem::remove(files.model, error);
     return controller;
   }
-  (*controller)
-      ->message_.say(fmt::format("begun in {} with offset and slope of what was measured, backlash where both "
-                                 "approaches were; d finds what else there is, a adds it",
-                                 std::filesystem::path(files.model).filename().string()));
+  if ((*controller)->message_.text().empty())  // else the machine is another one
+    (*controller)
+        ->message_.say(fmt::format("begun in {} with offset and slope of what was measured, backlash where both "
+                                   "approaches were; d finds what else there is, a adds it",
+                                   std::filesystem::path(files.model).filename().string()));
   return controller;
 }
 
@@ -109,10 +114,7 @@ void ModelController::start_diagnosis() {
     Diagnosed found{model::diagnose(model, data->data, options), {}, {}};
     if (!found.diagnosis || control.cancelled) return found;
     if (auto ties = model::decided_ties(model, data->data)) found.ties = std::move(*ties);
-    if (const auto settled = model::nothing_in_doubt(*found.diagnosis))
-      found.next.notes.push_back(*settled);
-    else
-      found.next = model::next_measurement(model, data->data, *found.diagnosis);
+    found.next = model::planned_next(model, data->data, *found.diagnosis);
     return found;
   };
   task_.start("looking for what is missing", work, [this](Diagnosed found) {

@@ -21,14 +21,17 @@ struct MeasuredLine {
   bool used = false;
 };
 
-bool on_line(const MeasuredLine& line, const UnitParameters& p) {
+/// The first axis that stood elsewhere than on the measurement line of the parameters.
+std::optional<Axis> axis_off_line(const MeasuredLine& line, const UnitParameters& p) {
   for (const Axis a : kAllAxes) {
     if (a == line.axis || !p.axis_present[index_of(a)]) continue;
     const double expected_mm = p.measurement_lines_mm[index_of(line.axis)][index_of(a)];
-    if (std::abs(line.parked_mm[index_of(a)] - expected_mm) > kSameLine_mm) return false;
+    if (std::abs(line.parked_mm[index_of(a)] - expected_mm) > kSameLine_mm) return a;
   }
-  return true;
+  return std::nullopt;
 }
+
+bool on_line(const MeasuredLine& line, const UnitParameters& p) { return !axis_off_line(line, p); }
 
 /// Squareness that an indicator run of `sense` along `axis` shows; nothing for the axis's own direction.
 std::optional<Component> squareness_shown(Axis axis, Sense sense) {
@@ -88,9 +91,12 @@ class Suggestion {
     if (line.square) return "that squareness is not needed, or another file serves it";
     const Component c = curve_of(line.sense, line.axis);
     if (!needed_.contains(c)) return fmt::format("{} is not needed in this scope", name_of(c));
-    if (!is_angular(c) && !on_line(line, parameters_))
-      return fmt::format("off the measurement line of {} in the parameters, and no rotation is to be found from it",
-                         letter_of(line.axis));
+    if (const auto off = is_angular(c) ? std::nullopt : axis_off_line(line, parameters_))
+      return fmt::format(
+          "it was measured at {} {:.6g}, the measurement line of {} in the parameters is at {} {:.6g}, and no rotation "
+          "can be found from it",
+          letter_of(*off), line.parked_mm[index_of(*off)], letter_of(line.axis), letter_of(*off),
+          parameters_.measurement_lines_mm[index_of(line.axis)][index_of(*off)]);
     return fmt::format("another file serves {}", name_of(c));
   }
 

@@ -1,5 +1,6 @@
 // Steps 2 and 5: what was measured under which conditions; accuracy and repeatability by ISO 230-2.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -30,13 +31,13 @@ int place_columns(const LaserWork& work) {
   return std::min(columns, kMost);
 }
 
-/// "-4100..0", with as many digits as fit.
+/// "-4100..0", with as many decimals as fit, three at most; whole millimetres are never cut.
 std::string extent_of(const LineSummary& line) {
   constexpr int kColumns = 12;
   std::string text;
-  for (int digits = 6; digits >= 3; --digits) {
-    text = line.targets < 2 ? fmt::format("{:.{}g}", line.first_mm, digits)
-                            : fmt::format("{:.{}g}..{:.{}g}", line.first_mm, digits, line.last_mm, digits);
+  for (const double part : {1000.0, 100.0, 10.0, 1.0}) {
+    const auto rounded = [&](double mm) { return fmt::format("{:.10g}", std::round(mm * part) / part + 0.0); };
+    text = rounded(line.first_mm) + (line.targets < 2 ? "" : ".." + rounded(line.last_mm));
     if (width_of(text) <= kColumns) break;
   }
   return text;
@@ -111,21 +112,46 @@ class LinesPage final : public LaserPage {
       host().ask_answers(file_to_ask(work, line), line.place_unknown.empty() ? "" : "parked");
       return true;
     }
+    if (is_letter(key, U'c') && !work.lines.empty()) {
+      ask_place(work.lines[place_within(place_, work.lines.size())]);
+      return true;
+    }
     if (!place_.on_key(key, static_cast<int>(work.lines.size()))) return false;
     scroll_ = {};
     return true;
   }
   std::vector<KeyHelp> keys() const override {
-    return {{"up/down", "line"}, {"PgUp/PgDn", "its details"}, {"Enter", "what is missing"}};
+    return {
+        {"up/down", "line"}, {"PgUp/PgDn", "its details"}, {"Enter", "what is missing"}, {"c", "correct the place"}};
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
            "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
-           "where an axis was parked: it is taken as 0, and Enter tells it. comp.: measured with compensation active, "
+           "where an axis was parked: it is taken as 0, and Enter tells it. c corrects a place that a file states "
+           "wrongly. comp.: measured with compensation active, "
            "of no use for a map.";
   }
 
  private:
+  /// Where the other axes stood, as the file states it or as it was corrected before.
+  void ask_place(const LaserLine& line) {
+    std::string now;
+    for (const Axis a : kAllAxes)
+      if (a != line.group.axis)
+        now += fmt::format("{}{}={:.9g}", now.empty() ? "" : ",", static_cast<char>(letter_of(a) - 'A' + 'a'),
+                           line.group.parked_mm[index_of(a)]);
+    host().fill(
+        LaserForm("where the other axes stood: " + name_of_line(line),
+                  {{"parked", "mm, as in y=-1400,z=0; empty: as the file says. The file itself stays as it is", now}},
+                  [this, line](const std::vector<std::string>& v) {
+                    LaserChoices tried = controller().choices();
+                    if (const auto done = correct_place(tried, line, v[0]); !done) return to_text(done.error());
+                    controller().change(fmt::format("place of {} corrected", name_of_line(line)),
+                                        [&](LaserChoices& c) { c = tried; });
+                    return std::string();
+                  }));
+  }
+
   /// Of several files of a line the first that leaves its place open.
   static std::string file_to_ask(const LaserWork& work, const LaserLine& line) {
     for (const LaserFile& file : work.files)

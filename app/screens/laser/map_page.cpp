@@ -145,7 +145,12 @@ class MapPage final : public LaserPage {
     int row = canvas.paragraph(
         area, 0, fmt::format("{}  {}", name_of(one.component), laser::description_of(one.component)), Tone::strong);
     std::string detail = one.detail;
-    if (one.state == ComponentState::missing) detail = "Not measured: add its file (step 1), or z declares it zero.";
+    if (one.state == ComponentState::missing)
+      detail = one.detail.empty() ? "Not measured: add its file (step 1), or z declares it zero."
+                                  : fmt::format(
+                                        "Measured, but not used: {}. c in step 2 corrects a wrong place; z "
+                                        "declares the component zero.",
+                                        one.detail);
     if (one.state == ComponentState::zero) detail = "declared zero: " + one.detail;
     if (one.state == ComponentState::present) detail = "from " + one.detail;
     row += canvas.paragraph(area, row, detail);

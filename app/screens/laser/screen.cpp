@@ -42,12 +42,17 @@ std::string next_to_do(const LaserController& controller) {
   if (is(LaserStep::files, LaserMark::open)) return {};
   if (is(LaserStep::files, LaserMark::doubtful))
     return "Step 1: a file was not read: Enter answers for it, x takes it off.";
+  if (!controller.mismatch().empty()) return controller.mismatch() + " p chooses the parameters of this machine.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
   if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings differ from their repeats (o).";
   if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
   if (map.missing() > 0) {
-    const std::string missing =
-        fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+    std::string missing = fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+    for (const LaserComponent& one : map.components)
+      if (one.state == ComponentState::missing && !one.detail.empty()) {
+        missing += fmt::format(" {} is measured, but not used: step 6 says why.", name_of(one.component));
+        break;
+      }
     const auto& lines = controller.work().lines;
     const auto placeless =
         std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
@@ -126,7 +131,8 @@ void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   else if (controller.working())
     canvas.text(area, 0, 1, "computing the results ...", Tone::faint);
   else
-    canvas.paragraph(area.between_margins(), 0, next_to_do(controller), Tone::faint);
+    canvas.paragraph(area.between_margins(), 0, next_to_do(controller),
+                     controller.mismatch().empty() ? Tone::faint : Tone::bad);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {

@@ -1,0 +1,50 @@
+#include "commissioning/laser_session/machine_mismatch.hpp"
+
+#include <fmt/format.h>
+
+#include "commissioning/link/emulator_process.hpp"
+#include "core/memory_image.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+/// @param what  "The parameters are"
+std::string other_than_emulated(std::string_view what, std::string_view configuration, const WatchedUnit& unit) {
+  const auto file = unit.emulator ? emulated_machine() : std::nullopt;
+  const auto emulated = file ? params::read_machine(*file) : Result<params::MachineFile>(params::MachineFile{});
+  if (!emulated || emulated->machine.configuration.empty() || emulated->machine.configuration == configuration)
+    return {};
+  return fmt::format("{} of a machine {}, the emulated machine \"{}\" is {}.", what, configuration,
+                     emulated->machine.name, emulated->machine.configuration);
+}
+
+}  // namespace
+
+std::string mismatch_of(const params::ParametersFile& file, const std::vector<LaserLine>& lines,
+                        const WatchedUnit& unit) {
+  const UnitParameters& p = file.parameters;
+  const auto configuration = configuration_of(p);
+  for (const LaserLine& line : lines) {
+    if (!p.axis_present[index_of(line.group.axis)])
+      return fmt::format("{} was measured, but the parameters ({}) have no axis {}.", name_of(line.component),
+                         configuration, letter_of(line.group.axis));
+    const std::string machine = laser::metadata_value(*line.set, "machine").value_or("");
+    if (!machine.empty() && !file.identity.machine.empty() && machine != file.identity.machine)
+      return fmt::format("{} was measured on \"{}\", the parameters are of \"{}\".", name_of(line.component), machine,
+                         file.identity.machine);
+  }
+  if (std::string other = other_than_emulated("The parameters are", configuration, unit); !other.empty()) return other;
+  if (unit.identity && unit.identity->configuration != 0 && unit.identity->configuration != configuration_hash(p))
+    return fmt::format("The parameters ({}) have another configuration than the map in the unit.", configuration);
+  return {};
+}
+
+std::string mismatch_of(const params::Machine& machine, const laser::MeasurementSet& set, const WatchedUnit& unit) {
+  for (const laser::Reading& reading : set.readings)
+    if (!machine.axes[index_of(reading.axis)])
+      return fmt::format("{} was measured, but the machine file ({}) has no axis {}.", letter_of(reading.axis),
+                         machine.configuration, letter_of(reading.axis));
+  return other_than_emulated("The machine file is", machine.configuration, unit);
+}
+
+}  // namespace ecs::commissioning
