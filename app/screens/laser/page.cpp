@@ -7,6 +7,7 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "base/file.hpp"
+#include "base/text.hpp"
 
 namespace ecs::app {
 
@@ -54,12 +55,18 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   std::vector<LaserField> fields;
   for (const AnswerField& one : answer_fields()) {
     const auto value = given.find(one.name);
-    fields.push_back({one.name, one.help, value == given.end() ? "" : value->second, one.choices});
+    fields.push_back({one.name, one.help, value == given.end() ? "" : value->second, one.choices,
+                      one.kind == AnswerField::Kind::path});
   }
   const std::string name = std::filesystem::path(path).filename().string();
   LaserForm form("what " + name + " does not say", std::move(fields), [this, path](const std::vector<std::string>& v) {
     ImportArguments answers;
-    for (std::size_t k = 0; k < v.size(); ++k) set_answer(answers, answer_fields()[k].name, v[k]);
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      const AnswerField& asked = answer_fields()[k];
+      if (asked.kind == AnswerField::Kind::number && !v[k].empty() && !number_in(v[k]))
+        return fmt::format("{}: expected a number, found \"{}\"", asked.name, v[k]);
+      set_answer(answers, asked.name, v[k]);
+    }
     if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
     controller.change("answers for a file", [&](LaserChoices& c) {
       for (LaserFileChoice& file : c.files)
