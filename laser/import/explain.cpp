@@ -10,9 +10,9 @@
 
 #include "base/text.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/column_advice.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/registry.hpp"
-#include "laser/import/time.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {
@@ -115,51 +115,6 @@ std::string table_text(const TableShape& shape) {
   return text;
 }
 
-/// Numbers from 1 of the columns that hold numbers, a leading count of the rows left out where others remain.
-std::vector<std::size_t> number_columns(std::string_view text, const TableShape& shape) {
-  std::vector<std::size_t> columns;
-  for (std::size_t i = 0; i < shape.is_number.size(); ++i)
-    if (shape.is_number[i]) columns.push_back(i + 1);
-  if (columns.size() < 3) return columns;
-  const auto lines = lines_of(text);
-  const std::size_t counted = columns.front() - 1;
-  std::optional<double> before;
-  for (auto i = static_cast<std::size_t>(shape.first_row_line) - 1; i < static_cast<std::size_t>(shape.last_row_line);
-       ++i) {
-    const auto cells = cells_of(lines[i], shape.delimiter);
-    const auto number = cells.size() == shape.columns ? number_or_comma(cells[counted]) : std::nullopt;
-    if (!number) continue;
-    if (before && *number != *before + 1.0) return columns;
-    before = number;
-  }
-  columns.erase(columns.begin());
-  return columns;
-}
-
-/// The column of dates and times, from 1.
-std::optional<std::size_t> time_column(std::string_view text, const TableShape& shape) {
-  const auto cells = cells_of(lines_of(text)[static_cast<std::size_t>(shape.first_row_line) - 1], shape.delimiter);
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    if (seconds_in(cells[i])) return i + 1;
-  return std::nullopt;
-}
-
-/// Options that read the table as it is.
-std::string advice(std::string_view text, const TableShape& shape) {
-  const auto numbers = number_columns(text, shape);
-  const auto time = time_column(text, shape);
-  std::string columns = numbers.size() < 2 ? "" : fmt::format("x_mm={}[mm],", numbers.front());
-  columns += fmt::format("reading={}[um]", numbers.size() < 2 ? numbers.front() : numbers[1]);
-  columns += time ? fmt::format(",date_time={}", *time) : numbers.size() < 2 ? "" : ",approach=motion";
-  const int skip = (shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1;
-  return fmt::format("if it holds measurements, say which column is what: --columns \"{}\"{}{}{} (docs/formats.md)",
-                     columns, skip > 0 ? fmt::format(" --skip {}", skip) : "",
-                     shape.is_mixed ? fmt::format(" --rows {}", shape.stretch_rows) : "",
-                     numbers.size() >= 2 ? ""
-                     : time              ? " --axis X"
-                                         : " --axis X --parked x=0");
-}
-
 /// A list of single numbers is no table: what it lacks, or nothing.
 std::string list_text(std::string_view text) {
   constexpr int kLeast = 3;
@@ -187,9 +142,11 @@ Problem explanation_of(std::string_view text, const std::string& file_name) {
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
   const bool has_table = shape && shape->rows >= 2;
   if (has_table)
-    why += fmt::format("; {}; {}", table_text(*shape), advice(text, *shape));
+    why += fmt::format("; {}; {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
   else
     why += "; no table of numbers was found in it" + list_text(text);
+  if (!has_table && !recognised)
+    why += "; of other files lines of numbers are read, with a target and its error in each";
   if (!recognised) {
     why += "; looked for: ";
     std::vector<std::string_view> titles;
