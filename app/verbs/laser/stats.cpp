@@ -19,6 +19,7 @@
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/analysis/run_drift.hpp"
+#include "laser/analysis/turn.hpp"
 
 namespace ecs::app {
 namespace {
@@ -144,6 +145,48 @@ Cell growth_cell(const MeasuredLine& line) {
           std::move(text)};
 }
 
+std::string wave_text(const laser::TurnWave& wave, Sense sense) {
+  constexpr double kUm_per_m_arcsec = 4.84813681;
+  constexpr const char* kUsual[] = {"", ": an eccentric scale or table", ": an oval or tilted scale"};
+  return fmt::format("    {} a turn ({:.4g} deg): +-{:.2f} {}{}, sigma {:.2g}, phase {:.0f} deg{}\n", wave.order,
+                     360.0 / wave.order, wave.amplitude, laser::unit_of(sense),
+                     is_rotation(sense) ? fmt::format(" ({:.2f} arcsec)", wave.amplitude / kUm_per_m_arcsec) : "",
+                     wave.amplitude_sigma, wave.phase_deg, wave.order <= 2 ? kUsual[wave.order] : "");
+}
+
+/// Of a rotary axis: offset, reversal and waves of a turn.
+Cell turn_cell(const MeasuredLine& line) {
+  const auto turn = laser::turn_of(line.set, line.group);
+  if (!turn) return null_cell("");
+  const auto unit = laser::unit_of(line.group.sense);
+  Json waves = Json::array();
+  std::string text =
+      fmt::format("  model of a turn: offset {:+.2f} {}{}; it explains {:.1f} % and leaves {:.2f} {} rms\n",
+                  turn->offset, unit, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : "",
+                  100.0 * turn->explained, turn->rms_left, unit);
+  for (const laser::TurnWave& wave : turn->waves) {
+    waves.push_back({{"order", wave.order},
+                     {"period_deg", 360.0 / wave.order},
+                     {"amplitude", number_or_null(wave.amplitude)},
+                     {"amplitude_sigma", number_or_null(wave.amplitude_sigma)},
+                     {"phase_deg", number_or_null(wave.phase_deg)},
+                     {"p_value", number_or_null(wave.p_value)}});
+    text += wave_text(wave, line.group.sense);
+  }
+  if (turn->waves.empty())
+    text +=
+        fmt::format("    no wave of {} to {} a turn stands out of the noise\n", turn->least_waves, turn->most_waves);
+  return {{{"offset", number_or_null(turn->offset)},
+           {"reversal", number_or_null(turn->reversal)},
+           {"waves", std::move(waves)},
+           {"least_order", turn->least_waves},
+           {"most_order", turn->most_waves},
+           {"rms", number_or_null(turn->rms)},
+           {"rms_left", number_or_null(turn->rms_left)},
+           {"explained", number_or_null(turn->explained)}},
+          std::move(text)};
+}
+
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, bool all) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
@@ -167,8 +210,9 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, bool all) {
                   {"outliers", outliers_cell(line, all ? SIZE_MAX : kMostOutliers)},
                   {"drift", drift_cell(line)},
                   {"growth", growth_cell(line)},
+                  {"turn", turn_cell(line)},
                   {"notes", lines_cell(iso.notes, "  note: ")}});
-  return record_cell(layout + "{range}{growth}{outliers}{drift}{notes}", fields);
+  return record_cell(layout + "{range}{growth}{turn}{outliers}{drift}{notes}", fields);
 }
 
 /// @param answer  the line as JSON

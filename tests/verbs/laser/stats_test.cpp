@@ -1,5 +1,6 @@
 // `laser stats`: files of one line are its runs; outliers and drift between runs are told.
 #include <algorithm>
+#include <cmath>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -65,9 +66,41 @@ TEST_CASE("a rotary axis: its letter, degrees and the angular positioning; other
   CHECK(line["targets"][8]["position_deg"] == 360.0);
   CHECK(contains(ran({"laser", "show", file}).out, "target [deg]"));
   CHECK(contains(ran({"laser", "import", file}).out, "from [deg]"));
-  const Ran refused = ran({"laser", "process", file});
-  CHECK(refused.code == 3);
-  CHECK(contains(refused.messages, "c.csv:2:1: expected readings of linear axes, found the rotary axis C"));
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"laser", "process", file},
+                                                {"model", "fit",
+                                                 folder.with("m.toml",
+                                                             "[[effect]]\nid = \"scale\"\n"
+                                                             "axis = \"X\"\nsense = \"EX\"\n"),
+                                                 file}}) {
+    const Ran refused = ran(words);
+    CHECK(refused.code == 3);
+    CHECK(contains(refused.messages, "c.csv:2:1: expected readings of linear axes, found the rotary axis C"));
+    CHECK(contains(refused.messages, "`ecs laser stats` gives its statistics and the waves of a turn"));
+  }
+}
+
+TEST_CASE("a rotary axis has a model of its turn: offset, reversal, waves with what they usually come from") {
+  const Folder folder;
+  std::string text = "axis,a_deg,sense,reading,approach,run\n";
+  unsigned seed = 7;
+  for (int run = 1; run <= 2; ++run)
+    for (const int approach : {1, -1})
+      for (int k = 0; k < 36; ++k) {
+        seed = seed * 1664525U + 1013904223U;
+        const double noise = 0.04 * (static_cast<double>(seed >> 8) / 16777216.0 - 0.5);
+        text += fmt::format("A,{},EA,{:.4f},{},{}\n", 10 * k,
+                            2.0 + 0.75 * approach + 9.7 * std::cos(10.0 * k * 3.14159265358979 / 180.0) + noise,
+                            approach, run);
+      }
+  const std::string file = folder.with("a.csv", text);
+  const auto turn = ran({"laser", "stats", file, "--json"}).json()["lines"][0]["turn"];
+  CHECK(turn["reversal"].get<double>() == Approx(1.5).epsilon(0.02));
+  REQUIRE(turn["waves"].size() == 1);
+  CHECK(turn["waves"][0]["period_deg"] == 360.0);
+  const std::string shown = ran({"laser", "stats", file}).out;
+  CHECK(contains(shown, "model of a turn: offset +2.00 um/m, reversal +1.50 um/m"));
+  CHECK(contains(shown, "1 a turn (360 deg): +-9.70 um/m (2.00 arcsec)"));
+  CHECK(contains(shown, ": an eccentric scale or table"));
 }
 
 TEST_CASE("many measurement lines are summarised in few rows; --all and JSON give each whole") {
