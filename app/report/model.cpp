@@ -8,6 +8,7 @@
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/work.hpp"
 #include "model/diagnosis/diagnose.hpp"
+#include "model/planning/next_measurement.hpp"
 
 namespace ecs::app {
 namespace {
@@ -77,8 +78,9 @@ Result<void> judge(VerbContext& context, const ReportArguments& arguments, const
   context.console.progress("diagnosing the error model", 0.6, 5.0);
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
-  const auto diagnosis = model::diagnose(model, before, options);
+  auto diagnosis = model::diagnose(model, before, options);
   if (!diagnosis) return tl::unexpected(diagnosis.error());
+  (void)model::planned_next(model, before, *diagnosis);  // the proposal of `ecs model next`
   content.diagnosis = reported(*diagnosis);
   return {};
 }
