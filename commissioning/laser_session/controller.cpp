@@ -196,7 +196,9 @@ void LaserController::work_out(bool with_map) {
   };
   working_out_.start("working out", work, [this, with_map](LaserWorkPtr done) {
     work_ = std::move(done);
-    mismatch_ = work_->map.parameters ? mismatch_of(*work_->map.parameters, work_->lines, unit_->snapshot()) : "";
+    const auto& parameters = work_->map.parameters;
+    mismatch_ = parameters ? mismatch_of(*parameters, work_->lines) : "";
+    other_unit_ = parameters ? other_unit_for(parameters->parameters, unit_->snapshot()) : "";
     if (pending_ || !with_map) work_out(!pending_);
   });
 }

@@ -38,8 +38,10 @@ class LaserController {
   [[nodiscard]] const LaserWork& work() const { return *work_; }
   [[nodiscard]] LaserMark mark(LaserStep step) const;
   [[nodiscard]] const UnitConnection& unit() const { return *unit_; }
-  /// Why the parameters belong to another machine than the files or the unit; empty: as far as is known they do not.
+  /// Why the parameters belong to another machine than the files; empty: as far as is known they do not.
   [[nodiscard]] const std::string& mismatch() const { return mismatch_; }
+  /// The same of the unit: its map would be refused.
+  [[nodiscard]] const std::string& other_unit() const { return other_unit_; }
 
   // --- choices
   /// Keeps the draft, works out what follows. @param what  for undo: "run 3 left out"
@@ -123,7 +125,7 @@ class LaserController {
   void warn_of_newer_files(const std::string& than);
 
   std::shared_ptr<UnitConnection> unit_;
-  std::string mismatch_;
+  std::string mismatch_, other_unit_;
   struct WorkFolder;
   std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;

@@ -14,36 +14,44 @@ std::string other_than_emulated(std::string_view what, std::string_view configur
   const auto emulated = file ? params::read_machine(*file) : Result<params::MachineFile>(params::MachineFile{});
   if (!emulated || emulated->machine.configuration.empty() || emulated->machine.configuration == configuration)
     return {};
-  return fmt::format("{} of a machine {}, the emulated machine \"{}\" is {}.", what, configuration,
-                     emulated->machine.name, emulated->machine.configuration);
+  return fmt::format("{} of a machine {}, the emulated machine \"{}\" is {}: its unit refuses a map of another.", what,
+                     configuration, emulated->machine.name, emulated->machine.configuration);
 }
 
 }  // namespace
 
-std::string mismatch_of(const params::ParametersFile& file, const std::vector<LaserLine>& lines,
-                        const WatchedUnit& unit) {
+std::string mismatch_of(const params::ParametersFile& file, const std::vector<LaserLine>& lines) {
   const UnitParameters& p = file.parameters;
-  const auto configuration = configuration_of(p);
   for (const LaserLine& line : lines) {
     if (!p.axis_present[index_of(line.group.axis)])
       return fmt::format("{} was measured, but the parameters ({}) have no axis {}.", name_of(line.component),
-                         configuration, letter_of(line.group.axis));
+                         configuration_of(p), letter_of(line.group.axis));
     const std::string machine = laser::metadata_value(*line.set, "machine").value_or("");
     if (!machine.empty() && !file.identity.machine.empty() && machine != file.identity.machine)
       return fmt::format("{} was measured on \"{}\", the parameters are of \"{}\".", name_of(line.component), machine,
                          file.identity.machine);
   }
-  if (std::string other = other_than_emulated("The parameters are", configuration, unit); !other.empty()) return other;
-  if (unit.identity && unit.identity->configuration != 0 && unit.identity->configuration != configuration_hash(p))
-    return fmt::format("The parameters ({}) have another configuration than the map in the unit.", configuration);
   return {};
 }
 
-std::string mismatch_of(const params::Machine& machine, const laser::MeasurementSet& set, const WatchedUnit& unit) {
+std::string other_unit_for(const UnitParameters& p, const WatchedUnit& unit) {
+  if (std::string other = other_than_emulated("The parameters are", configuration_of(p), unit); !other.empty())
+    return other;
+  if (unit.identity && unit.identity->configuration != 0 && unit.identity->configuration != configuration_hash(p))
+    return fmt::format("The parameters ({}) have another configuration than the map in the unit, which refuses them.",
+                       configuration_of(p));
+  return {};
+}
+
+std::string mismatch_of(const params::Machine& machine, const laser::MeasurementSet& set) {
   for (const laser::Reading& reading : set.readings)
     if (!machine.axes[index_of(reading.axis)])
       return fmt::format("{} was measured, but the machine file ({}) has no axis {}.", letter_of(reading.axis),
                          machine.configuration, letter_of(reading.axis));
+  return {};
+}
+
+std::string other_unit_for(const params::Machine& machine, const WatchedUnit& unit) {
   return other_than_emulated("The machine file is", machine.configuration, unit);
 }
 

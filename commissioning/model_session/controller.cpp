@@ -40,9 +40,14 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelController> controller(new ModelController);
   controller->files_ = files;
-  if (const WatchedUnit watched = unit ? unit->snapshot() : WatchedUnit{}; work->machine)
-    if (const std::string mismatch = mismatch_of(*work->machine, work->set, watched); !mismatch.empty())
+  if (work->machine) {
+    const std::string mismatch = mismatch_of(*work->machine, work->set);
+    const std::string other = unit ? other_unit_for(*work->machine, unit->snapshot()) : "";
+    if (!mismatch.empty())
       controller->message_.say(mismatch + " Choose the machine file of this machine.", Tone::bad);
+    else if (!other.empty())
+      controller->message_.say(other, Tone::warning);
+  }
   controller->unit_ = std::move(unit);
   controller->work_ = std::make_shared<const ModelWork>(std::move(*work));
   controller->lines_ = measured_lines(controller->data());
@@ -67,11 +72,15 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
     std::filesystem::remove(files.model, error);
     return controller;
   }
-  if ((*controller)->message_.text().empty())  // else the machine is another one
-    (*controller)
-        ->message_.say(fmt::format("begun in {} with offset and slope of what was measured, backlash where both "
-                                   "approaches were; d finds what else there is, a adds it",
-                                   std::filesystem::path(files.model).filename().string()));
+  Message& message = (*controller)->message_;
+  const std::string begun = fmt::format(
+      "begun in {} with offset and slope of what was measured, backlash where both approaches were; d finds "
+      "what else there is, a adds it",
+      std::filesystem::path(files.model).filename().string());
+  if (message.text().empty())
+    message.say(begun);
+  else
+    message.say(fmt::format("{} {}", message.text(), begun), message.tone());
   return controller;
 }
 

@@ -81,7 +81,11 @@ LaserScreen::LaserScreen(std::shared_ptr<UnitConnection> unit)
 /// Two, or as many as a long message needs: it is to be read whole.
 int LaserScreen::message_rows(const Area& area) const {
   const LaserController& controller = host_->controller;
-  return controller.busy() ? 2 : std::max(2, rows_of_message(controller.message(), area.columns - 2, area.rows / 2));
+  if (controller.busy()) return 2;
+  const int rows = controller.message().text().empty()
+                       ? static_cast<int>(wrapped(bottom_text(), area.columns - 2).size())
+                       : rows_of_message(controller.message(), area.columns - 2, area.rows / 2);
+  return std::clamp(rows, 2, std::max(2, area.rows / 2));
 }
 
 Area LaserScreen::body_of(const Area& area) const {
@@ -120,6 +124,13 @@ void LaserScreen::click(const Key& key) {
     if (key.column >= drawn_.column + all[k].column) return go(static_cast<int>(k));
 }
 
+/// What to do next, and that the unit belongs to another machine.
+std::string LaserScreen::bottom_text() const {
+  const LaserController& controller = host_->controller;
+  const std::string next = next_to_do(controller);
+  return next + (next.empty() || controller.other_unit().empty() ? "" : " ") + controller.other_unit();
+}
+
 void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   const LaserController& controller = host_->controller;
   if (controller.busy())
@@ -131,8 +142,7 @@ void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   else if (controller.working())
     canvas.text(area, 0, 1, "computing the results ...", Tone::faint);
   else
-    canvas.paragraph(area.between_margins(), 0, next_to_do(controller),
-                     controller.mismatch().empty() ? Tone::faint : Tone::bad);
+    canvas.paragraph(area.between_margins(), 0, bottom_text(), controller.mismatch().empty() ? Tone::faint : Tone::bad);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {

@@ -34,6 +34,7 @@ class LaserScreen final : public Screen {
   [[nodiscard]] int message_rows(const Area& area) const;
   [[nodiscard]] Area body_of(const Area& area) const;
   void draw_tabs(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::string bottom_text() const;
   void draw_bottom(Canvas& canvas, const Area& area) const;
   /// Where the tab of a step begins and what stands in it.
   struct Tab {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next", "After"};
 
-constexpr int kCauseNumbers = 45;  ///< columns behind the name of a cause
+constexpr int kCauseNumbers = 38;  ///< columns behind the name of a cause
 
 /// "cyclic:X:EX    4.81 > 0.55   98.7 %   < 0.5 %   1 rival"
 ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& diagnosis, int name_columns) {
@@ -281,7 +281,14 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
                                    parameters_text(effect.parameters)),
                        Tone::plain});
   canvas.text(below.between_margins(), 0, 1, "effects of the model and their values; x removes one", Tone::faint);
-  draw_list(canvas, below.between_margins().below(1), effects, effect_);
+  const auto chosen = static_cast<std::size_t>(std::clamp(effect_.selected, 0, static_cast<int>(effects.size()) - 1));
+  const Area list = below.between_margins().below(1);
+  const std::string whole = effects.empty() ? "" : parameters_text(controller_->fit().effects[chosen].parameters);
+  const int value_rows = widest + 6 + width_of(whole) > list.columns && list.rows > 6
+                             ? static_cast<int>(wrapped(whole, list.columns - 2).size())
+                             : 0;  // the chosen one's, where its row is too short for them
+  draw_list(canvas, list.top(list.rows - value_rows), effects, effect_);
+  if (value_rows > 0) canvas.paragraph(list.below(list.rows - value_rows), 0, whole, Tone::strong);
 }
 
 /// A row a run, a bar as long as causes are still possible; below it the set, the run under way, what was said.

@@ -34,7 +34,7 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
                     controller_.seconds_left());
       canvas.text(
           inside, kProgressRow + 1, 0,
-          fmt::format("so far: switch {}, marker {} (the record sees what passes between two looks)",
+          fmt::format("so far: switch {}, marker {} (the record sees all in between)",
                       controller_.switch_seen() ? "seen" : "not yet", controller_.marker_seen() ? "seen" : "not yet"));
       row += canvas.paragraph(inside, row + 1,
                               controller_.referencing() ? std::string("The emulated machine is being referenced ...")
