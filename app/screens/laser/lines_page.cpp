@@ -122,7 +122,7 @@ class LinesPage final : public LaserPage {
   }
   std::vector<KeyHelp> keys() const override {
     return {
-        {"up/down", "line"}, {"PgUp/PgDn", "its details"}, {"Enter", "what is missing"}, {"c", "correct the place"}};
+        {"up/down", "line"}, {"Enter", "what is missing"}, {"c", "correct the place"}, {"PgUp/PgDn", "its details"}};
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
