@@ -63,8 +63,8 @@ TEST_CASE(
 TEST_CASE("ecs --help shows every verb with its help, and the options") {
   const Ran r = ran({"--help"});
   CHECK(r.code == 0);
-  for (const auto& entry : ran({"--json"}).json()["verbs"])
-    CHECK(r.out.find("  " + entry["verb"].get<std::string>()) != std::string::npos);
+  const nlohmann::json verbs = ran({"--json"}).json()["verbs"];
+  for (const auto& entry : verbs) CHECK(r.out.find("  " + entry["verb"].get<std::string>()) != std::string::npos);
   for (const char* part : {"--link", "--json", "ecs FILE..."}) CHECK(r.out.find(part) != std::string::npos);
 }
 
@@ -124,7 +124,8 @@ TEST_CASE("an option without its value and a value out of range are reported as 
 }
 
 TEST_CASE("help fits 80 columns but for the examples, and shows the defaults") {
-  for (const auto& entry : ran({"--json"}).json()["verbs"]) {
+  const nlohmann::json verbs = ran({"--json"}).json()["verbs"];
+  for (const auto& entry : verbs) {
     std::vector<std::string> words;
     std::istringstream name(entry["verb"].get<std::string>());
     for (std::string word; name >> word;) words.push_back(word);

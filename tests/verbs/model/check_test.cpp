@@ -41,8 +41,8 @@ TEST_CASE("a changed answer does not hold, exit 1, and the number is named") {
       ran({"model", "check", workspace.folder.with("answer.json", answer.dump()), workspace.data, "--json"});
   CHECK(changed.code == 1);
   CHECK(changed.json()["holds"] == false);
-  for (const nlohmann::json& one : changed.json()["checked"])
-    CHECK(one["holds"] == (one["name"] != "cyclic:X:EX explained"));
+  const nlohmann::json checked = changed.json()["checked"];
+  for (const nlohmann::json& one : checked) CHECK(one["holds"] == (one["name"] != "cyclic:X:EX explained"));
 }
 
 TEST_CASE("other data are refused, exit 3, and so is what is no answer") {

@@ -55,7 +55,8 @@ TEST_CASE("noise alone is adequate, and exits 0 too") {
       ran({"model", "diagnose", workspace.model, data, "--machine", workspace.machine, "--json", "--blanks", "100"});
   CHECK(r.code == 0);
   CHECK(r.json()["verdict"] == "adequate");
-  for (const auto& candidate : r.json()["candidates"]) CHECK_FALSE(candidate["named"]);
+  const nlohmann::json candidates = r.json()["candidates"];
+  for (const auto& candidate : candidates) CHECK_FALSE(candidate["named"]);
 }
 
 TEST_CASE("one bad run is reported as structure that depends on the run, and exits 0") {
