@@ -222,12 +222,13 @@ std::string wrapped_help(const std::string& help) {
     if (line.empty() && out.ends_with("\n\n")) continue;  // between groups of options
     example = example || line.starts_with("Example:");
     const std::size_t indent = line.starts_with("  ") ? kHelpColumn : 0;
-    while (line.size() > kWide && !example) {
-      const std::size_t cut = line.rfind(' ', kWide);
+    std::size_t room = kWide;
+    while (line.size() > room && !example) {
+      const std::size_t cut = line.rfind(' ', room);
       if (cut == std::string_view::npos || line.find_first_not_of(' ') > cut) break;
       out += std::string(line.substr(0, cut)) + "\n" + std::string(indent, ' ');
       line.remove_prefix(cut + 1);
-      if (line.size() + indent <= kWide) break;
+      room = kWide - indent;
     }
     out += std::string(line) + "\n";
   }
