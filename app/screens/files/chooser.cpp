@@ -58,6 +58,11 @@ fs::path samples_folder() {
   return machine ? fs::weakly_canonical(machine->parent_path().parent_path()) : fs::path("/");
 }
 
+/// With its folder: "before/EXX.csv".
+std::string short_name(const fs::path& path) {
+  return path.parent_path().filename().string() + "/" + path.filename().string();
+}
+
 fs::path home() {
   const char* folder = std::getenv("HOME");
   return folder == nullptr ? fs::path("/") : fs::path(folder);
@@ -173,6 +178,13 @@ std::vector<FileChooser::Row> FileChooser::rows() const {
   return rows;
 }
 
+/// What the names of the files used last need, at most so many.
+int FileChooser::recent_columns(int most) const {
+  int columns = 12;
+  for (const auto& [path, look] : recent_) columns = std::max(columns, width_of(short_name(path)) + 1);
+  return std::min(columns, most);
+}
+
 ListRow FileChooser::picture_of_row(const Row& row, int columns) const {
   if (row.kind == RowKind::none) return {fmt::format("    [{}]", wish_.none), Tone::strong};
   if (row.kind == RowKind::up) return {"    ..", Tone::plain};
@@ -181,8 +193,8 @@ ListRow FileChooser::picture_of_row(const Row& row, int columns) const {
   const int names = std::clamp(columns * 2 / 5, 12, 40);
   if (row.kind == RowKind::recent) {
     const auto& [path, look] = recent_[row.at];
-    const std::string parent = fs::path(path).parent_path().filename().string();
-    return {fmt::format("    {} {}", in_columns(parent + "/" + fs::path(path).filename().string(), names), look.what),
+    const char* marked = marked_.contains(path) ? "[x] " : (wish_.many ? "[ ] " : "    ");
+    return {fmt::format("{}{} {}", marked, in_columns(short_name(path), recent_columns(names)), look.what),
             Tone::strong};
   }
   const FolderEntry& entry = entries_[row.at];
@@ -236,8 +248,8 @@ void FileChooser::mark(const Row& row) {
       if (wished(entry)) marked_.insert(entry.name);
     return;
   }
-  if (row.kind != RowKind::entry || entries_[row.at].folder) return;
-  const std::string& name = entries_[row.at].name;
+  if (row.kind != RowKind::recent && (row.kind != RowKind::entry || entries_[row.at].folder)) return;
+  const std::string& name = row.kind == RowKind::recent ? recent_[row.at].first : entries_[row.at].name;
   if (!marked_.erase(name)) marked_.insert(name);
 }
 
@@ -270,6 +282,8 @@ FileChooser::Answer FileChooser::enter() {
   }
   if (row.kind == RowKind::all) mark(row);
   if (row.kind == RowKind::entry && !on_folder && (marked_.empty() || typing())) marked_.insert(entries_[row.at].name);
+  for (const auto& [path, look] : recent_)
+    if (marked_.contains(path)) taken_.push_back(path);
   for (const FolderEntry& entry : entries_)
     if (marked_.contains(entry.name)) taken_.push_back((folder_ / entry.name).string());
   return taken_now();

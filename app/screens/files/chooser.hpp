@@ -65,6 +65,7 @@ class FileChooser {
   [[nodiscard]] bool wished(const FolderEntry& entry) const;
   [[nodiscard]] std::vector<Row> rows() const;
   [[nodiscard]] std::size_t readable() const;
+  [[nodiscard]] int recent_columns(int most) const;
   [[nodiscard]] ListRow picture_of_row(const Row& row, int columns) const;
   [[nodiscard]] std::string folder_shown(int columns) const;
   void mark(const Row& row);
@@ -77,7 +78,7 @@ class FileChooser {
   FileWish wish_;
   std::vector<FolderEntry> entries_;
   std::vector<std::pair<std::string, FileLook>> recent_;
-  std::set<std::string> marked_;  ///< names in this folder
+  std::set<std::string> marked_;  ///< names in this folder, and paths of files used last
   std::vector<std::string> taken_;
   TextLine typed_;
   ListPlace place_;

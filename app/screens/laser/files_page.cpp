@@ -171,9 +171,10 @@ class FilesPage final : public LaserPage {
     if (!files) return controller().message().say(fmt::format("{}. e asks again.", to_text(files.error())), Tone::bad);
     for (const std::string& path : *files) remember_file(path);
     if (phase == "after")
-      return controller().message().say(
-          fmt::format("{} lines measured into {}. F3, laser table compares them with those measured before.",
-                      files->size(), folder));
+      return controller().message().say(fmt::format(
+          "{} lines measured into {}. o on page After of MODEL puts them beside what was predicted; F3, laser "
+          "table beside those measured before.",
+          files->size(), folder));
     controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
       c.opened_map.clear();
       for (const std::string& path : *files) c.files.push_back({path, {}});

@@ -356,7 +356,7 @@ std::vector<KeyHelp> ModelScreen::keys() const {
     keys = {{"d", "diagnose"}, {"Tab", "page"},          {"up/down", "line"}, {"v", "residual against"},
             {"r", "runs"},     {"left/right", "cursor"}, {"+ - 0", "zoom"}};
   else if (page_ == Page::after)
-    keys = {{"w", "what if"},        {"m", "map"},   {"t", "to the unit"}, {"c", "compensation"},
+    keys = {{"w", "what if"},        {"m", "map"},   {"t", "send"}, {"c", "compensate"},
             {"o", "measured again"}, {"Tab", "page"}};
   else if (page_ == Page::causes && opened_ == Opened::list)
     keys = {{"Enter", "details"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
@@ -370,7 +370,7 @@ std::vector<KeyHelp> ModelScreen::keys() const {
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
   if (page_ == Page::next && controller_->investigation().found())
     keys.insert(keys.begin(), {"f", "write what was found"});
-  if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty())
+  if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty() && page_ != Page::after)
     keys.insert(keys.begin(), {"a", "add"});
   keys.insert(keys.begin() + 2, {"s", "save"});
   keys.push_back({"u", "undo"});

@@ -63,6 +63,26 @@ TEST_CASE("files used last are offered in every folder, if they are of the kind 
   CHECK_FALSE(contains(seen(chooser), "before/mill.toml"));
 }
 
+TEST_CASE("several files used last are marked and taken together") {
+  const StateFolder folder;
+  const std::string a = folder.with("before/a.csv", content_of("samples/laser/x_axis.csv"));
+  const std::string b = folder.with("before/b.csv", content_of("samples/laser/x_axis.csv"));
+  (void)folder.with("now/note.txt", "nothing");
+  for (const std::string& file : {a, b}) remember_file(file);
+  FileChooser chooser(folder.path / "now", {{FileKind::measurements}, true});
+  for (int k = 0; k < 200 && !contains(seen(chooser), "used last"); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    (void)chooser.advance();
+  }
+  CHECK(contains(seen(chooser), "[ ] before/b.csv"));
+  (void)chooser.on_key({Key::Name::down});
+  (void)chooser.on_key({Key::Name::letter, U' '});
+  (void)chooser.on_key({Key::Name::letter, U' '});
+  CHECK(contains(seen(chooser), "[x] before/a.csv"));
+  CHECK(chooser.on_key({Key::Name::enter}) == FileChooser::Answer::chosen);
+  CHECK(chooser.taken() == std::vector<std::string>{b, a});
+}
+
 TEST_CASE("a path that does not exist is refused and stays for correction") {
   const StateFolder folder;
   FileChooser chooser(folder.path, {});
