@@ -70,10 +70,10 @@ std::string report_line(const std::string& where, const Case& one, const Answer&
   for (const model::Candidate& c : d.candidates)
     if (c.named || &c == &d.candidates.front())
       text += fmt::format(
-          " [{}{}{}{} {:.3f}->{:.3f} false {:.1g} {}]", c.named ? "" : "not named: ", to_text(c.effect),
+          " [{}{}{}{} {:.3f}->{:.3f} false {:.1g} e {:.2g} {}]", c.named ? "" : "not named: ", to_text(c.effect),
           c.effect.approach == model::ApproachMode::both ? "" : fmt::format("/{}", model::name_of(c.effect.approach)),
           c.effect.sensor.empty() ? "" : "/" + c.effect.sensor, d.rms_um, c.rms_after_um, c.false_naming,
-          fmt::join(c.indistinguishable_from, " "));
+          c.e_value.value_or(0.0), fmt::join(c.indistinguishable_from, " "));
   for (std::size_t i = 0; i < std::min<std::size_t>(d.where.size(), 2); ++i)
     text += fmt::format(" where {} {:.2f}", d.where[i].variable, d.where[i].strength);
   text +=

@@ -177,10 +177,7 @@ std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd&
 }
 
 RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double score) {
-  // people set feed and load run by run: that these coincide with runs is no fault
-  const EffectDefinition& definition = effect.definition();
-  const bool by_hand = definition.has_need(Need::feed) || definition.has_need(Need::load);
-  if (by_hand || definition.place == Place::map || run.score <= 0.0) return RunBeside::worse;
+  if (effect.definition().is_set_by_hand() || run.score <= 0.0) return RunBeside::worse;
   if (run.score >= score) return RunBeside::as_good;
   return run.score + kBetterByHundred >= score ? RunBeside::nearly_as_good : RunBeside::worse;
 }

@@ -32,6 +32,10 @@ constexpr double kMostLn = 690.0;
 /// Readings weighed at the utmost.
 constexpr std::size_t kMostWeighed = 1200;
 
+/// Of the wanders, so many of the likeliest are held against an effect: a choice; those that are far from all readings
+/// are far from a half of them too.
+constexpr std::size_t kWanders = 8;
+
 /// True: the first half.
 using Half = std::vector<bool>;
 
@@ -57,9 +61,52 @@ Half by_target(const Observations& data) {
   return half;
 }
 
+/// Those of `more` that the readings which are not hidden show beyond `columns` and one another.
+MatrixXd columns_beyond(const MatrixXd& columns, const MatrixXd& more, const std::vector<bool>& hidden) {
+  MatrixXd seen = MatrixXd::Zero(columns.rows() + columns.cols() + more.cols(), columns.cols() + more.cols());
+  seen.topRows(columns.rows()) = beside(columns, more);
+  for (std::size_t k = 0; k < hidden.size(); ++k)
+    if (hidden[k]) seen.row(static_cast<Index>(k)).setZero();
+  const VectorXd own = beyond_those_before(seen);
+  MatrixXd shown(columns.rows(), 0);
+  for (Index j = 0; j < more.cols(); ++j) {
+    const double length = seen.col(columns.cols() + j).norm();
+    if (std::pow(own(columns.cols() + j), 2) > kLeastShown * length * length) shown = beside(shown, more.col(j));
+  }
+  return shown;
+}
+
+/// ln of the ratio of the densities of the judged readings, given the others, with the effect and without it. Both
+/// average over all sizes of columns and noise (invariant e-statistics: Pérez-Ortiz, Lardy, de Heide and Grünwald 2024,
+/// Annals of Statistics 52, 1410); the effect is given the law that suits the fitted readings best, the null hypothesis
+/// the one that suits the judged ones best: readings of both halves may depend on each other.
+std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd& columns, const Columns& own,
+                                             const VectorXd& target, const std::vector<Wander>& laws,
+                                             const std::vector<bool>& hidden_judged) {
+  const Observations& data = on.regressors.data();
+  const MatrixXd null = independent_columns(columns, on.left_out);
+  const MatrixXd null_fitted = independent_columns(null, hidden_judged);
+  const MatrixXd shown = columns_beyond(null_fitted, own.of, hidden_judged);
+  if (own.of.cols() > 0 && shown.cols() == 0) return std::nullopt;
+  const MatrixXd effect = beside(null, shown), effect_fitted = beside(null_fitted, shown), none(null.rows(), 0);
+  const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
+  double likeliest = kBeyondAll, of_effect = kBeyondAll, of_null = kBeyondAll;
+  for (const Wander& law : laws) {
+    const double fitted = deviance_of(data, law, hidden_judged, effect_fitted, none, rest);
+    if (fitted < likeliest) {
+      likeliest = fitted;
+      of_effect = deviance_of(data, law, on.left_out, effect, none, rest) - fitted;
+    }
+    of_null = std::min(of_null, deviance_of(data, law, on.left_out, null, none, target) -
+                                    deviance_of(data, law, hidden_judged, null_fitted, none, target));
+  }
+  return 0.5 * (of_null - of_effect);
+}
+
 /// ln of the ratio of likelihoods on the readings of `judged`; nothing where a half does not show the effect.
+/// @param laws  of the noise; none: that of `on`
 std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
-                               const EffectInstance& effect, const std::optional<Wander>& wander, const Half& judged) {
+                               const EffectInstance& effect, const std::vector<Wander>& laws, const Half& judged) {
   const Observations& data = on.regressors.data();
   std::vector<bool> hidden_judged = on.left_out, hidden_fitted = on.left_out;
   double count_judged = 0.0, count_fitted = 0.0;
@@ -75,9 +122,7 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   if (found.empty() || count_fitted < freedom + kSpareInHalf) return std::nullopt;
   const Columns own = search.columns_of(found.front());
   const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
-  MatrixXd joint(columns.rows(), columns.cols() + own.of.cols());
-  joint << columns, own.of;
-  const MatrixXd white_fit = fit(joint);
+  const MatrixXd white_fit = fit(beside(columns, own.of));
   const VectorXd sizes = least_squares(white_fit, fit(rest));
   const double spare = std::max(1.0, count_fitted - freedom - static_cast<double>(own.of.cols()));
   const double variance = std::max((fit(rest) - white_fit * sizes).squaredNorm() / spare, kLeastDivisor);
@@ -95,11 +140,8 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const double freedom_judged = count_judged - static_cast<double>(model.q.cols());
   if (freedom_judged < kSpareInHalf) return std::nullopt;
   const double alone = std::max(model.chi2(), kLeastDivisor), left = (model.y - beyond).squaredNorm();
-  double fall = 0.0;  // of −2 ln of the likelihood, by a wander
-  if (wander)
-    fall = std::max(0.0, deviance_of(data, on.noise, hidden_fitted, columns, target) -
-                             deviance_of(data, *wander, hidden_fitted, columns, target));
-  return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance - fall);
+  if (!laws.empty()) return ln_ratio_beside_wander(on, columns, own, target, laws, hidden_judged);
+  return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance);
 }
 
 /// The same on an even part of the readings: it costs less, and there is evidence enough.
@@ -139,15 +181,18 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
                                  const EffectInstance& effect, NullHypothesis null) {
   const Observations& data = on.regressors.data();
   if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
-  std::optional<Wander> wander;
-  if (null == NullHypothesis::noise_or_wander && may_be_wander(on.noise, effect))
-    wander = likeliest_wander(data, on.noise, on.left_out, columns, target).law;
+  std::vector<Wander> laws;
+  if (null == NullHypothesis::noise_or_wander && may_be_wander(on.noise, effect)) {
+    laws.push_back({on.noise, 0.0});
+    for (LikelyWander& likely : likely_wanders(data, on.noise, on.left_out, columns, target))
+      if (laws.size() <= kWanders) laws.push_back(std::move(likely.law));
+  }
   std::vector<double> ln;
   for (const Half& half : {by_run(data), by_target(data)}) {
     Half other = half;
     other.flip();
     for (const Half& judged : {half, other})
-      if (const auto ratio = ln_ratio(on, columns, target, effect, wander, judged)) ln.push_back(*ratio);
+      if (const auto ratio = ln_ratio(on, columns, target, effect, laws, judged)) ln.push_back(*ratio);
   }
   if (ln.empty()) return std::nullopt;
   double mean = 0.0;

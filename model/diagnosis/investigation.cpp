@@ -51,14 +51,10 @@ constexpr std::size_t kStructureReplicates = 2;
 /// it, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0, kLeastFreedomBeside = 12.0;
+/// Odds from which evidence for one of two hypotheses is strong (Kass and Raftery 1995, JASA 90, 773).
+constexpr double kStrong = 10.0;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
-
-MatrixXd beside(MatrixXd columns, const MatrixXd& more) {
-  columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
-  columns.rightCols(more.cols()) = more;
-  return columns;
-}
 
 LinearProblem joined(const Base& base, const Search& search, const Solution& solution) {
   LinearProblem all{base.columns, base.target};
@@ -154,21 +150,57 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
   }
 }
 
-/// An effect is named only if it is better than a wander by the evidence that proves a cause, for having been chosen
-/// among all candidates.
-std::string objection_to_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
-                                std::size_t i) {
-  const EffectInstance& effect = found.families[found.solution.chosen[i].family].effect;
-  if (!may_be_wander(found.noise, effect)) return "";
-  const LinearProblem with = joined(base, search, found.solution);
-  const LinearProblem without =
-      joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
-  const double effects =
-      deviance_of(data, found.noise, found.left_out, with.columns, with.target) + found.groups[i].member.cost;
-  const double wander = deviance_of_wander(data, found.noise, found.left_out, without.columns, without.target);
-  if (wander - effects > 2.0 * std::log(kProved * static_cast<double>(found.candidates_tried))) return "";
-  return fmt::format("a slow wander of the readings explains what {} does as well: repeat the line, also backwards",
-                     to_text(effect));
+/// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them.
+double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
+                          const std::vector<std::size_t>& set) {
+  std::vector<Choice> without = found.solution.chosen;
+  for (auto i = set.rbegin(); i != set.rend(); ++i) without = others(std::move(without), *i);
+  LinearProblem null = joined(base, search, search.solution(without, found.solution.own));
+  const double wander = likely_wanders(data, found.noise, found.left_out, null.columns, null.target).front().deviance;
+  MatrixXd effects(null.columns.rows(), 0);
+  for (const std::size_t i : set) {
+    const Columns columns = search.columns_of(found.solution.chosen[i]);
+    if (columns.fixed.size() > 0) null.target -= columns.fixed;
+    effects = beside(std::move(effects), columns.of);
+  }
+  return wander - deviance_of(data, {found.noise, 0.0}, found.left_out,
+                              independent_columns(null.columns, found.left_out), effects, null.target);
+}
+
+/// Effects are named only if they are better than a wander, each and all together, by strong evidence for having been
+/// chosen among all candidates. A wander has no price: whichever it is, it is no effect. What people set by hand may
+/// coincide with one; it has no price either.
+/// @return what the objection says, "" for none; the effects are denied
+std::string objection_to_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  const double evidence = 2.0 * std::log(kStrong * static_cast<double>(found.candidates_tried));
+  struct Doubtful {
+    std::vector<std::size_t> effects;
+    double price = 0.0;
+  };
+  std::vector<Doubtful> sets;
+  Doubtful together;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const EffectInstance& effect = found.families[chosen[i].family].effect;
+    if (!may_be_wander(found.noise, effect)) continue;
+    const bool by_hand = effect.definition().is_set_by_hand();
+    sets.push_back({{i}, by_hand ? 0.0 : evidence + found.groups[i].member.cost});
+    if (by_hand) continue;
+    together.effects.push_back(i);
+    together.price += sets.back().price;
+  }
+  if (together.effects.size() > 1) sets.push_back(together);
+  for (const Doubtful& set : sets) {
+    if (better_than_wander(data, base, search, found, set.effects) > set.price) continue;
+    std::vector<std::string> names;
+    for (const std::size_t i : set.effects) {
+      found.groups[i].denied = true;
+      names.push_back(to_text(found.families[chosen[i].family].effect));
+    }
+    return fmt::format("a slow wander of the readings explains what {} {} as well: repeat the line, also backwards",
+                       fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
+  }
+  return "";
 }
 
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
@@ -209,10 +241,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
     found.groups[i].denied = !found.objection.empty();
   }
-  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
-    found.objection = objection_to_wander(data, base, search, found, i);
-    found.groups[i].denied = !found.objection.empty();
-  }
+  if (found.objection.empty()) found.objection = objection_to_wander(data, base, search, found);
 }
 
 /// Without repeats an effect may hide in the noise that was estimated from it: where its share cannot be noise of any

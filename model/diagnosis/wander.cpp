@@ -1,18 +1,19 @@
 // Gaussian likelihood by the innovations of a Kalman filter (Schweppe 1965) under first order Gauss-Markov processes
 // (Uhlenbeck and Ornstein 1930) of long memory, or a level of its own for every pass (random effects: Laird and Ware
-// 1982); compared with an effect by Schwarz's criterion (1978).
+// 1982); compared with an effect by Schwarz's criterion (1978). Restricted likelihood: Patterson and Thompson (1971).
 #include "model/diagnosis/wander.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "model/effects/definition.hpp"
-#include "model/fit/held_out.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -25,8 +26,8 @@ constexpr std::array kShares{0.3, 0.7, 0.9, 0.97, 0.99, 0.997};
 constexpr std::array kLevels{0.3, 1.0, 3.0, 10.0};
 /// A level that is kept over a pass: longer than any.
 constexpr double kForever = 1e9;
-/// Memory and share of a wander.
-constexpr double kParameters = 2.0;
+/// Least size of a column beyond the others: no ln of 0.
+constexpr double kLeastSize = 1e-150;
 
 /// The groups of a noise with so much of their variance in a process of this memory.
 NoiseModel wandering(NoiseModel noise, double share, double memory) {
@@ -55,57 +56,60 @@ Eigen::MatrixXd levels_of_runs(const Observations& data) {
   return levels;
 }
 
-/// @param levels  drawn from a normal distribution (readings × levels), scaled to its standard deviation
-double deviance_with(const Whitener& whitener, double count, const Eigen::MatrixXd& columns,
-                     const Eigen::MatrixXd& levels, const Eigen::VectorXd& target) {
-  const Eigen::Index n = target.size(), fixed = columns.cols(), drawn = levels.cols();
-  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + drawn, fixed + drawn);
-  white.topLeftCorner(n, fixed) = whitener(columns);
-  white.topRightCorner(n, drawn) = whitener(levels);
-  white.bottomRightCorner(drawn, drawn).setIdentity();
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(n + drawn);
-  y.head(n) = whitener(target);
-  const double chi2 = (y - white * least_squares(white, y)).squaredNorm();
-  double ln_determinant = whitener.ln_determinant();
-  if (drawn > 0) {
-    const auto part = white.rightCols(drawn);
-    const Eigen::MatrixXd factor = Eigen::MatrixXd(part.transpose() * part).llt().matrixL();
-    ln_determinant += 2.0 * factor.diagonal().array().log().sum();
-  }
-  return count * std::log(std::max(chi2, kLeastDivisor) / count) + ln_determinant;
-}
-
 double counted(const std::vector<bool>& left_out) {
   return static_cast<double>(std::count(left_out.begin(), left_out.end(), false));
 }
 
+double ln_square(double size) { return 2.0 * std::log(std::max(size, kLeastSize)); }
+
 }  // namespace
 
-double deviance_of(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                   const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
-  return deviance_with(Whitener(data, noise, left_out), counted(left_out), columns, Eigen::MatrixXd(columns.rows(), 0),
-                       target);
+Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out) {
+  Eigen::MatrixXd seen = columns;
+  for (std::size_t k = 0; k < left_out.size(); ++k)
+    if (left_out[k]) seen.row(static_cast<Eigen::Index>(k)).setZero();
+  const PivotedQr qr(seen);
+  Eigen::MatrixXd independent(columns.rows(), qr.rank());
+  for (Eigen::Index i = 0; i < qr.rank(); ++i) independent.col(i) = columns.col(qr.place(i));
+  return independent;
 }
 
 double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
-                   const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  const Whitener whitener(data, law.noise, left_out);
   const Eigen::MatrixXd levels =
       law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
-  return deviance_with(Whitener(data, law.noise, left_out), counted(left_out), columns, levels, target);
+  const Eigen::Index n = target.size(), drawn = levels.cols(), taken = drawn + columns.cols(),
+                     all = taken + effect.cols();
+  // readings, then a row for each level: how far it is from 0 in its standard deviations
+  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + all + 1, all + 1);
+  white.topLeftCorner(n, drawn) = whitener(levels);
+  white.block(n, 0, drawn, drawn).setIdentity();
+  white.block(0, drawn, n, columns.cols()) = whitener(columns);
+  white.block(0, taken, n, effect.cols()) = whitener(effect);
+  white.col(all).head(n) = whitener(target);
+  const Eigen::VectorXd own = beyond_those_before(white);
+  double ln_determinants = whitener.ln_determinant();
+  for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
+  const double freedom = counted(left_out) - static_cast<double>(columns.cols());
+  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * std::lgamma(0.5 * freedom) +
+         ln_determinants;
 }
 
-LikeliestWander likeliest_wander(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
+                                         const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                         const Eigen::VectorXd& target) {
   double session = static_cast<double>(data.size());  // readings
   if (noise.has_time) {
     session = 0.0;
     for (const double t : data.time_s)
       if (!std::isnan(t)) session = std::max(session, t);
   }
-  LikeliestWander best{{}, kBeyondAll};
+  const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
+  std::vector<LikelyWander> tried;
   const auto look_at = [&](Wander law) {
-    const double deviance = deviance_of(data, law, left_out, columns, target);
-    if (deviance < best.deviance) best = {std::move(law), deviance};
+    const double deviance = deviance_of(data, law, left_out, independent, none, target);
+    tried.push_back({std::move(law), deviance});
   };
   for (const double share : kShares) {
     for (const double memory : kMemories) look_at({wandering(noise, share, memory * session)});
@@ -114,23 +118,17 @@ LikeliestWander likeliest_wander(const Observations& data, const NoiseModel& noi
     look_at({std::move(by_pass)});
   }
   for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
-  return best;
-}
-
-double deviance_of_wander(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                          const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
-  return likeliest_wander(data, noise, left_out, columns, target).deviance +
-         kParameters * std::log(static_cast<double>(data.size()));
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const LikelyWander& a, const LikelyWander& b) { return a.deviance < b.deviance; });
+  return tried;
 }
 
 bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
-  if (definition.has_need(Need::feed) || definition.has_need(Need::load) || definition.place == Place::map)
-    return false;  // set by hand, and back and forth
   const bool of_time = effect.traits().is_drift || effect.traits().of_condition || definition.has_need(Need::time) ||
                        definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
                        definition.has_need(Need::material_temperature) || definition.has_need(Need::air);
-  return of_time || !noise.pure.from_repeats;
+  return of_time || definition.is_set_by_hand() || !noise.pure.from_repeats;
 }
 
 }  // namespace ecs::model

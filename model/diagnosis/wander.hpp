@@ -2,39 +2,43 @@
 // random walk. Internal to model/ (Eigen). Does not live here: the noise that repeats show (model/fit/noise.hpp).
 #pragma once
 
+#include <vector>
+
 #include "model/fit/noise.hpp"
 
 namespace ecs::model {
-
-/// How well the readings agree with a model under one law of noise: −2 ln of the likelihood, the size of the noise at
-/// its best, to be compared with others of the same readings; less is better.
-/// @param columns  that the model may take freely (readings × columns)  @param target  readings less what it holds
-[[nodiscard]] double deviance_of(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
 /// A law of noise that wanders: the groups of `noise`, or beside them a level of its own for every run and sense.
 struct Wander {
   NoiseModel noise;
   double level_um = 0.0;  ///< standard deviation of the levels of the runs
 };
-/// The likeliest of the wanders tried, and how well the readings agree with it, its price not included.
-struct LikeliestWander {
+
+/// How well the readings agree with a model under one law of noise, less is better: −2 ln of their density, averaged
+/// over all sizes of the model's columns and of the noise, none likelier beforehand than another, and with the sizes of
+/// an effect at their best. To be compared for the same readings and columns; of all readings less that of a part of
+/// them it is the density of the others.
+/// @param columns  that the model may take freely, independent on the readings that are not left out
+/// @param effect   columns of an effect, or none; all (readings × columns)  @param target  readings less what is held
+[[nodiscard]] double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                                 const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect,
+                                 const Eigen::VectorXd& target);
+
+/// Those of the columns that do not follow from the others on the readings that are not left out.
+[[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
+
+/// A wander tried, and how well the readings agree with it.
+struct LikelyWander {
   Wander law;
   double deviance = 0.0;
 };
-[[nodiscard]] LikeliestWander likeliest_wander(const Observations& data, const NoiseModel& noise,
-                                               const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                               const Eigen::VectorXd& target);
-[[nodiscard]] double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
-                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+/// All wanders tried, the likeliest first.
+[[nodiscard]] std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
+                                                       const std::vector<bool>& left_out,
+                                                       const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
-/// The deviance of the likeliest of them, Schwarz's price of its two parameters included.
-[[nodiscard]] double deviance_of_wander(const Observations& data, const NoiseModel& noise,
-                                        const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                        const Eigen::VectorXd& target);
-
-/// Whether a wander can look like an effect in these readings: it changes in time or with a condition, or nothing
-/// repeats it.
+/// Whether a wander can look like an effect in these readings: it changes in time or with a condition, is set by hand
+/// from run to run, or nothing repeats it.
 [[nodiscard]] bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect);
 
 }  // namespace ecs::model

@@ -235,6 +235,10 @@ struct EffectDefinition {
   /// Number of linear coefficients; of a curve 0.
   [[nodiscard]] std::size_t column_count() const;
   [[nodiscard]] bool has_need(Need need) const;
+  /// Acts where people set feed, load or the map, from one run to the next: that it coincides with runs is no fault.
+  [[nodiscard]] bool is_set_by_hand() const {
+    return has_need(Need::feed) || has_need(Need::load) || place == Place::map;
+  }
   /// Columns of a curve that come before its smooth functions: mean and slope, or what it keeps of them.
   [[nodiscard]] std::size_t leading_columns() const {
     return static_cast<std::size_t>(traits.keeps_mean) + static_cast<std::size_t>(traits.keeps_slope);

@@ -52,6 +52,10 @@ Spectrum spectrum_of(const MatrixXd& symmetric) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+VectorXd beyond_those_before(const MatrixXd& columns) {
+  return Eigen::HouseholderQR<MatrixXd>(columns).matrixQR().diagonal().cwiseAbs();
+}
+
 VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y) {
   return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(columns).solve(y);
 }
@@ -61,6 +65,12 @@ VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y, double 
   decomposition.setThreshold(threshold);
   decomposition.compute(columns);
   return decomposition.solve(y);
+}
+
+MatrixXd beside(MatrixXd columns, const MatrixXd& more) {
+  columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
+  columns.rightCols(more.cols()) = more;
+  return columns;
 }
 
 MatrixXd without(const MatrixXd& q, MatrixXd columns) {

@@ -53,11 +53,18 @@ struct Spectrum {
 };
 [[nodiscard]] Spectrum spectrum_of(const Eigen::MatrixXd& symmetric);
 
+/// Absolute diagonal of R in columns = Q·R, Householder, in the order given: what each column has beyond those before it.
+/// @pre  at least as many rows as columns
+[[nodiscard]] Eigen::VectorXd beyond_those_before(const Eigen::MatrixXd& columns);
+
 /// The least-squares solution of least norm, by a complete orthogonal decomposition (Golub and Van Loan 2013, 5.5.2).
 [[nodiscard]] Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
 /// @param threshold  pivots below this share of the largest count as 0
 [[nodiscard]] Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
                                                   double threshold);
+
+/// Both, side by side.
+[[nodiscard]] Eigen::MatrixXd beside(Eigen::MatrixXd columns, const Eigen::MatrixXd& more);
 
 /// Columns less what an orthonormal basis spans: columns − q·qᵀ·columns.
 [[nodiscard]] Eigen::MatrixXd without(const Eigen::MatrixXd& q, Eigen::MatrixXd columns);

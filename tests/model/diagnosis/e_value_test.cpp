@@ -166,6 +166,36 @@ TEST_CASE("against a random walk a drift has little evidence, however much it ha
   CHECK(against_wander <= 4);
 }
 
+TEST_CASE("against a zero that moves slowly the mean of e is at most one, though both halves move together") {
+  const Weighed of(measured(of_targets(21, 3), kSigma_um, nothing));
+  NoiseModel noise = of.noise;
+  noise.has_time = true;
+  for (const char* text : {"time_drift:X:EX", "sag:X:EX"}) {
+    CAPTURE(text);
+    NoiseModel once = noise;
+    once.pure.from_repeats = false;
+    double mean = 0.0;
+    unsigned beyond_hundred = 0;
+    constexpr unsigned kSets = 100;
+    for (unsigned seed = 1; seed <= kSets; ++seed) {
+      const VectorXd steps = normal_matrix(of.target.size(), 1, seed).col(0);
+      VectorXd y = 0.5 * kSigma_um * normal_matrix(of.target.size(), 1, 1000 + seed).col(0);
+      double zero = steps(0);
+      for (Index k = 0; k < y.size(); ++k) {
+        zero = 0.95 * zero + std::sqrt(1.0 - 0.95 * 0.95) * steps(k);
+        y(k) += kSigma_um * zero;
+      }
+      const auto e = e_value_of({of.regressors, once, of.left_out}, of.columns, y, candidate(text),
+                                NullHypothesis::noise_or_wander);
+      REQUIRE(e);
+      mean += *e / kSets;
+      if (*e >= 100.0) ++beyond_hundred;
+    }
+    CHECK(mean < 1.5);
+    CHECK(beyond_hundred <= 1);
+  }
+}
+
 TEST_CASE("a straight drift keeps its evidence against a wander") {
   const Weighed of(measured(of_targets(41, 3), kSigma_um, [](const laser::Reading& r) { return 0.002 * *r.time_s; }));
   NoiseModel noise = of.noise;
