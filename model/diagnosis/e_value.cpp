@@ -89,6 +89,8 @@ std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd&
   const MatrixXd shown = columns_beyond(null_fitted, own.of, hidden_judged);
   if (own.of.cols() > 0 && shown.cols() == 0) return std::nullopt;
   const MatrixXd effect = beside(null, shown), effect_fitted = beside(null_fitted, shown), none(null.rows(), 0);
+  const auto fitted_readings = static_cast<double>(std::count(hidden_judged.begin(), hidden_judged.end(), false));
+  if (fitted_readings < static_cast<double>(effect_fitted.cols()) + kSpareInHalf) return std::nullopt;
   const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
   double likeliest = kBeyondAll, of_effect = kBeyondAll, of_null = kBeyondAll;
   for (const Wander& law : laws) {

@@ -40,10 +40,6 @@ NoiseModel wandering(NoiseModel noise, double share, double memory) {
   return noise;
 }
 
-}  // namespace
-
-namespace {
-
 /// Levels of their own for every run and sense (readings × levels).
 Eigen::MatrixXd levels_of_runs(const Observations& data) {
   std::map<std::pair<int, Sense>, Eigen::Index> level;
