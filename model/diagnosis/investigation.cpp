@@ -51,8 +51,8 @@ constexpr std::size_t kStructureReplicates = 2;
 /// it, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0, kLeastFreedomBeside = 12.0;
-/// Odds from which evidence for one of two hypotheses is strong (Kass and Raftery 1995, JASA 90, 773).
-constexpr double kStrong = 10.0;
+/// Odds from which evidence for one of two hypotheses is positive (Kass and Raftery 1995, JASA 90, 773).
+constexpr double kPositive = 3.0;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
 
@@ -167,13 +167,14 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
                               independent_columns(null.columns, found.left_out), effects, null.target);
 }
 
-/// Effects are named only if they are better than a wander, each and all together, by strong evidence for having been
-/// chosen among all candidates. A wander has no price: whichever it is, it is no effect. What people set by hand may
-/// coincide with one; it has no price either.
+/// Effects are named only if they are better than a wander, each and all together, by evidence that is positive for
+/// having been chosen among all candidates. A wander has no price: whichever it is, it is no effect. That an effect of
+/// approach coincides with passes was planned, not chosen: it pays for its coefficients only. What people set by hand
+/// may coincide with runs; it pays nothing.
 /// @return what the objection says, "" for none; the effects are denied
 std::string objection_to_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
-  const double evidence = 2.0 * std::log(kStrong * static_cast<double>(found.candidates_tried));
+  const double evidence = 2.0 * std::log(kPositive * static_cast<double>(found.candidates_tried));
   struct Doubtful {
     std::vector<std::size_t> effects;
     double price = 0.0;
@@ -184,10 +185,11 @@ std::string objection_to_wander(const Observations& data, const Base& base, cons
     const EffectInstance& effect = found.families[chosen[i].family].effect;
     if (!may_be_wander(found.noise, effect)) continue;
     const bool by_hand = effect.definition().is_set_by_hand();
-    sets.push_back({{i}, by_hand ? 0.0 : evidence + found.groups[i].member.cost});
+    const double price = found.groups[i].member.cost + (effect.traits().of_approach ? 0.0 : evidence);
+    sets.push_back({{i}, by_hand ? 0.0 : price});
     if (by_hand) continue;
     together.effects.push_back(i);
-    together.price += sets.back().price;
+    together.price += price;
   }
   if (together.effects.size() > 1) sets.push_back(together);
   for (const Doubtful& set : sets) {

@@ -298,7 +298,7 @@ TEST_CASE("warming up or creep: a session hardly longer than the time that warmi
   plan.targets = 21;
   plan.step_mm = 50.0;
   check_case(case_of(
-      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -1.5 * std::expm1(-*r.time_s / 1200.0); },
+      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -2.6 * std::expm1(-*r.time_s / 1200.0); },
       kBare));
 }
 
