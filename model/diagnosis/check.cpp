@@ -7,6 +7,7 @@
 
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/trial.hpp"
+#include "model/diagnosis/wander.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 
@@ -92,11 +93,13 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
                       others_than(own, all_candidates(model, regressors)), own);
   check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
                static_cast<double>(search.candidates()));
+  const bool wanders = is_wandering(data, noise, left_out, all.columns, all.target);
   for (const Member& member : members) {
     if (!member.claimed.named) continue;
+    const bool beside_wander = wanders || may_be_wander(noise, member.effect);
     const LinearProblem others = problem_with(alone, members, regressors, &member);
     auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect,
-                              NullHypothesis::noise_or_wander);
+                              beside_wander ? NullHypothesis::noise_or_wander : NullHypothesis::noise);
     if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(search.candidates(), 1));
     check_e_value(check, to_text(member.effect) + " e_value", member.claimed.e_value, e_value);
   }

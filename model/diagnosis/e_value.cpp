@@ -184,7 +184,7 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
   const Observations& data = on.regressors.data();
   if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
   std::vector<Wander> laws;
-  if (null == NullHypothesis::noise_or_wander && may_be_wander(on.noise, effect)) {
+  if (null == NullHypothesis::noise_or_wander) {
     laws.push_back({on.noise, 0.0});
     for (LikelyWander& likely : likely_wanders(data, on.noise, on.left_out, columns, target))
       if (laws.size() <= kWanders) laws.push_back(std::move(likely.law));

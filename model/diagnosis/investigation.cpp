@@ -142,9 +142,12 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (!worst) break;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
   }
+  if (found.groups.empty()) return;
+  const LinearProblem all = joined(base, search, found.solution);
+  const bool wanders = is_wandering(regressors.data(), found.noise, found.left_out, all.columns, all.target);
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     std::optional<double>& e_value = found.groups[i].e_value;
-    if (may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
+    if (wanders || may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
       e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
     if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
   }

@@ -40,6 +40,22 @@ NoiseModel wandering(NoiseModel noise, double share, double memory) {
   return noise;
 }
 
+/// The same with a level of its own for every pass.
+NoiseModel by_pass(const NoiseModel& noise, double share) {
+  NoiseModel levels = wandering(noise, share, kForever);
+  levels.has_time = false;
+  return levels;
+}
+
+/// Time from the first reading to the last [s]; without times their number.
+double session_of(const Observations& data, const NoiseModel& noise) {
+  if (!noise.has_time) return static_cast<double>(data.size());
+  double session = 0.0;
+  for (const double t : data.time_s)
+    if (!std::isnan(t)) session = std::max(session, t);
+  return session;
+}
+
 /// Levels of their own for every run and sense (readings × levels).
 Eigen::MatrixXd levels_of_runs(const Observations& data) {
   std::map<std::pair<int, Sense>, Eigen::Index> level;
@@ -95,12 +111,7 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
 std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                          const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
                                          const Eigen::VectorXd& target) {
-  double session = static_cast<double>(data.size());  // readings
-  if (noise.has_time) {
-    session = 0.0;
-    for (const double t : data.time_s)
-      if (!std::isnan(t)) session = std::max(session, t);
-  }
+  const double session = session_of(data, noise);
   const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
   std::vector<LikelyWander> tried;
   const auto look_at = [&](Wander law) {
@@ -109,14 +120,23 @@ std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseMo
   };
   for (const double share : kShares) {
     for (const double memory : kMemories) look_at({wandering(noise, share, memory * session)});
-    NoiseModel by_pass = wandering(noise, share, kForever);
-    by_pass.has_time = false;
-    look_at({std::move(by_pass)});
+    look_at({by_pass(noise, share)});
   }
   for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
   std::stable_sort(tried.begin(), tried.end(),
                    [](const LikelyWander& a, const LikelyWander& b) { return a.deviance < b.deviance; });
   return tried;
+}
+
+bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                  const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+  constexpr double kShare = kShares.front();  // a greater wander is likelier than the noise at this share too
+  const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
+  const auto deviance = [&](const Wander& law) { return deviance_of(data, law, left_out, independent, none, target); };
+  const double of_noise = deviance({noise, 0.0}), session = session_of(data, noise);
+  return deviance({by_pass(noise, kShare)}) < of_noise || deviance({noise, noise.pure.noise_um}) < of_noise ||
+         std::any_of(kMemories.begin(), kMemories.end(),
+                     [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < of_noise; });
 }
 
 bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {

@@ -37,6 +37,11 @@ struct LikelyWander {
                                                        const std::vector<bool>& left_out,
                                                        const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
+/// Whether something wanders in what a model leaves: a few of the wanders are likelier than the noise as it is.
+/// @param columns,target  of the model with all that was found
+[[nodiscard]] bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
 /// Whether a wander can look like an effect in these readings: it changes in time or with a condition, is set by hand
 /// from run to run, or nothing repeats it.
 [[nodiscard]] bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect);
