@@ -53,7 +53,7 @@ struct Spectrum {
 };
 [[nodiscard]] Spectrum spectrum_of(const Eigen::MatrixXd& symmetric);
 
-/// Absolute diagonal of R in columns = Q·R, Householder, in the order given: what each column has beyond those before it.
+/// Absolute diagonal of R in columns = Q·R, in the order given: what each column has beyond those before it.
 /// @pre  at least as many rows as columns
 [[nodiscard]] Eigen::VectorXd beyond_those_before(const Eigen::MatrixXd& columns);
 
