@@ -53,7 +53,7 @@ TEST_CASE("what was left out stays with a line whose place is corrected, and bot
   CHECK(contains(to_text(wrong.error()), "expected AXIS=MM"));
 }
 
-TEST_CASE("parameters of another machine are told when they are chosen") {
+TEST_CASE("parameters of another machine are reported when they are chosen") {
   const StateFolder folder;
   const Measured along_y{'Y', "EY", -1400, 0, 50, {0, 0, 0}};
   LaserScreenDriver driver;

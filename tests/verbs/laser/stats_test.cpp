@@ -1,4 +1,4 @@
-// `laser stats`: files of one line are its runs; outliers and drift between runs are told.
+// `laser stats`: files of one line are its runs; outliers and drift between runs are reported.
 #include <algorithm>
 #include <cmath>
 
@@ -41,7 +41,7 @@ TEST_CASE("files of one line are joined as its runs") {
   CHECK(ran({"laser", "stats", a, other, "--json"}).json()["lines"].size() == 2);  // another machine
 }
 
-TEST_CASE("an outlier is told with its file and line, drift between runs with its size") {
+TEST_CASE("an outlier is reported with its file and line, drift between runs with its size") {
   const Folder folder;
   const Ran text = ran({"laser", "stats", folder.with("x.csv", file_of(5, 1.0, false))});
   CHECK(contains(text.out, "drift: +1 +- "));

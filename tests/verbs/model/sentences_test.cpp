@@ -67,7 +67,7 @@ void check_next(const Json& next, const Json& diagnosis) {
   }
 }
 
-/// Two sums that make up what is predicted; a direction that gets worse is told, and no other.
+/// Two sums that make up what is predicted; a direction that gets worse is reported, and no other.
 void check_what_if(const Json& after) {
   const double machine = after["machine_um"], measurement = after["measurement_um"], left = after["rms_after_um"];
   if (measurement == 0.0) CHECK(machine == doctest::Approx(left).epsilon(1e-6));
