@@ -26,6 +26,8 @@ constexpr std::array kShares{0.3, 0.7, 0.9, 0.97, 0.99, 0.997};
 constexpr std::array kLevels{0.3, 1.0, 3.0, 10.0};
 /// A level that is kept over a pass: longer than any.
 constexpr double kForever = 1e9;
+/// Something wanders where that is so many times likelier than the noise as it is.
+constexpr double kEvident = 100.0;
 /// Least size of a column beyond the others: no ln of 0.
 constexpr double kLeastSize = 1e-150;
 
@@ -133,10 +135,11 @@ bool is_wandering(const Observations& data, const NoiseModel& noise, const std::
   constexpr double kShare = kShares.front();  // a greater wander is likelier than the noise at this share too
   const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
   const auto deviance = [&](const Wander& law) { return deviance_of(data, law, left_out, independent, none, target); };
-  const double of_noise = deviance({noise, 0.0}), session = session_of(data, noise);
-  return deviance({by_pass(noise, kShare)}) < of_noise || deviance({noise, noise.pure.noise_um}) < of_noise ||
+  const double session = session_of(data, noise);
+  const double most = deviance({noise, 0.0}) - 2.0 * std::log(kEvident);
+  return deviance({by_pass(noise, kShare)}) < most || deviance({noise, noise.pure.noise_um}) < most ||
          std::any_of(kMemories.begin(), kMemories.end(),
-                     [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < of_noise; });
+                     [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
 }
 
 bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {

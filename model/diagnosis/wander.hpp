@@ -37,7 +37,8 @@ struct LikelyWander {
                                                        const std::vector<bool>& left_out,
                                                        const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
-/// Whether something wanders in what a model leaves: a few of the wanders are likelier than the noise as it is.
+/// Whether something wanders in what a model leaves: one of a few wanders is a hundred times likelier than
+/// the noise as it is.
 /// @param columns,target  of the model with all that was found
 [[nodiscard]] bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
