@@ -64,7 +64,7 @@ TEST_CASE("learn refuses a device whose counter moves with the button") {
     fake::rest(400);
     for (std::uint8_t k = 0; k < 6; ++k) {
       pedal->send({static_cast<std::uint8_t>(k % 2 == 0 ? 1 : 0), 0, 0, static_cast<std::uint8_t>(k + 1), 0, 0, 0, 0});
-      fake::rest(120);
+      fake::rest(250);  // on a busy computer far above the 60 ms that count as bounce
     }
   });
   const Ran run = ran({"laser", "devices", "--learn", "-o", folder / "p.toml", "--timeout", "10"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -16,18 +17,22 @@ using namespace ecs::model::test::effects;
 
 namespace {
 
-/// What is proposed after a line of even targets that shows a backlash.
-NextMeasurement next_after_even_targets() {
+/// A line at one feed that shows a backlash, and what is proposed after it.
+struct AfterBacklash {
+  Observations data;
+  NextMeasurement next;
+};
+AfterBacklash after_backlash(bool even_targets) {
   auto set = session(
       {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
-  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
-  const Model model = straight();
-  const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
+  if (even_targets)
+    for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  Observations data = observations_of(set, straight(), mill());
+  const auto found = diagnose(straight(), data);
   REQUIRE(found);
-  NextMeasurement next = next_measurement(model, data, *found);
+  NextMeasurement next = next_measurement(straight(), data, *found);
   REQUIRE_FALSE(next.proposals.empty());
-  return next;
+  return {std::move(data), std::move(next)};
 }
 
 }  // namespace
@@ -151,7 +156,7 @@ TEST_CASE("an adequate model with many readings asks for nothing") {
 }
 
 TEST_CASE("a proposal says what it tells, how surely and how long it takes, then what to do") {
-  const NextMeasurement next = next_after_even_targets();
+  const NextMeasurement next = after_backlash(true).next;
   for (const MeasurementProposal& one : next.proposals) {
     CAPTURE(one.tells);
     CAPTURE(one.sentence);
@@ -208,7 +213,7 @@ TEST_CASE("what an answer says of the next measurement is what is proposed first
 }
 
 TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
-  const NextMeasurement next = next_after_even_targets();
+  const NextMeasurement next = after_backlash(true).next;
   for (const MeasurementProposal& proposal : next.proposals) {
     CAPTURE(proposal.condition);
     CHECK(!even_step_mm(proposal.targets_mm));
@@ -235,21 +240,14 @@ TEST_CASE("structure that no effect explains: the run that shows on which variab
 }
 
 TEST_CASE("a target list is a plan to check") {
-  auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
-  const Model model = straight();
-  const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  NextMeasurement next = next_measurement(model, data, *found);
-  REQUIRE_FALSE(next.proposals.empty());
+  auto [data, next] = after_backlash(false);
   const auto two_feeds = std::find_if(next.proposals.begin(), next.proposals.end(),
                                       [](const auto& each) { return each.second_feed_mm_min.has_value(); });
   REQUIRE(two_feeds != next.proposals.end());
   two_feeds->bidirectional = true;
   const auto plan = laser::parse_measurement_set(target_list(*two_feeds), "targets.csv");
   REQUIRE(plan);
-  Model both = model;
+  Model both = straight();
   both.effects.push_back(effect(backlash, Axis::X, Sense::EX));
   both.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
   const auto alone = check_plan(both, observations_of(*plan, both, mill()), kNoise_um);
