@@ -15,7 +15,12 @@
 namespace ecs::controllers {
 namespace {
 
-constexpr int kMostColumns = 10'000;
+constexpr int kMostColumns = 10'000, kLargestAxisNumber = 1000;
+
+std::optional<int> axis_number_in(double value) {
+  const bool is_one = value >= 0.0 && value <= kLargestAxisNumber && value == std::floor(value);
+  return is_one ? std::optional(static_cast<int>(value)) : std::nullopt;
+}
 
 struct AerotechValue {
   double value = 0.0;
@@ -103,7 +108,13 @@ class AerotechReader {
       return findings.add(line, 1,
                           table.two_axes ? "expected :START2D ROWAXIS COLUMNAXIS OUT1 OUT2 ROWSTEP COLUMNSTEP COLUMNS"
                                          : "expected :START AXIS SAMPLEDIST=STEP");
-    for (std::size_t i = 0; i < (table.two_axes ? 4U : 1U); ++i) table.words.push_back(static_cast<int>(numbers[i]));
+    for (std::size_t i = 0; i < (table.two_axes ? 4U : 1U); ++i) {
+      const auto axis = axis_number_in(numbers[i]);
+      if (!axis)
+        return findings.add(
+            line, 1, fmt::format("expected an axis number from 0 to {}, found {}", kLargestAxisNumber, numbers[i]));
+      table.words.push_back(*axis);
+    }
     if (!table.two_axes) return;
     table.step[0] = numbers[4];
     table.step[1] = numbers[5];
@@ -227,14 +238,16 @@ class AerotechMeaning {
     if (along_rows == along_columns || table.step[0] == 0.0 || table.step[1] == 0.0)
       return wrong(table, "expected two different axes and steps that are not 0");
     for (std::size_t out = 0; out < table.outputs(); ++out) {
-      const int number = out < 2 ? table.words[2 + out] : static_cast<int>(number_of(table, "OUTAXIS3"));
-      if (const auto output = axis_of_number(number))
+      const auto number = out < 2 ? table.words[2 + out] : axis_number_in(number_of(table, "OUTAXIS3"));
+      if (!number)
+        return wrong(table, fmt::format("OUTAXIS3: expected an axis number from 0 to {}", kLargestAxisNumber));
+      if (const auto output = axis_of_number(*number))
         take_output(table, out, *output, *along_rows, *along_columns);
       else
         read.notes.push_back(
             fmt::format("line {}: the corrections of axis number {} are left out: it is no axis given "
                         "by --axes",
-                        table.line, number));
+                        table.line, *number));
     }
   }
 
@@ -313,7 +326,7 @@ Result<std::map<int, Axis>> axes_of(const OptionValues& options) {
   if (!pairs.empty()) axes.clear();
   for (const auto& [axis, word] : pairs) {
     const auto number = integer_in(word);
-    if (!axis || !number || *number < 0 || *number > 1000)
+    if (!axis || !number || *number < 0 || *number > kLargestAxisNumber)
       return problem(ProblemKind::usage,
                      fmt::format("--axes: expected axis numbers, as in X=1,Y=2,Z=4, got \"{}\"", options.text("axes")));
     axes[static_cast<int>(*number)] = *axis;

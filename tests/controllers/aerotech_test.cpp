@@ -68,6 +68,13 @@ TEST_CASE("bad files are refused with line and column") {
   REQUIRE_FALSE(axis);
   CHECK(axis.error().line == 2);
   CHECK(contains(axis.error().message, "--axes"));
+  for (const std::string number : {"5.5e25", "-1", "1.5", "1001"}) {
+    CAPTURE(number);
+    const auto along = read_cal(":START " + number + " SAMPLEDIST=10\n0 1\n:END\n");
+    REQUIRE_FALSE(along);
+    CHECK(contains(along.error().message, "expected an axis number from 0 to 1000"));
+    CHECK_FALSE(read_cal(":START2D 1 2 1 2 5 5 1 OUTAXIS3=" + number + "\n0 0 1\n0 0 1\n:END\n"));
+  }
   CHECK_FALSE(read_cal(":START 1 SAMPLEDIST=10 CORUNIT=FURLONG\n0 1\n:END\n"));
   CHECK(read_cal(":START 1 SAMPLEDIST=10\n0 1\n", "X=one").error().kind == ProblemKind::usage);
 }
