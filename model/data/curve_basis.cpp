@@ -1,3 +1,4 @@
+// Natural cubic splines through values at given places: de Boor, A Practical Guide to Splines, chapter IV.
 #include "model/data/curve_basis.hpp"
 
 #include <algorithm>
@@ -10,6 +11,25 @@ namespace {
 constexpr double kMostOfPositions = 0.6;
 /// On so few positions a curve is free at every one: nothing faster can be told from it there.
 constexpr double kFewPositions = 5.0;
+
+/// Positions closer than this share of the travel are one target.
+constexpr double kSameTarget = 1e-3;
+
+/// Second derivatives of the natural cubic spline at its places: a tridiagonal system, solved without pivoting since
+/// its diagonal outweighs the rest. @param at  ascending, at least two
+std::vector<double> second_derivatives(const std::vector<double>& at, const std::vector<double>& value) {
+  const std::size_t n = at.size();
+  std::vector<double> second(n, 0.0), above(n, 0.0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double left = at[i] - at[i - 1], right = at[i + 1] - at[i];
+    const double bend = 6.0 * ((value[i + 1] - value[i]) / right - (value[i] - value[i - 1]) / left);
+    const double pivot = 2.0 * (left + right) - left * above[i - 1];
+    above[i] = right / pivot;
+    second[i] = (bend - left * second[i - 1]) / pivot;
+  }
+  for (std::size_t i = n - 1; i-- > 1;) second[i] -= above[i] * second[i + 1];
+  return second;
+}
 
 /// Functions that so many different positions can hold; mean and slope take two.
 std::size_t most_functions(double positions, bool apart) {
@@ -49,11 +69,16 @@ CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most
   for (const double p : positions_mm) centre_mm_ += p / n;
   const double width = greatest_mm_ - least_mm_;
   if (width <= 0.0) return;
-  const std::size_t room = most_functions(static_cast<double>(distinct(positions_mm, 1e-6 * width).size()), apart);
+  targets_mm_ = distinct(positions_mm, kSameTarget * width);
+  const std::size_t room = most_functions(static_cast<double>(targets_mm_.size()), apart);
   for (std::size_t k = 0; k < std::min(most, room); ++k) {
+    std::vector<double> shape;
+    for (const double target : targets_mm_) shape.push_back(smooth_shape(k + 1, (target - least_mm_) / width));
+    second_.push_back(second_derivatives(targets_mm_, shape));
+    shape_.push_back(std::move(shape));
     double sum = 0.0, sum_pf = 0.0, sum_pp = 0.0;
     for (const double p : positions_mm) {
-      const double f = smooth_shape(k + 1, place_of(p));
+      const double f = spline(k, p);
       sum += f;
       sum_pf += (p - centre_mm_) * f;
       sum_pp += (p - centre_mm_) * (p - centre_mm_);
@@ -63,16 +88,20 @@ CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most
   }
 }
 
-double CurveBasis::place_of(double position_mm) const {
-  const double width = greatest_mm_ - least_mm_;
-  return width <= 0.0 ? 0.0 : std::clamp((position_mm - least_mm_) / width, 0.0, 1.0);
+double CurveBasis::spline(std::size_t k, double position_mm) const {
+  const auto above = std::upper_bound(targets_mm_.begin() + 1, targets_mm_.end() - 1, position_mm);
+  const auto i = static_cast<std::size_t>(above - targets_mm_.begin());
+  const double h = targets_mm_[i] - targets_mm_[i - 1];
+  const double b = std::clamp((position_mm - targets_mm_[i - 1]) / h, 0.0, 1.0), a = 1.0 - b;
+  return a * shape_[k][i - 1] + b * shape_[k][i] +
+         ((a * a * a - a) * second_[k][i - 1] + (b * b * b - b) * second_[k][i]) * h * h / 6.0;
 }
 
 double CurveBasis::half_width_mm() const { return std::max(0.5 * (greatest_mm_ - least_mm_), 1e-9); }
 
 double CurveBasis::value(std::size_t k, double position_mm) const {
   const double p = std::clamp(position_mm, least_mm_, greatest_mm_);
-  return smooth_shape(k + 1, place_of(p)) - mean_[k] - slope_[k] * (p - centre_mm_);
+  return spline(k, p) - mean_[k] - slope_[k] * (p - centre_mm_);
 }
 
 }  // namespace ecs::model

@@ -1,5 +1,6 @@
-// Smooth curves over a travel: Legendre polynomials in the order of their roughness, with mean and slope over the
-// measured positions removed.
+// Smooth curves over a travel: Legendre polynomials in the order of their roughness at the targets, natural cubic
+// splines between them, with mean and slope over the measured positions removed. A polynomial of high degree swings
+// between the outer targets (Runge 1901) where nothing was measured: a map made from it would put errors there.
 // Does not live here: how many of them a fit may use (model/regression/regressors.hpp).
 #pragma once
 
@@ -29,13 +30,17 @@ class CurveBasis {
   [[nodiscard]] double half_width_mm() const;
 
  private:
-  [[nodiscard]] double place_of(double position_mm) const;
+  /// Shape k between the targets.
+  [[nodiscard]] double spline(std::size_t k, double position_mm) const;
 
   double least_mm_ = 0.0;
   double greatest_mm_ = 0.0;
   double centre_mm_ = 0.0;
-  std::vector<double> mean_;   ///< of each shape over the measured positions
-  std::vector<double> slope_;  ///< of each shape, per mm
+  std::vector<double> targets_mm_;           ///< ascending
+  std::vector<std::vector<double>> shape_;   ///< at the targets
+  std::vector<std::vector<double>> second_;  ///< derivative at the targets, per mm^2
+  std::vector<double> mean_;                 ///< of each shape over the measured positions
+  std::vector<double> slope_;                ///< of each shape, per mm
 };
 
 /// The different values, ascending, those closer than `tolerance` merged.
