@@ -320,12 +320,14 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   return ask_group_by(next, in, group, options);  // levels of a condition add up
 }
 
-/// The line as it is measured now, once more: whether what is left comes back.
+/// The line as it is measured now, once more and both ways: whether what is left comes back. What changes in time
+/// comes at other places on the way back.
 void take_repetition(NextMeasurement& next, const Setting& in) {
   std::vector<PresentLine> lines = present_lines(in.data, in.times);
   if (lines.empty()) return;
   MeasurementProposal again = lines.front().now;
   again.targets_mm = off_equal_steps(again.targets_mm, again.targets_mm);
+  again.bidirectional = true;
   constexpr int kTwice = 2;
   again.runs = kTwice;
   again.minutes = minutes_of(again, in.times);
@@ -436,6 +438,11 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   NextMeasurement next;
   if (data.size() == 0) {
     next.notes.emplace_back("no readings: nothing to go on from");
+    return next;
+  }
+  if (data.rotary) {
+    next.notes.emplace_back(
+        "plans are of linear axes; of a rotary axis measure the turn again both ways, at targets of another step");
     return next;
   }
   const Setting setting{model, data, times};
