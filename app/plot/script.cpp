@@ -41,6 +41,10 @@ std::string_view style_of(Mark mark) {
       return "points pt 8 ps 0.7 lw 0.7 lc rgb '#6090c0'";
     case Mark::reverse_reading:
       return "points pt 10 ps 0.7 lw 0.7 lc rgb '#d08060'";
+    case Mark::forward_value:
+      return "points pt 13 ps 0.8 lc rgb '#0050a0'";
+    case Mark::reverse_value:
+      return "points pt 12 ps 0.8 lc rgb '#c04000'";
     case Mark::value:
       return "points pt 7 ps 0.6 lc rgb '#202020'";
     case Mark::bar:

@@ -44,12 +44,18 @@ void widen(PlotRange& range, double share) {
   range.to += pad;
 }
 
-bool forward(Mark mark) { return mark == Mark::forward || mark == Mark::forward_reading; }
-bool reverse(Mark mark) { return mark == Mark::reverse || mark == Mark::reverse_reading; }
+bool forward(Mark mark) {
+  return mark == Mark::forward || mark == Mark::forward_reading || mark == Mark::forward_value;
+}
+bool reverse(Mark mark) {
+  return mark == Mark::reverse || mark == Mark::reverse_reading || mark == Mark::reverse_value;
+}
 bool line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
 
 Tone tone_of(Mark mark) { return forward(mark) ? Tone::forward : (reverse(mark) ? Tone::reverse : Tone::plain); }
 char32_t glyph_of(Mark mark, Glyphs glyphs) {
+  if (mark == Mark::forward_value) return glyphs == Glyphs::ascii ? U'*' : U'◆';
+  if (mark == Mark::reverse_value) return glyphs == Glyphs::ascii ? U'+' : U'◇';
   if (mark == Mark::value) return glyphs == Glyphs::ascii ? U'*' : U'●';
   if (glyphs == Glyphs::ascii) return forward(mark) ? U'^' : (reverse(mark) ? U'v' : U'o');
   return forward(mark) ? U'▲' : (reverse(mark) ? U'▼' : U'○');

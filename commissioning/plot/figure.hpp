@@ -17,6 +17,8 @@ enum class Mark {
   forward_reading,  ///< small open triangles upward, no line
   reverse_reading,  ///< small open triangles downward, no line
   reading,          ///< small open circles, no line
+  forward_value,    ///< filled diamonds, no line
+  reverse_value,    ///< open diamonds, no line
   value,            ///< filled circles, no line
   spread,           ///< points in pairs of equal x: a grey bar from the lower to the upper
   bar,              ///< a filled bar from zero; that of a later series in front, half as high

@@ -78,6 +78,21 @@ TEST_CASE("no space, no points, one point: a chart says so") {
   CHECK(contains(canvas.plain_text(), "○"));
 }
 
+TEST_CASE("values of both directions have marks of their own where they are not joined") {
+  const PlotPanel values{"values",
+                         "x",
+                         "y",
+                         {{"model, forward", Mark::forward_value, {{0.0, 1.0}, {1.0, 1.0}}},
+                          {"model, reverse", Mark::reverse_value, {{0.0, -1.0}, {1.0, -1.0}}}}};
+  for (const auto& [glyphs, forward, reverse] :
+       {std::tuple{Glyphs::unicode, "◆", "◇"}, std::tuple{Glyphs::ascii, "*", "+"}}) {
+    Canvas canvas(16, 60, glyphs);
+    draw_chart(canvas, canvas.whole(), values, {});
+    CHECK(contains(canvas.plain_text(), forward));
+    CHECK(contains(canvas.plain_text(), reverse));
+  }
+}
+
 TEST_CASE("a line stops where its points are too far apart") {
   PlotPanel p{"", "s", "um", {{"", Mark::forward, {{0.0, 0.0}, {1.0, 0.0}, {9.0, 0.0}, {10.0, 0.0}}}}};
   const auto dots = [&p] {
