@@ -225,8 +225,8 @@ std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::stri
   if (found == set.readings.end()) return std::nullopt;
   return Problem{
       ProblemKind::bad_input,
-      fmt::format("expected readings of linear axes, found the rotary axis {}: maps and error models are of linear "
-                  "axes; `ecs laser stats` gives its statistics and the waves of a turn",
+      fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its maps are of linear "
+                  "axes; `ecs laser stats` and `ecs model` take it",
                   letter_of(found->axis, true)),
       file_name,
       std::max(1, found->line),

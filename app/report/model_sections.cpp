@@ -164,7 +164,7 @@ std::string parameters_in_words(const model::EffectFit& fit) {
   std::vector<std::string> words;
   for (const model::ParameterEstimate& one : fit.parameters) {
     if (one.value == 0.0 && !one.sigma) continue;
-    std::string value = parameter_text(one.name, one.unit, one.value, one.sigma);
+    std::string value = parameter_text(shown_name(one), one.unit, one.value, one.sigma);
     if (one.held) value += " (given)";
     if (one.undetermined) value += " (not determined by these data)";
     words.push_back(std::move(value));

@@ -102,7 +102,9 @@ Candidate candidate_in(const Json& object, AnswerReader& reader) {
     candidate.tried_at.coefficients.push_back(reader.count(Json{{"coefficients", one}}, "coefficients"));
   const Json parameters = reader.object(object, "parameters");
   for (const auto& [name, value] : parameters.items())
-    if (value.is_number()) candidate.parameters.push_back({name, "", value.get<double>(), {}, false, false});
+    if (value.is_number())
+      candidate.parameters.push_back(
+          {model::library_name(name, candidate.effect.rotary), "", value.get<double>(), {}, false, false});
   return candidate;
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 using model::Comparison;
 
-Cell direction_cell(const model::DirectionSummary& d) {
+Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
   Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);  // without its F, which has no room in the table
   if (const std::size_t comma = lack_of_fit.text.find(", "); comma != std::string::npos)
     lack_of_fit.text.erase(0, comma + 2);
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       {{"sense", word_cell(name_of(d.sense))},
-       {"axis", word_cell(axis_json(d.axis))},
+       {"axis", word_cell(axis_json(d.axis, rotary))},
        {"approach", {d.approach, std::string(direction_text(d.approach))}},
        {"bias_um", number_cell(d.bias_um, 3)},
        {"rms_um", number_cell(d.rms_um, 3)},
@@ -31,30 +31,31 @@ Cell direction_cell(const model::DirectionSummary& d) {
 
 Cell directions_cell(const Comparison& c) {
   Cell list{Json::array(), "sense axis direction   readings     bias      rms     peak   lack of fit\n"};
-  for (const model::DirectionSummary& one : c.directions) list.add(direction_cell(one));
+  for (const model::DirectionSummary& one : c.directions) list.add(direction_cell(one, c.rotary));
   list.text += "bias, rms, peak of the residual (reading - model): um; um/m for EA EB EC\n";
   return list;
 }
 
 Cell worst_cell(const Comparison& c) {
   if (c.worst.empty()) return {Json::array(), ""};
+  const std::string letters = c.rotary ? "a          b          c" : "x          y          z";
   Cell list{Json::array(),
-            "\nworst places\n   row sense axis          x          y          z dir  run   reading  residual\n"};
-  for (const model::WorstPlace& w : c.worst)
-    list.add(
-        record_cell("{row:>6} {sense:<5} {axis:<4} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {run:>4} "
-                    "{reading_um:>9} {residual_um:>9}\n",
-                    {{"row", integer_cell(w.row)},
-                     {"axis", word_cell(axis_json(w.axis))},
-                     {"sense", word_cell(name_of(w.sense))},
-                     {"x_mm", position_cell(w.position_mm[0])},
-                     {"y_mm", position_cell(w.position_mm[1])},
-                     {"z_mm", position_cell(w.position_mm[2])},
-                     {"approach", {w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")}},
-                     {"run", integer_cell(w.run)},
-                     {"reading_um", number_cell(w.reading_um, 2)},
-                     {"predicted_um", number_cell(w.predicted_um, 2)},
-                     {"residual_um", number_cell(w.residual_um, 2)}}));
+            fmt::format("\nworst places\n   row sense axis          {} dir  run   reading  residual\n", letters)};
+  for (const model::WorstPlace& w : c.worst) {
+    AnswerFields fields{{"row", integer_cell(w.row)},
+                        {"axis", word_cell(axis_json(w.axis, c.rotary))},
+                        {"sense", word_cell(name_of(w.sense))}};
+    add_position(fields, w.position_mm, c.rotary);
+    fields.insert(fields.end(), {{"approach", {w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")}},
+                                 {"run", integer_cell(w.run)},
+                                 {"reading_um", number_cell(w.reading_um, 2)},
+                                 {"predicted_um", number_cell(w.predicted_um, 2)},
+                                 {"residual_um", number_cell(w.residual_um, 2)}});
+    list.add(record_cell(fmt::format("{{row:>6}} {{sense:<5}} {{axis:<4}} {} {{approach:>3}} {{run:>4}} "
+                                     "{{reading_um:>9}} {{residual_um:>9}}\n",
+                                     position_layout(c.rotary)),
+                         fields));
+  }
   return list;
 }
 

@@ -144,10 +144,12 @@ PlotPanel folded_panel(const model::Fit& fit, const Observations& data, std::siz
   const EffectFit& wave = fit.effects[effect];
   const double period_mm = *period_of(wave);
   const Axis axis = *wave.effect.axis;
-  PlotPanel panel{fmt::format("{}: folded over its period of {} mm", place_text(wave.effect), few_digits(period_mm, 4)),
-                  fmt::format("{} position from the datum, modulo the period [mm]", letter_of(axis)),
-                  wave.effect.sense && is_rotation(*wave.effect.sense) ? "error [µm/m]" : "error [µm]",
-                  {}};
+  PlotPanel panel{
+      fmt::format("{}: folded over its period of {} {}", place_text(wave.effect), few_digits(period_mm, 4),
+                  data.position_unit()),
+      fmt::format("{} position from the datum, modulo the period [{}]", data.letter(axis), data.position_unit()),
+      wave.effect.sense && is_rotation(*wave.effect.sense) ? "error [µm/m]" : "error [µm]",
+      {}};
   LineReadings acting{data, axis, {}};
   for (const int approach : {1, -1, 0}) {
     PlotSeries readings{

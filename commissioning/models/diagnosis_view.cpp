@@ -79,7 +79,8 @@ std::string values_text(const Candidate& c) {
   for (const double value : found->second)
     if (values.size() < kMostShown) values.push_back(fmt::format("{:.5g}", value));
   const std::string all = fmt::format("{}", fmt::join(values, c.effect.definition().search.has_slope ? ", " : " to "));
-  return fmt::format("{} {}{}: all fit as well", searched, all, found->second.size() > kMostShown ? " and more" : "");
+  return fmt::format("{} {}{}: all fit as well", model::shown_name(searched, c.effect.rotary), all,
+                     found->second.size() > kMostShown ? " and more" : "");
 }
 
 /// In front of the numbers of its row, which is the next where the name is longer.
@@ -89,12 +90,19 @@ std::string place_in_table(const model::EffectInstance& effect) {
   return name.size() <= kRoom ? padded(name, kRoom) : name + "\n" + std::string(kRoom, ' ');
 }
 
+Json parameters_set_json(const Candidate& candidate) {
+  Json sets = Json::object();
+  for (const auto& [name, values] : candidate.parameters_set)
+    sets[model::shown_name(name, candidate.effect.rotary)] = values;
+  return sets;
+}
+
 /// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
 Cell candidate_cell(const Candidate& c) {
   Json values = Json::object(), sigmas = Json::object();
   for (const model::ParameterEstimate& one : c.parameters) {
-    values[one.name] = number_or_null(one.value);
-    sigmas[one.name] = number_or_null(one.sigma);
+    values[model::shown_name(one)] = number_or_null(one.value);
+    sigmas[model::shown_name(one)] = number_or_null(one.sigma);
   }
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
   std::vector<std::string> rivals;
@@ -112,7 +120,7 @@ Cell candidate_cell(const Candidate& c) {
       {"false_naming", {number_or_null(c.false_naming), ""}},
       {"probability", {number_or_null(c.probability), ""}},
       {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
-      {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
+      {"parameters_set", {parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))}},
       {"e_value", {number_or_null(c.e_value), ""}},
       {"found", {c.found, ""}},
       {"tried_at", {Json{{"value", number_or_null(c.tried_at.value)}, {"coefficients", c.tried_at.coefficients}}, ""}},

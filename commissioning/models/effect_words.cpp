@@ -92,7 +92,7 @@ std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const mod
     facts.push_back({"e-value", judged(fmt::format("{:.3g}, {:g} is asked for", *candidate.e_value, kProvingEValue),
                                        *candidate.e_value >= kProvingEValue)});
   for (const model::ParameterEstimate& one : candidate.parameters)
-    if (std::string text = parameter_evidence(one); !text.empty()) facts.push_back({one.name, std::move(text)});
+    if (std::string text = parameter_evidence(one); !text.empty()) facts.push_back({shown_name(one), std::move(text)});
   return facts;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/models/view.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
@@ -21,14 +22,26 @@ std::string word_in(const Json& object, const char* key) {
 
 }  // namespace
 
-std::string axis_json(Axis axis) { return std::string(1, letter_of(axis)); }
+std::string axis_json(Axis axis, bool rotary) { return std::string(1, laser::letter_of(axis, rotary)); }
 
 Cell position_cell(double position_mm) { return {number_or_null(position_mm), position_text(position_mm)}; }
 
-Json position_json(const Vector3& position_mm) {
-  return {{"x_mm", number_or_null(position_mm[0])},
-          {"y_mm", number_or_null(position_mm[1])},
-          {"z_mm", number_or_null(position_mm[2])}};
+std::string position_layout(bool rotary) {
+  std::vector<std::string> columns;
+  for (const Axis a : kAllAxes) columns.push_back(fmt::format("{{{}:>10}}", laser::target_column(a, rotary)));
+  return fmt::format("{}", fmt::join(columns, " "));
+}
+
+void add_position(AnswerFields& fields, const Vector3& position_mm, bool rotary) {
+  for (const Axis a : kAllAxes)
+    fields.push_back({laser::target_column(a, rotary), position_cell(position_mm[index_of(a)])});
+}
+
+Json position_json(const Vector3& position_mm, bool rotary) {
+  Json out = Json::object();
+  for (const Axis a : kAllAxes)
+    out[std::string(laser::target_column(a, rotary))] = number_or_null(position_mm[index_of(a)]);
+  return out;
 }
 
 Json numbers_json(const std::vector<double>& values) {
@@ -39,7 +52,7 @@ Json numbers_json(const std::vector<double>& values) {
 
 Json effect_json(const EffectInstance& effect) {
   Json out{{"effect", name_of(effect.id)},
-           {"axis", effect.axis ? Json(axis_json(*effect.axis)) : Json(nullptr)},
+           {"axis", effect.axis ? Json(axis_json(*effect.axis, effect.rotary)) : Json(nullptr)},
            {"sense", text_or_null(sense_text(effect))},
            {"approach", name_of(effect.approach)},
            {"code", text_or_null(code_text(effect))},
@@ -54,7 +67,10 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   if (!id) return std::nullopt;
   EffectInstance effect;
   effect.id = id;
-  if (const std::string axis = word_in(object, "axis"); axis.size() == 1) effect.axis = axis_of(axis[0]);
+  if (const auto named = laser::axis_named(word_in(object, "axis"))) {
+    effect.axis = named->axis;
+    effect.rotary = named->rotary;
+  }
   effect.sense = sense_named(word_in(object, "sense"));
   static_cast<void>(model::set_code(id, word_in(object, "code"), effect.sense, effect.code));
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
@@ -83,7 +99,7 @@ AnswerFields fields_of(const ParameterEstimate& p) {
   if (!p.held && !p.undetermined && p.sigma && *p.sigma >= 1e-9)
     digits =
         2 + std::max(0, static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), *p.sigma) / *p.sigma))));
-  return {{"name", word_cell(p.name)},
+  return {{"name", word_cell(shown_name(p))},
           {"unit", word_cell(p.unit)},
           {"value", {number_or_null(p.value), few_digits(p.value, digits)}},
           {"sigma", {number_or_null(p.sigma), sigma}},

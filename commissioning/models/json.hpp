@@ -33,8 +33,11 @@ namespace ecs::commissioning {
 
 /// The text to a thousandth.
 [[nodiscard]] Cell position_cell(double position_mm);
-/// {"x_mm", "y_mm", "z_mm"}
-[[nodiscard]] Json position_json(const Vector3& position_mm);
-[[nodiscard]] std::string axis_json(Axis axis);
+/// Columns of a position in a table, "{x_mm:>10} {y_mm:>10} {z_mm:>10}", and what belongs there.
+[[nodiscard]] std::string position_layout(bool rotary);
+void add_position(AnswerFields& fields, const Vector3& position_mm, bool rotary);
+/// {"x_mm", "y_mm", "z_mm"}; of rotary axes {"a_deg", "b_deg", "c_deg"}
+[[nodiscard]] Json position_json(const Vector3& position_mm, bool rotary = false);
+[[nodiscard]] std::string axis_json(Axis axis, bool rotary = false);
 
 }  // namespace ecs::commissioning

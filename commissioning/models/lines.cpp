@@ -16,6 +16,7 @@ std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
     MeasuredLine& line = lines[{data.sense[k], data.axis[k], parked}];
     line.axis = data.axis[k];
     line.sense = data.sense[k];
+    line.rotary = data.rotary;
     line.parked_mm = parked;
     line.rows.push_back(k);
   }
@@ -25,11 +26,11 @@ std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
 }
 
 std::string title_of(const MeasuredLine& line) {
-  const std::string text = fmt::format("{} along {}", name_of(line.sense), letter_of(line.axis));
+  const std::string text = fmt::format("{} along {}", name_of(line.sense), laser::letter_of(line.axis, line.rotary));
   std::vector<std::string> parked;
   for (const Axis a : kAllAxes)
     if (a != line.axis && line.parked_mm[index_of(a)] != 0.0)
-      parked.push_back(fmt::format("{} {:.6g}", letter_of(a), line.parked_mm[index_of(a)]));
+      parked.push_back(fmt::format("{} {:.6g}", laser::letter_of(a, line.rotary), line.parked_mm[index_of(a)]));
   return parked.empty() ? text : fmt::format("{} at {}", text, fmt::join(parked, ", "));
 }
 

@@ -16,6 +16,7 @@ struct MeasuredLine {
   Axis axis = Axis::X;
   Sense sense = Sense::EX;
   Vector3 parked_mm{};
+  bool rotary = false;            ///< the axes are A, B, C
   std::vector<std::size_t> rows;  ///< canonical order of the observations
 };
 /// By sense, axis and parked place.

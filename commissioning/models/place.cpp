@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "laser/measurement_set.hpp"
+#include "laser/csv_columns.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -32,8 +32,9 @@ auto not_understood(std::string_view part) {
 }
 
 bool take_word(Asked& asked, std::string_view key, std::string_view value) {
-  if (key == "axis" && value.size() == 1 && axis_of(value.front())) {
-    asked.query.axis = *axis_of(value.front());
+  if (const auto axis = laser::axis_named(value); key == "axis" && axis) {
+    asked.query.axis = axis->axis;
+    asked.query.rotary = axis->rotary;
     return asked.axis_given = true;
   }
   if (key == "sense" && sense_named(value)) {
@@ -45,8 +46,8 @@ bool take_word(Asked& asked, std::string_view key, std::string_view value) {
 
 bool take_number(PointQuery& query, std::string_view key, double value) {
   for (const Axis a : kAllAxes) {
-    const char letter = static_cast<char>(letter_of(a) - 'A' + 'a');
-    if (key != std::string(1, letter) && key != fmt::format("{}_mm", letter)) continue;
+    const std::string_view column = laser::target_column(a, query.rotary);
+    if (key != column && key != column.substr(0, 1)) continue;
     query.position_mm[index_of(a)] = value;
     return true;
   }
@@ -132,6 +133,7 @@ Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<pa
   const auto asked = asked_in(words);
   if (!asked) return tl::unexpected(asked.error());
   PlaceShares shares{asked->query, {Sense::EX, Sense::EY, Sense::EZ}, {}};
+  if (asked->query.rotary) shares.senses = {Sense::EA, Sense::EB, Sense::EC};
   if (asked->sense_given) shares.senses = {asked->query.sense};
   for (const Sense sense : shares.senses) {
     PointQuery query = asked->query;
@@ -146,6 +148,7 @@ Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<pa
 
 Cell shares_cell(const PlaceShares& shares) {
   const Vector3& at = shares.query.position_mm;
+  const bool rotary = shares.query.rotary;
   Json senses = Json::array();
   std::string heading = padded("effect", 34), sums = padded("sum", 34);
   std::vector<std::string> rows;
@@ -165,12 +168,14 @@ Cell shares_cell(const PlaceShares& shares) {
                       {"notes", per.notes}});
   }
   rows.push_back(sums);
-  Json object = position_json(at);
+  Json object = position_json(at, rotary);
   object["approach"] = shares.query.approach;
   object["senses"] = std::move(senses);
-  return {std::move(object), fmt::format("\nthe model at x {} y {} z {} mm, {} [um; um/m for EA EB EC]\n{}\n{}\n",
-                                         position_text(at[0]), position_text(at[1]), position_text(at[2]),
-                                         direction_text(shares.query.approach), heading, fmt::join(rows, "\n"))};
+  return {std::move(object),
+          fmt::format("\nthe model at {} {} {} {} {} {} {}, {} [um; um/m for EA EB EC]\n{}\n{}\n", rotary ? "a" : "x",
+                      position_text(at[0]), rotary ? "b" : "y", position_text(at[1]), rotary ? "c" : "z",
+                      position_text(at[2]), laser::target_unit(rotary), direction_text(shares.query.approach), heading,
+                      fmt::join(rows, "\n"))};
 }
 
 Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,

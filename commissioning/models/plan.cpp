@@ -49,7 +49,9 @@ Result<Plan> plan_in(const std::string& file, const ImportArguments& import) {
     std::erase(set->columns, "reading");
     return Plan{std::move(*set), false};
   }
-  auto imported = read_measurements(file, import);
+  ImportArguments any_axis = import;
+  any_axis.takes_rotary = true;
+  auto imported = read_measurements(file, any_axis);
   if (!imported) return tl::unexpected(imported.error());
   return Plan{std::move(imported->set), true};
 }

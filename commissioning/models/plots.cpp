@@ -89,7 +89,7 @@ LineReadings readings_of(const Drawn& drawn, Axis axis, int approach) {
 /// Means of the targets, not joined: a line would show waves that are none.
 PlotSeries at_targets(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
   PlotSeries series = curve(drawn, y, approach, name + " at the targets");
-  series.mark = Mark::value;
+  series.mark = approach == 0 ? Mark::value : approach > 0 ? Mark::forward_value : Mark::reverse_value;
   return series;
 }
 
@@ -115,7 +115,10 @@ PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const Sho
     if (!shown.run || data.run[k] == *shown.run) rows.push_back(k);
   const Values x = along(data, line.axis);
   const Drawn drawn{data, rows, x};
-  PlotPanel panel{title, fmt::format("{} mm", letter_of(line.axis)), is_rotation(line.sense) ? "um/m" : "um", {}};
+  PlotPanel panel{title,
+                  fmt::format("{} {}", data.letter(line.axis), data.position_unit()),
+                  is_rotation(line.sense) ? "um/m" : "um",
+                  {}};
   for (const int approach : kApproaches) {
     const bool means = shown.means && !shown.run;
     PlotSeries dots = means ? curve(drawn, points, approach, "") : readings(drawn, points, approach, "");
@@ -130,7 +133,9 @@ PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const Sho
   return panel;
 }
 
-std::string position_label(Axis axis) { return fmt::format("{} position [mm]", letter_of(axis)); }
+std::string position_label(const Observations& data, Axis axis) {
+  return fmt::format("{} position [{}]", data.letter(axis), data.position_unit());
+}
 
 /// A column that is no position; empty where the data have none of that name.
 Values column_named(const Observations& data, const std::string& name) {
@@ -176,12 +181,12 @@ PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Expla
     const Values x = along(data, line.axis);
     const Drawn drawn{data, line.rows, x};
     PlotPanel measured{
-        title_of(line), position_label(line.axis), fmt::format("error [{}]", unit_label(line.sense)), {}};
+        title_of(line), position_label(data, line.axis), fmt::format("error [{}]", unit_label(line.sense)), {}};
     add_readings(measured, drawn, data.reading, "measured");
     for (const int approach : kApproaches)
       take(measured, model_curve(drawn, fit, line.axis, approach, with_direction("model", approach)));
     PlotPanel left{title_of(line) + ": what the model leaves",
-                   position_label(line.axis),
+                   position_label(data, line.axis),
                    fmt::format("residual [{}]", unit_label(line.sense)),
                    {}};
     add_readings(left, drawn, fit.residual, "residual");
@@ -273,7 +278,7 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
   std::vector<PlotPanel> panels;
   for (const std::size_t effect : folding_effects(fit, 0)) {
     panels.push_back(folded_panel(fit, data, effect));
-    panels.back().x_label = "mm";
+    panels.back().x_label = data.position_unit();
     panels.back().y_label = "um";
   }
   std::vector<std::string> variables{"run", "time_s", "travel_since_reversal_mm"};

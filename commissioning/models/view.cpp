@@ -46,7 +46,9 @@ std::string bar(double um, double largest) {
   constexpr int kHalf = 20;
   std::string cells(2 * kHalf + 1, ' ');
   const int length = largest > 0.0 ? static_cast<int>(std::lround(kHalf * um / largest)) : 0;
-  for (int i = std::min(0, length); i <= std::max(0, length); ++i) cells[static_cast<std::size_t>(kHalf + i)] = '#';
+  const auto first = static_cast<std::size_t>(std::min(kHalf, kHalf + length)),
+             count = static_cast<std::size_t>(std::abs(length)) + 1;
+  cells.replace(first, count, count, '#');
   cells[kHalf] = '|';
   cells.erase(cells.find_last_not_of(' ') + 1);
   return cells;
@@ -91,7 +93,7 @@ std::string value_text(const ParameterEstimate& p) {
 std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
   std::vector<std::string> parts;
   for (const ParameterEstimate& one : parameters)
-    if (one.value != 0.0 || one.sigma) parts.push_back(fmt::format("{} {}", one.name, value_text(one)));
+    if (one.value != 0.0 || one.sigma) parts.push_back(fmt::format("{} {}", shown_name(one), value_text(one)));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

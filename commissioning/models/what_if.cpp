@@ -63,7 +63,7 @@ Cell directions_cell(const WhatIfAnswer& answer) {
         "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {rms_now_um:>10} "
         "{rms_after_um:>10}{achieved_rms_um}{ratio}\n",
         {{"sense", word_cell(name_of(one.sense))},
-         {"axis", word_cell(axis_json(one.axis))},
+         {"axis", word_cell(axis_json(one.axis, answer.rotary))},
          {"approach", {one.approach, std::string(direction_text(one.approach))}},
          {"rms_now_um", number_cell(one.now_um, 3)},
          {"rms_after_um", number_cell(one.predicted_um, 3)},
@@ -94,7 +94,7 @@ Cell achieved_cell(const WhatIfAnswer& answer) {
 }
 
 /// A line that compensation would make worse: what the unit carries cancels there what it does not.
-std::vector<std::string> made_worse(const std::vector<AfterDirection>& directions) {
+std::vector<std::string> made_worse(const std::vector<AfterDirection>& directions, bool rotary) {
   constexpr double kWorse = 1.05;
   std::vector<std::string> notes;
   for (const AfterDirection& one : directions)
@@ -103,13 +103,14 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
           "compensating with this model would make {} along {}, {}, worse, {:.3g} -> {:.3g}: there the effects that "
           "the "
           "unit carries cancel others, or errors that the model lacks",
-          name_of(one.sense), letter_of(one.axis), direction_text(one.approach), one.now_um, one.predicted_um));
+          name_of(one.sense), laser::letter_of(one.axis, rotary), direction_text(one.approach), one.now_um,
+          one.predicted_um));
   return notes;
 }
 
 std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Achieved>& after,
                                   const std::vector<AfterDirection>& directions) {
-  std::vector<std::string> notes = made_worse(directions);
+  std::vector<std::string> notes = made_worse(directions, work.data.rotary);
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
     notes.push_back(
@@ -134,7 +135,7 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   std::vector<AfterDirection> directions =
       after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{});
   std::vector<std::string> notes = notes_on(work, *again, directions);
-  return WhatIfAnswer{*what, std::move(directions), *again, std::move(notes), work.model};
+  return WhatIfAnswer{*what, std::move(directions), *again, std::move(notes), work.model, work.data.rotary};
 }
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model) {

@@ -26,7 +26,8 @@ struct WhatIfAnswer {
   std::vector<AfterDirection> directions;
   std::optional<Achieved> achieved;
   std::vector<std::string> notes;
-  model::Model model;  ///< that was asked about
+  model::Model model;   ///< that was asked about
+  bool rotary = false;  ///< its axes are A, B, C
 };
 
 /// @param model_file  as problems name it

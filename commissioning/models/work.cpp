@@ -19,12 +19,54 @@ Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const s
   return std::optional(std::move(read->machine));
 }
 
+namespace {
+
+/// Readings of linear and of rotary axes share no unit of position.
+std::optional<Problem> axes_mixed(const laser::MeasurementSet& set, const std::string& file) {
+  const bool rotary = set.readings.front().rotary;
+  for (const laser::Reading& reading : set.readings)
+    if (reading.rotary != rotary)
+      return Problem{ProblemKind::bad_input,
+                     fmt::format("expected readings of linear axes or of rotary ones, found both, {} and {}: give each "
+                                 "kind a model of its own",
+                                 laser::letter_of(set.readings.front().axis, rotary),
+                                 laser::letter_of(reading.axis, reading.rotary)),
+                     file,
+                     reading.line,
+                     reading.line > 0 ? 1 : 0,
+                     {}};
+  return std::nullopt;
+}
+
+/// What a model of linear axes says of readings of rotary ones, or the other way round.
+std::optional<Problem> of_other_axes(const model::Model& model, const laser::MeasurementSet& set,
+                                     const std::string& file) {
+  const bool rotary = set.readings.front().rotary;
+  const auto refused = [&](const std::string& what) {
+    return Problem{
+        ProblemKind::bad_input,
+        fmt::format("expected a model of {} axes as the readings are, found {}", rotary ? "rotary" : "linear", what),
+        file,
+        0,
+        0,
+        {}};
+  };
+  for (const model::EffectInstance& effect : model.effects)
+    if (!effect.is_user() && effect.rotary != rotary) return refused(to_text(effect));
+  if (rotary && model.map) return refused("[map]: a map is of linear axes");
+  return std::nullopt;
+}
+
+}  // namespace
+
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
                                           const ImportArguments& import) {
   std::vector<laser::MeasurementSet> sets;
   int rows = 0;
+  ImportArguments any_axis = import;
+  any_axis.takes_rotary = true;
   for (const std::string& file : files) {
-    auto read = read_measurements(file, import);
+    auto read = read_measurements(file, any_axis);
     if (!read) return tl::unexpected(read.error());
     for (const std::string& note : read->set.notes) messages.note(fmt::format("{}: {}", file, note));
     if (read->set.readings.empty())
@@ -35,6 +77,8 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     sets.push_back(std::move(read->set));
   }
   auto all = joined(sets);
+  if (all)
+    if (auto mixed = axes_mixed(*all, files.front()); mixed) return tl::unexpected(std::move(*mixed));
   if (all)
     for (const std::string& note : all->notes) messages.note(note);
   return all;
@@ -47,6 +91,7 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   if (!machine) return tl::unexpected(machine.error());
   auto set = measured_in(messages, arguments.data, arguments.import);
   if (!set) return tl::unexpected(set.error());
+  if (auto other = of_other_axes(*model, *set, arguments.model)) return tl::unexpected(std::move(*other));
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);

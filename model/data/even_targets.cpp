@@ -40,7 +40,7 @@ std::vector<EvenTargets> even_targets(const Observations& data) {
     const auto [axis, step_mm] = line;
     const auto& facts = data.machine.axes[index_of(axis)];
     all.push_back({axis, step_mm, names, hidden_pitches(data, axis, 2.0 * step_mm),
-                   facts && (facts->screw_pitch_mm || facts->scale_pitch_mm)});
+                   data.rotary || (facts && (facts->screw_pitch_mm || facts->scale_pitch_mm))});
   }
   return all;
 }
@@ -49,8 +49,9 @@ std::optional<std::string> even_targets_note(const Observations& data) {
   std::string note;
   for (const EvenTargets& one : even_targets(data))
     note += fmt::format(
-        "{}targets are even at {:g} mm along {} ({}): periods below {:g} mm cannot be told from longer ones{}",
-        note.empty() ? "" : "; ", one.step_mm, letter_of(one.axis), one.senses, 2.0 * one.step_mm, one.hidden_pitches);
+        "{}targets are even at {:g} {} along {} ({}): periods below {:g} {} cannot be told from longer ones{}",
+        note.empty() ? "" : "; ", one.step_mm, data.position_unit(), data.letter(one.axis), one.senses,
+        2.0 * one.step_mm, data.position_unit(), one.hidden_pitches);
   if (note.empty()) return std::nullopt;
   return note + "; targets moved off equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
 }

@@ -15,8 +15,8 @@ using laser::Reading;
 
 /// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable.
 auto key_of(const Reading& r, bool by_time) {
-  const double travelled = laser::target_mm(r) * (r.approach == Approach::reverse ? -1.0 : 1.0);
-  Vector3 parked = r.position_mm;
+  const double travelled = laser::target_of(r) * (r.approach == Approach::reverse ? -1.0 : 1.0);
+  Vector3 parked = r.rotary ? r.angle_deg : r.position_mm;
   parked[index_of(r.axis)] = 0.0;
   return std::make_tuple(by_time ? *r.time_s : 0.0, r.axis, r.sense, parked, r.run, -static_cast<int>(r.approach),
                          travelled, r.error, r.feed_mm_min, r.load_kg, r.row);
@@ -101,6 +101,7 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   Observations data;
   const std::vector<std::size_t> order = canonical_order(set);
   data.file_order = order;
+  data.rotary = !set.readings.empty() && set.readings.front().rotary;
   for (const std::size_t k : order) {
     const Reading& r = set.readings[k];
     data.row.push_back(r.row > 0 ? r.row : static_cast<int>(k) + 1);
@@ -108,13 +109,13 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     data.sense.push_back(r.sense);
     data.run.push_back(r.run);
     data.approach.push_back(static_cast<int>(r.approach));
-    data.position_mm.push_back(r.position_mm);
+    data.position_mm.push_back(data.rotary ? r.angle_deg : r.position_mm);
     data.has_compensated_column = data.has_compensated_column || r.compensated.has_value();
     data.compensated.push_back(r.compensated.value_or(tables.map.has_value()));
   }
   data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
-  take_machine(data, machine);
+  if (!data.rotary) take_machine(data, machine);
   data.map = tables.map;
   data.known = tables.components;
   return data;
@@ -135,6 +136,7 @@ std::vector<T> taken(const std::vector<T>& from, const std::vector<std::size_t>&
 
 Observations subset(const Observations& all, const std::vector<std::size_t>& chosen) {
   Observations part;
+  part.rotary = all.rotary;
   part.row = taken(all.row, chosen);
   part.file_order = taken(all.file_order, chosen);
   part.axis = taken(all.axis, chosen);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/terms.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
 #include "params/machine.hpp"
@@ -45,7 +46,7 @@ struct Observations {
   std::vector<Sense> sense;
   std::vector<int> run;
   std::vector<int> approach;         ///< 1, -1, 0 unknown
-  std::vector<Vector3> position_mm;  ///< machine coordinates
+  std::vector<Vector3> position_mm;  ///< machine coordinates; of rotary axes [deg], A, B, C in place of X, Y, Z
   Column reading;                    ///< um, um/m for rotations
   Column time_s;                     ///< since the first reading
   Column feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct;
@@ -54,9 +55,10 @@ struct Observations {
   std::vector<bool> compensated;  ///< the map was active (explicit or by the rule of the contract)
   bool has_compensated_column = false;
   bool has_run_column = false;
+  bool rotary = false;  ///< the axes are A, B, C: all positions are in degrees, a turn is 360
 
-  params::Machine machine;   ///< may be without axes: datum 0, lines 0
-  TermTable terms;           ///< empty: no chain known
+  params::Machine machine;   ///< may be without axes: datum 0, lines 0; of rotary axes nothing is known
+  TermTable terms;           ///< empty: no chain known, or rotary axes
   MeasurementLines lines{};  ///< where each axis was measured [mm]
   Vector3 datum_mm{};        ///< positions of effects count from here
   std::optional<laser::ErrorMap> map;
@@ -64,11 +66,17 @@ struct Observations {
   std::vector<std::string> notes;  ///< what was assumed, in words
 
   [[nodiscard]] std::size_t size() const { return reading.size(); }
-  /// Coordinate from the datum [mm].
+  [[nodiscard]] char letter(Axis a) const { return laser::letter_of(a, rotary); }
+  /// "mm", "deg"
+  [[nodiscard]] std::string_view position_unit() const { return laser::target_unit(rotary); }
+  /// "x_mm", "c_deg"
+  [[nodiscard]] std::string_view position_name(Axis a) const { return laser::target_column(a, rotary); }
+  /// Coordinate from the datum [mm], of rotary axes [deg].
   [[nodiscard]] double p_mm(std::size_t k, Axis a) const { return position_mm[k][index_of(a)] - datum_mm[index_of(a)]; }
 };
 
-/// @param machine  absent: datum and measurement lines at 0, no lever arms
+/// @param set  of linear axes or of rotary ones, not of both
+/// @param machine  absent: datum and measurement lines at 0, no lever arms; it describes linear axes only
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const KnownTables& tables,
                                            const std::optional<params::Machine>& machine);
 

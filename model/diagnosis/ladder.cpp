@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
@@ -24,7 +25,7 @@ using Eigen::VectorXd;
 
 bool allowed(const EffectInstance& effect, const AddRequest& request) {
   if (effect.id != request.id) return false;
-  if (request.axis && effect.axis != request.axis) return false;
+  if (request.axis && (effect.axis != request.axis || effect.rotary != request.rotary)) return false;
   if (request.sense && effect.sense != request.sense) return false;
   if (request.code && effect.code != request.code) return false;
   if (request.approach && effect.approach != *request.approach) return false;
@@ -44,6 +45,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     EffectInstance effect;
     effect.id = request.id;
     effect.axis = request.axis;
+    effect.rotary = request.rotary;
     effect.sense = request.sense;
     effect.code = request.code;
     effect.approach = request.approach.value_or(ApproachMode::both);
@@ -114,15 +116,19 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     if (part.empty()) continue;
     const auto sense = sense_named(part);
     const auto code = component_of(part);
-    if (part.size() == 1 && axis_of(part.front()))
-      request.axis = axis_of(part.front());
-    else if (sense && (id->place != Place::set_up || is_rotation(*sense)))
+    if (const auto axis = laser::axis_named(part)) {
+      request.axis = axis->axis;
+      request.rotary = axis->rotary;
+      if (axis->rotary && !id->traits.on_rotary_axes)
+        return problem(ProblemKind::usage, fmt::format("{}: no effect of a rotary axis {}", id->id, part));
+    } else if (sense && (id->place != Place::set_up || is_rotation(*sense))) {
       request.sense = sense;
-    else if (code)
+    } else if (code) {
       request.code = code;
-    else
+    } else {
       return problem(ProblemKind::usage,
                      fmt::format("expected EFFECT[:axis[:sense or code]], such as cyclic:X:EX, got \"{}\"", text));
+    }
   }
   if (id->place == Place::set_up) request.axis = std::nullopt;  // it has none
   return request;
@@ -191,9 +197,10 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
   std::vector<double> left(data.reading), of_measurement(data.size(), 0.0);
   for (const EffectFit& effect : fitted_model->effects) {
     const EffectDefinition& definition = effect.effect.definition();
-    const bool carried = definition.is_carried();
+    const bool carried = is_carried(effect.effect);
     const bool measured = definition.traits.of_measurement;
-    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, measured, std::string(definition.how)});
+    what.shares.push_back(
+        {to_text(effect.effect), effect.rms_um, carried, measured, std::string(how_compensated(effect.effect))});
     for (std::size_t k = 0; k < left.size(); ++k) {
       if (carried) left[k] -= effect.contribution[k];
       if (measured) of_measurement[k] += effect.contribution[k];

@@ -14,6 +14,7 @@ namespace ecs::model {
 struct AddRequest {
   EffectId id = nullptr;
   std::optional<Axis> axis;
+  bool rotary = false;  ///< the axis is A, B or C
   std::optional<Sense> sense;
   std::optional<Component> code;
   std::optional<ApproachMode> approach;

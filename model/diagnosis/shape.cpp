@@ -132,8 +132,8 @@ std::string approach_words(const Observations& data, const VectorXd& residual, d
   if (n_forward < 2.0 || n_reverse < 2.0) return "";
   const double difference = forward / n_forward - reverse / n_reverse;
   const double sigma = noise_um * std::sqrt(1.0 / n_forward + 1.0 / n_reverse);
-  const std::string shape =
-      proved_words(along_axis_of(data, half, noise_um, line), "mm", std::string(1, letter_of(line.axis)));
+  const std::string shape = proved_words(along_axis_of(data, half, noise_um, line), data.position_unit(),
+                                         std::string(1, data.letter(line.axis)));
   if (!shape.empty()) return fmt::format("half the difference of the directions is {}", shape);
   if (std::abs(difference) < 4.0 * sigma) return "";
   return fmt::format("forward lies {:+.3g} um from reverse", difference);
@@ -206,12 +206,12 @@ std::string shape_in_words(const Observations& data, const VectorXd& residual, d
   if (variable == "approach") return approach_words(data, residual, noise_um, line);
   if (variable == "run") return run_words(data, residual, noise_um, line);
   for (const Axis axis : kAllAxes)
-    if (variable == fmt::format("{}_mm", "xyz"[index_of(axis)]))
+    if (variable == data.position_name(axis))
       return proved_words(
           points_over(
               residual, noise_um, line.rows, [&](std::size_t k) { return data.position_mm[k][index_of(axis)]; },
               kMostPoints, 10.0 * kSamePlace_mm),
-          "mm", std::string(1, letter_of(axis)));
+          data.position_unit(), std::string(1, data.letter(axis)));
   const Points points = points_over(
       residual, noise_um, line.rows, [&](std::size_t k) { return variable_of(data, k, variable); },
       variable == "time_s" || variable == "row" ? kBinsOfTime : kBinsOfCondition, 0.0);
@@ -232,12 +232,12 @@ std::string spectrum_in_words(const Observations& data, const VectorXd& residual
   while (periods.size() < kMostPeriods && before > least) {
     const ShapeFit wave = wave_in(points);
     if (before - wave.left < std::max(kLeastShareOfWave * (all - n), 20.0)) break;
-    periods.push_back(fmt::format("{:.3g} mm ({:.0f} %)", (points.to - points.from) / wave.waves,
+    periods.push_back(fmt::format("{:.3g} {} ({:.0f} %)", (points.to - points.from) / wave.waves, data.position_unit(),
                                   kPercent * (before - wave.left) / all));
     points.mean = means_without(points, wave);
     before = wave.left;
   }
-  return periods.empty() ? "" : fmt::format("periods along {}: {}", letter_of(line.axis), fmt::join(periods, ", "));
+  return periods.empty() ? "" : fmt::format("periods along {}: {}", data.letter(line.axis), fmt::join(periods, ", "));
 }
 
 void describe_what_is_left(Diagnosis& diagnosis, const Observations& data, const std::vector<double>& residual,

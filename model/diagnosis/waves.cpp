@@ -74,10 +74,12 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
   if (changes([&](std::size_t k) {
         return 2.0 * (data.p_mm(k, *family.effect.axis) - range.first) / (range.second - range.first) - 1.0;
       }))
-    return fmt::format("the wave of {:.4g} mm changes its size or its period along the travel", choice.nonlinear);
+    return fmt::format("the wave of {:.4g} {} changes its size or its period along the travel", choice.nonlinear,
+                       data.position_unit());
   if (last_s > 0.0 &&
       changes([&](std::size_t k) { return std::isnan(data.time_s[k]) ? 0.0 : 2.0 * data.time_s[k] / last_s - 1.0; }))
-    return fmt::format("the wave of {:.4g} mm changes its size or its phase in time", choice.nonlinear);
+    return fmt::format("the wave of {:.4g} {} changes its size or its phase in time", choice.nonlinear,
+                       data.position_unit());
   return "";
 }
 
@@ -93,13 +95,13 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       if (i == j || !same_line(one.effect, other.effect)) continue;
       const bool is_jump = other.effect.traits().shape_of_position && !other.effect.definition().search.has_slope;
       if (is_jump && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
-        return fmt::format("a wave of {:.4g} mm explains it only together with a step: any shape can be written so",
-                           period);
+        return fmt::format("a wave of {:.4g} {} explains it only together with a step: any shape can be written so",
+                           period, data.position_unit());
       if (j < i || !other.effect.traits().periodic) continue;
       const double period2 = chosen[j].nonlinear;
       const bool same = std::abs(period / period2 - 1.0) < kSamePeriod;
       if (same && one.effect.approach != other.effect.approach) continue;
-      if (std::abs(1.0 / period - 1.0 / period2) * travel < kBeating)
+      if (!data.rotary && std::abs(1.0 / period - 1.0 / period2) * travel < kBeating)
         return fmt::format("waves of {:.4g} and {:.4g} mm beat: one wave whose size or period changes along the travel",
                            period, period2);
       if (!is_pitch_or_no_wave(one, chosen[i]) && !is_pitch_or_no_wave(other, chosen[j]) &&

@@ -19,7 +19,7 @@ namespace {
 constexpr double kSamePitch = 0.01;
 constexpr int kMostOfPitch = 10;
 /// Targets a period that show its shape, and a period to suggest where none was fitted.
-constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0;
+constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0, kUsualPeriod_deg = 360.0;
 /// Less of the residual is no evidence in words, whatever a test says: a person sees no difference.
 constexpr double kLeastShareSaid = 0.01;
 /// Variables that a headline names: the strongest, and others of at least this share of the residual variance.
@@ -33,11 +33,20 @@ std::optional<double> searched_value(const EffectInstance& effect) {
   return found == effect.fitted.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// "one turn", "1/3 turn" for a period [deg] that is one.
+std::string part_of_turn(double period_deg) {
+  constexpr double kTurn_deg = 360.0;
+  const double order = std::round(kTurn_deg / period_deg);
+  if (std::abs(period_deg * order / kTurn_deg - 1.0) > kSamePitch) return "";
+  return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
+}
+
 /// "the pitch of its screw", "1/2 of the pitch of its scale" for a period that matches a fact of the machine within a
 /// percent; "" if none does.
 std::string pitch_match(const EffectInstance& effect, const Observations& data) {
   const auto period = searched_value(effect);
   if (!effect.traits().periodic || !period || !effect.axis) return "";
+  if (effect.rotary) return part_of_turn(*period);
   const auto& axis = data.machine.axes[index_of(*effect.axis)];
   if (!axis) return "";
   const auto named = [&](const std::optional<double>& pitch, const char* name) -> std::string {
@@ -55,7 +64,7 @@ std::string pitch_match(const EffectInstance& effect, const Observations& data) 
 }
 
 std::string axis_word(const EffectInstance& effect) {
-  return effect.axis ? std::string(1, letter_of(*effect.axis)) : std::string("the axis");
+  return effect.axis ? std::string(1, axis_letter(effect)) : std::string("the axis");
 }
 
 /// Two significant digits, whole numbers in full.
@@ -67,8 +76,8 @@ std::string size_text(double value, std::string_view unit) {
 
 /// Of the readings that the effect acts on.
 std::string where_word(const EffectInstance& effect) {
-  if (effect.sense) return readings_word(*effect.sense, effect.axis);
-  return effect.axis ? fmt::format("Readings along {}", letter_of(*effect.axis)) : "Readings";
+  if (effect.sense) return readings_word(*effect.sense, effect.axis, effect.rotary);
+  return effect.axis ? fmt::format("Readings along {}", axis_letter(effect)) : "Readings";
 }
 
 /// "t_spindle_degC" → "spindle"
@@ -266,7 +275,7 @@ std::string finding_text(const EffectInstance& effect, const std::vector<Paramet
   word("where", where_word(effect));
   const bool positions = !effect.sense || !effect.axis || direction_of(*effect.sense) == *effect.axis;
   word("slope", positions && !(effect.sense && is_rotation(*effect.sense)) ? "scale error" : "slope");
-  word("axis", effect.axis ? std::string(1, letter_of(*effect.axis)) : "The");
+  word("axis", effect.axis ? std::string(1, axis_letter(effect)) : "The");
   word("code", std::string(code_text(effect)));
   word("pair", pair_word(effect));
   word("turn", std::string(1, letter_of(effect.sense ? direction_of(*effect.sense) : Axis::Z)));
@@ -280,7 +289,12 @@ std::string finding_text(const EffectInstance& effect, const std::vector<Paramet
   return text;
 }
 
-std::string readings_word(Sense sense, std::optional<Axis> axis) {
+std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary) {
+  if (axis && rotary) {
+    const char letter = laser::letter_of(*axis, rotary);
+    if (is_rotation(sense) && direction_of(sense) == *axis) return fmt::format("{} positions", letter);
+    return fmt::format("{} {} over {}", is_rotation(sense) ? "Angles" : "Deviations", name_of(sense), letter);
+  }
   if (is_rotation(sense))
     return axis ? fmt::format("Angles {} along {}", name_of(sense), letter_of(*axis))
                 : fmt::format("Angles {}", name_of(sense));
@@ -294,8 +308,8 @@ std::string reservation_for(const Observations& data) {
   for (const EvenTargets& one : even_targets(data)) {
     if (one.pitch_known && one.hidden_pitches.empty()) continue;
     text += fmt::format(
-        "{}Periods below {:g} mm along {} cannot be told: its targets are even at {:g} mm{}", text.empty() ? "" : " ",
-        2.0 * one.step_mm, letter_of(one.axis), one.step_mm,
+        "{}Periods below {:g} {} along {} cannot be told: its targets are even at {:g} {}{}", text.empty() ? "" : " ",
+        2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm, data.position_unit(),
         one.pitch_known ? one.hidden_pitches + "." : ", and no machine file gives the pitch of its screw or scale.");
   }
   return text;
@@ -337,7 +351,7 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
                          ? evidence_together(candidate, diagnosis, *joint)
                          : evidence_alone(candidate, diagnosis);
   if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())
-    text += fmt::format("; the period {:.5g} mm is {}", *searched_value(candidate.effect), pitch);
+    text += fmt::format("; the period {:.5g} {} is {}", *searched_value(candidate.effect), data.position_unit(), pitch);
   return text + fmt::format(". What tells it apart: {}.", candidate.effect.definition().tells_apart);
 }
 
@@ -347,9 +361,11 @@ std::string separating_measurement(const EffectInstance& effect, const std::vect
     const SeparatingMeasurement& other = rival.definition().separated_by;
     if (other.also_for_rivals && other.precedence < chosen->precedence) chosen = &other;
   }
-  const double period_mm = effect.traits().periodic ? searched_value(effect).value_or(kUsualPeriod_mm) : 0.0;
-  return fmt::format(fmt::runtime(chosen->sentence), fmt::arg("axis", axis_word(effect)),
-                     fmt::arg("tenth", period_mm / kTargetsAPeriod));
+  const double usual = effect.rotary ? kUsualPeriod_deg : kUsualPeriod_mm;
+  const double period = effect.traits().periodic ? searched_value(effect).value_or(usual) : 0.0;
+  return fmt::format(
+      fmt::runtime(chosen->sentence), fmt::arg("axis", axis_word(effect)),
+      fmt::arg("tenth", fmt::format("{:.3g} {}", period / kTargetsAPeriod, laser::target_unit(effect.rotary))));
 }
 
 }  // namespace ecs::model

@@ -19,8 +19,9 @@ inline constexpr double kPercent = 100.0;
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                                        const Observations& data);
 
-/// "X positions", "Y deviations along X", "Angles EA along X": what readings of a sense say where an axis moves.
-[[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis);
+/// "X positions", "Y deviations along X", "Angles EA along X", "C positions", "Deviations EX over C": what readings of
+/// a sense say where an axis moves. @param rotary  the axis is A, B or C
+[[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary = false);
 
 /// What these data cannot show whatever is in them: periods below two steps of even targets, where no pitch of the axis
 /// is known or a known one is among them. "" where there is nothing of the kind.

@@ -19,7 +19,7 @@ EffectDefinition backlash() {
       .carrier = Carrier::error_map,
       .how = "forward and reverse tables",
       .separated_by = separations::kAfterReversal,
-      .traits = {.of_approach = true, .is_usual = true, .one_per_axis = true},
+      .traits = {.of_approach = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 10,
       .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.approach() / 2.0; },
       .of_reversal = [](const Site& site) { return site.once(); },

@@ -38,6 +38,7 @@ constexpr double kRounding = 1.0001;
 constexpr double kWays = 3.0;
 /// Parts and multiples of a pitch: gears, belts, poles of a motor and starts of a thread, in the order of trust.
 constexpr std::array kPartsOfPitch{1.0, 0.5, 2.0, 1.0 / 3.0, 0.25, 0.2, 3.0, 4.0, 5.0, 0.1};
+constexpr double kTurn_deg = 360.0;
 /// Period assumed for planning: eight in the travel, no shorter than this [mm]; well inside what a plan can show.
 constexpr double kPeriodsAssumed = 8.0, kLeastPeriod_mm = 1e-3;
 
@@ -70,11 +71,28 @@ std::vector<double> pitches(const Observations& data, Axis axis, double travel_m
   return facts;
 }
 
+/// Whole fractions of a turn, up to as many as the targets show: what turns comes back (ISO 230-7). Of an arc the
+/// turn itself is a period by nature.
+TriedValues fractions_of_turn(const std::vector<double>& angles_deg, const SearchExtent& extent) {
+  TriedValues tried;
+  const double arc = angles_deg.back() - angles_deg.front();
+  const double mean_step = arc / static_cast<double>(angles_deg.size() - 1);
+  const double step = common_step(angles_deg, kLeastStep * mean_step);
+  double highest = kHighestTurns / mean_step;
+  if (step > 0.0) highest = std::min(highest, 0.5 / step);
+  for (double order = 1.0; order <= kTurn_deg * highest * kRounding && tried.values.size() < extent.most; order += 1.0)
+    tried.values.push_back(kTurn_deg / order);
+  tried.facts = tried.values;
+  tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()));
+  return tried;
+}
+
 TriedValues periods(const Observations& data, const EffectInstance& effect, const Acting& acting,
                     const SearchExtent& extent) {
   TriedValues tried;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   if (p.size() < kFewestTargets) return tried;
+  if (data.rotary) return fractions_of_turn(p, extent);
   const double travel = p.back() - p.front();
   const double mean_step = travel / static_cast<double>(p.size() - 1);
   const double step = common_step(p, kLeastStep * mean_step);
@@ -95,16 +113,17 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   return tried;
 }
 
-/// Within the peak of the start, at least two whole turns inside the travel.
+/// Within the peak of the start, at least two whole turns inside the travel; of a rotary axis as it is.
 ValueRange period_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double start) {
   const auto [first, last] = acting_range(data, acting, *effect.axis);
   const double travel = last - first;
-  if (travel <= 0.0) return {start, start};
+  if (travel <= 0.0 || data.rotary) return {start, start};
   const double lowest = kFewestTurns / travel, frequency = std::max(lowest, 1.0 / std::abs(start));
   return {1.0 / (frequency + kPeak / travel), 1.0 / std::max(lowest, frequency - kPeak / travel)};
 }
 
 double assumed_period(const Observations& plan, const EffectInstance& effect, const Acting& acting) {
+  if (plan.rotary) return kTurn_deg;
   const auto& axis = plan.machine.axes[index_of(*effect.axis)];
   if (axis && axis->screw_pitch_mm) return *axis->screw_pitch_mm;
   const auto [least, greatest] = acting_range(plan, acting, *effect.axis);
@@ -132,10 +151,13 @@ EffectDefinition cyclic() {
                      {"phase2_rad", "rad", "of the second harmonic", Coding::phase}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map with increments well below the period",
-      .separated_by = {90, "Measure three periods of {axis} in steps of {tenth:.3g} mm in the middle of the travel.",
-                       false},
+      .separated_by = {90, "Measure three periods of {axis} in steps of {tenth} in the middle of the travel.", false},
       .turns_into = {{Limit::at_greatest, "scale"}, {Limit::at_greatest, "progressive"}},
-      .traits = {.periodic = true, .shape_of_position = true, .one_per_axis = true, .several_alike = true},
+      .traits = {.periodic = true,
+                 .shape_of_position = true,
+                 .one_per_axis = true,
+                 .several_alike = true,
+                 .on_rotary_axes = true},
       .preference = 30,
       .columns_of_place =
           [](double p_mm, double searched, std::span<double> row) {

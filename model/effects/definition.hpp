@@ -46,13 +46,19 @@ struct ParameterDefinition {
 
 /// A parameter with its value from a fit.
 struct ParameterEstimate {
-  std::string name;
-  std::string unit;
+  std::string name;  ///< as the library has it
+  std::string unit;  ///< of positions on a rotary axis "deg"
   double value = 0.0;
   std::optional<double> sigma;  ///< absent: held, or the data do not determine it
   bool held = false;            ///< given in the model file
   bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
 };
+
+/// A name of the library as model files and JSON show it: of a rotary axis "period_deg" for "period_mm".
+[[nodiscard]] std::string shown_name(std::string_view parameter, bool rotary);
+[[nodiscard]] std::string shown_name(const ParameterEstimate& parameter);
+/// The name of the library for what a model file or JSON shows.
+[[nodiscard]] std::string library_name(std::string_view shown, bool rotary);
 
 /// What the unit can do about an effect.
 enum class Carrier : std::uint8_t {
@@ -96,6 +102,8 @@ struct EffectTraits {
   bool is_usual = false;       ///< every measured line has it: part of a new model
   bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis
   bool several_alike = false;  ///< may act several times at one place
+  // of which axes it is an error
+  bool on_rotary_axes = false;  ///< of A, B, C too
 };
 
 /// What data must have for an effect to act.
@@ -124,7 +132,7 @@ struct Becomes {
 /// The measurement that confirms an effect or separates it from its rivals.
 struct SeparatingMeasurement {
   int precedence = 100;         ///< among rivals the one with the least is proposed
-  std::string_view sentence;    ///< fmt; {axis}: the letter, {tenth}: a tenth of the period [mm]
+  std::string_view sentence;    ///< fmt; {axis}: the letter, {tenth}: a tenth of the period with its unit
   bool also_for_rivals = true;  ///< false: only where the effect itself is the first candidate
 };
 
@@ -254,6 +262,11 @@ struct EffectDefinition {
 
 /// The effect at places of this kind. @pre one effect of the library is
 [[nodiscard]] EffectId effect_at(Place place);
+
+/// The unit can compensate it there; on rotary axes nothing: the unit has X, Y and Z.
+[[nodiscard]] bool is_carried(const EffectInstance& effect);
+/// How the unit compensates it, or why it cannot.
+[[nodiscard]] std::string_view how_compensated(const EffectInstance& effect);
 
 inline const EffectTraits& EffectInstance::traits() const { return definition().traits; }
 inline bool EffectInstance::is_user() const { return definition().place == Place::formulas; }

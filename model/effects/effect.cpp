@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "laser/measurement_set.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::model {
@@ -22,12 +23,14 @@ std::optional<ApproachMode> approach_mode_named(std::string_view name) {
   return static_cast<ApproachMode>(found - kModes.begin());
 }
 
+char axis_letter(const EffectInstance& effect) { return laser::letter_of(*effect.axis, effect.rotary); }
+
 std::string to_text(const EffectInstance& effect) {
   if (effect.is_user()) return fmt::format("user:{}", effect.name);
   std::string text(name_of(effect.id));
   if (!effect.axis && !effect.sense && !effect.code) return text;
   const EffectDefinition& definition = effect.definition();
-  if (definition.place != Place::set_up) text += effect.axis ? fmt::format(":{}", letter_of(*effect.axis)) : ":";
+  if (definition.place != Place::set_up) text += effect.axis ? fmt::format(":{}", axis_letter(effect)) : ":";
   const bool by_sense = definition.place == Place::known_component && effect.sense;
   if (effect.code && !by_sense) return text + fmt::format(":{}", name_of(*effect.code));
   if (effect.sense) text += fmt::format(":{}", name_of(*effect.sense));
@@ -61,7 +64,8 @@ std::string sensors_text(const EffectInstance& effect) {
 }
 
 bool same_place(const EffectInstance& a, const EffectInstance& b) {
-  return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name;
+  return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name &&
+         a.rotary == b.rotary;
 }
 
 bool same_sensors(const EffectInstance& a, const EffectInstance& b) {

@@ -64,6 +64,7 @@ struct EffectInstance {
   std::optional<Axis> axis;       ///< absent where the effect has none (the whole map)
   std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map; of a set-up its rotation
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
+  bool rotary = false;            ///< `axis` is A, B or C: positions and lengths are in degrees
   ApproachMode approach = ApproachMode::both;
   std::string sensor;                        ///< column of the sensor, where one is used
   std::string sensor2;                       ///< of the second, where their difference is
@@ -86,7 +87,11 @@ struct EffectInstance {
   friend bool operator==(const EffectInstance&, const EffectInstance&) = default;
 };
 
-/// "cyclic:X:EX", "angular:X:ECX", "set_up_rotation:EC", "map_polarity" (the whole map), "user:encoder tilt".
+/// X, Y, Z; of a rotary axis A, B, C. @pre it has an axis
+[[nodiscard]] char axis_letter(const EffectInstance& effect);
+
+/// "cyclic:X:EX", "cyclic:C:EC", "angular:X:ECX", "set_up_rotation:EC", "map_polarity" (the whole map), "user:encoder
+/// tilt".
 [[nodiscard]] std::string to_text(const EffectInstance& effect);
 
 /// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC": the same with approach and sensors.

@@ -17,7 +17,7 @@ EffectDefinition offset() {
       .carrier = Carrier::error_map,
       .how = "a constant in the map, or the datum's null offset",
       .separated_by = separations::kFinerTargets,
-      .traits = {.shows_at_zero = true, .is_usual = true, .one_per_axis = true},
+      .traits = {.shows_at_zero = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
       .place = Place::sense,
       .preference = 0,
       .columns = [](const ReadingAt&, std::span<double> row) { row[0] = 1.0; },

@@ -65,6 +65,29 @@ EffectId effect_at(Place place) {
   return &*found;
 }
 
+bool is_carried(const EffectInstance& effect) { return !effect.rotary && effect.definition().is_carried(); }
+
+std::string_view how_compensated(const EffectInstance& effect) {
+  const bool by_control = effect.rotary && effect.definition().carrier == Carrier::error_map;
+  return by_control ? "a table of the control for this axis: the unit has X, Y and Z" : effect.definition().how;
+}
+
+std::string shown_name(std::string_view parameter, bool rotary) {
+  constexpr std::string_view kLength = "_mm";
+  if (!rotary || !parameter.ends_with(kLength)) return std::string(parameter);
+  return std::string(parameter.substr(0, parameter.size() - kLength.size())) + "_deg";
+}
+
+std::string shown_name(const ParameterEstimate& parameter) {
+  return shown_name(parameter.name, parameter.unit == "deg");
+}
+
+std::string library_name(std::string_view shown, bool rotary) {
+  constexpr std::string_view kAngle = "_deg";
+  if (!rotary || !shown.ends_with(kAngle)) return std::string(shown);
+  return std::string(shown.substr(0, shown.size() - kAngle.size())) + "_mm";
+}
+
 std::string_view EffectDefinition::searched_parameter() const {
   for (const ParameterDefinition& parameter : parameters)
     if (parameter.coding == Coding::searched) return parameter.name;

@@ -44,7 +44,7 @@ EffectDefinition step() {
       .how = "a table of the error map",
       .separated_by = {110, "Measure {axis} in fine steps across the jump, both ways.", false},
       .turns_into = {{Limit::at_least, "offset"}, {Limit::at_greatest, "offset"}},
-      .traits = {.shape_of_position = true, .one_per_axis = true},
+      .traits = {.shape_of_position = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 40,
       .columns_of_place = [](double p_mm, double searched,
                              std::span<double> row) { row[0] = p_mm > searched ? 1.0 : 0.0; },

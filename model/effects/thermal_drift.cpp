@@ -21,7 +21,8 @@ EffectDefinition thermal_drift() {
       .how = "the unit has no temperature input",
       .separated_by = separations::kOtherTemperature,
       .turns_into = {{Limit::tied_to_runs, "offset"}},
-      .traits = {.is_drift = true, .of_condition = true, .shows_at_zero = true, .one_per_axis = true},
+      .traits =
+          {.is_drift = true, .of_condition = true, .shows_at_zero = true, .one_per_axis = true, .on_rotary_axes = true},
       .place = Place::sense,
       .needs = {Need::sensor},
       .preference = 70,

@@ -19,7 +19,7 @@ EffectDefinition time_drift() {
       .carrier = Carrier::set_up,
       .how = "an error of the measurement, not of the machine",
       .separated_by = separations::kFromCold,
-      .traits = {.is_drift = true, .shows_at_zero = true, .of_measurement = true},
+      .traits = {.is_drift = true, .shows_at_zero = true, .of_measurement = true, .on_rotary_axes = true},
       .place = Place::sense,
       .needs = {Need::time},
       .preference = 100,

@@ -16,7 +16,7 @@ EffectDefinition user() {
       .headline = "{name} as the model file writes it, {sizes}",
       .how = "only effects of the library compile into a map",
       .separated_by = separations::kFinerTargets,
-      .traits = {.several_alike = true},
+      .traits = {.several_alike = true, .on_rotary_axes = true},
       .place = Place::formulas,
   };
 }

@@ -103,7 +103,8 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
   laser::Reading reading;
   reading.axis = query.axis;
   reading.sense = query.sense;
-  reading.position_mm = query.position_mm;
+  reading.rotary = query.rotary;
+  (query.rotary ? reading.angle_deg : reading.position_mm) = query.position_mm;
   reading.approach = static_cast<Approach>(query.approach);
   reading.time_s = query.time_s;
   reading.feed_mm_min = query.feed_mm_min;
@@ -118,9 +119,8 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
 }  // namespace
 
 double variable_of(const Observations& data, std::size_t k, const std::string& name) {
-  if (name == "x_mm") return data.position_mm[k][0];
-  if (name == "y_mm") return data.position_mm[k][1];
-  if (name == "z_mm") return data.position_mm[k][2];
+  for (const Axis a : kAllAxes)
+    if (name == data.position_name(a)) return data.position_mm[k][index_of(a)];
   if (name == "approach") return data.approach[k];
   if (name == "run") return data.run[k];
   if (name == "row") return data.row[k];
@@ -167,6 +167,7 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   comparison.noise = fit.noise;
   comparison.lack_of_fit = fit.lack_of_fit;
   comparison.outliers = fit.outliers;
+  comparison.rotary = data.rotary;
   comparison.directions = directions_of(fit, data);
   comparison.worst = worst_of(fit, data, worst_count);
   const Eigen::Map<const Eigen::VectorXd> residual(fit.residual.data(), static_cast<Eigen::Index>(fit.residual.size()));

@@ -59,6 +59,7 @@ struct Comparison {
   std::vector<ResidualView> views;
   std::vector<WorstPlace> worst;  ///< largest first
   std::vector<int> outliers;
+  bool rotary = false;  ///< of rotary axes: A, B, C, positions in degrees
 };
 
 [[nodiscard]] Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_count = 10);
@@ -77,6 +78,7 @@ struct ShareAtPoint {
 };
 struct PointQuery {
   Axis axis = Axis::X;  ///< moving
+  bool rotary = false;  ///< it is A, B or C: positions are in degrees
   Sense sense = Sense::EX;
   Vector3 position_mm{};
   int approach = 1;

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -140,7 +142,6 @@ void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, c
 }
 
 void add_positions(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
-  constexpr std::array<const char*, kAxes> kNames{"x_mm", "y_mm", "z_mm"};
   for (const Axis a : kAllAxes) {
     Functions functions(data.size());
     for (const Sense sense : senses_of(data)) {
@@ -148,7 +149,7 @@ void add_positions(const Observations& data, const std::vector<double>& scaled, 
           functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, kMostLevels, kOne);
       add_curves_by_parking(data, a, sense, scaled, functions);
     }
-    if (!functions.empty()) out.push_back({kNames[index_of(a)], functions.matrix()});
+    if (!functions.empty()) out.push_back({std::string(data.position_name(a)), functions.matrix()});
   }
 }
 
@@ -179,10 +180,8 @@ void add_approach(const Observations& data, const std::vector<double>& scaled, s
 void add_products(const Observations& data, std::vector<Variable>& out) {
   struct Pair {
     Axis a, b;
-    const char* name;
   };
-  for (const Pair& pair : {Pair{Axis::X, Axis::Y, "x_mm*y_mm"}, Pair{Axis::X, Axis::Z, "x_mm*z_mm"},
-                           Pair{Axis::Y, Axis::Z, "y_mm*z_mm"}}) {
+  for (const Pair& pair : {Pair{Axis::X, Axis::Y}, Pair{Axis::X, Axis::Z}, Pair{Axis::Y, Axis::Z}}) {
     Functions functions(data.size());
     for (const Sense sense : senses_of(data)) {
       std::vector<double> a, b;
@@ -200,7 +199,8 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
                ((to_a - from_a) * (to_b - from_b));
       });
     }
-    if (!functions.empty()) out.push_back({pair.name, functions.matrix()});
+    if (!functions.empty())
+      out.push_back({fmt::format("{}*{}", data.position_name(pair.a), data.position_name(pair.b)), functions.matrix()});
   }
 }
 

@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/effects/definition.hpp"
@@ -58,17 +59,18 @@ std::optional<std::vector<double>> numbers(TomlReader& reader, const toml::table
 }
 
 /// Two lists of equal length, the first ascending.
-std::optional<FittedCurve> curve_in(TomlReader& reader, const toml::table& table, std::string_view what) {
-  const auto p = numbers(reader, table, "p_mm");
+std::optional<FittedCurve> curve_in(TomlReader& reader, const toml::table& table, std::string_view places,
+                                    std::string_view what) {
+  const auto p = numbers(reader, table, places);
   const auto value = numbers(reader, table, "value");
   if (!p || !value) {
-    if (!table.contains("p_mm") || !table.contains("value"))
-      reader.complain(table, fmt::format("{}: expected the lists p_mm and value", what));
+    if (!table.contains(places) || !table.contains("value"))
+      reader.complain(table, fmt::format("{}: expected the lists {} and value", what, places));
     return std::nullopt;
   }
   if (p->empty() || p->size() != value->size() ||
       std::adjacent_find(p->begin(), p->end(), std::greater_equal<>()) != p->end()) {
-    reader.complain(table, fmt::format("{}: expected p_mm ascending and as many values; found {} and {}", what,
+    reader.complain(table, fmt::format("{}: expected {} ascending and as many values; found {} and {}", what, places,
                                        p->size(), value->size()));
     return std::nullopt;
   }
@@ -87,22 +89,11 @@ void take_numbers(TomlReader& reader, const toml::table& effect, std::string_vie
 }
 
 bool is_column_name(const std::string& word) {
-  static const std::set<std::string> kColumns{"x_mm",
-                                              "y_mm",
-                                              "z_mm",
-                                              "p_mm",
-                                              "approach",
-                                              "run",
-                                              "compensated",
-                                              "time_s",
-                                              "feed_mm_min",
-                                              "load_kg",
-                                              "travel_since_reversal_mm",
-                                              "pressure_hPa",
-                                              "humidity_pct",
-                                              "pi",
-                                              "_pi",
-                                              "_e"};
+  static const std::set<std::string> kColumns{
+      "x_mm",         "y_mm",         "z_mm",        "p_mm",     "a_deg",
+      "b_deg",        "c_deg",        "p_deg",       "approach", "run",
+      "compensated",  "time_s",       "feed_mm_min", "load_kg",  "travel_since_reversal_mm",
+      "pressure_hPa", "humidity_pct", "pi",          "_pi",      "_e"};
   return kColumns.contains(word) || laser::is_sensor_column(word);
 }
 
@@ -238,9 +229,11 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   }
   const bool needs_axis =
       definition.place != Place::sense && definition.place != Place::squareness && definition.place != Place::map;
-  if (needs_axis) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\"");
+  if (needs_axis) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\", of a rotary axis \"A\", \"B\" or \"C\"");
+  want(!effect.rotary || definition.traits.on_rotary_axes, "a linear axis: it is no effect of a rotary one");
   if (definition.has_lever() || definition.place == Place::map) return;
-  if (effect.axis && !effect.sense) effect.sense = static_cast<Sense>(*effect.axis);
+  if (effect.axis && !effect.sense)
+    effect.sense = static_cast<Sense>(index_of(*effect.axis) + (effect.rotary ? kAxes : 0));
   want(effect.sense.has_value(), "sense = \"EX\" … \"EC\"");
   if (!needs_axis && !effect.axis && effect.sense) effect.axis = direction_of(*effect.sense);
   if (definition.has_need(Need::sensor)) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
@@ -274,8 +267,10 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
     return std::nullopt;
   }
   effect.id = id;
-  effect.axis = named(reader, table, "axis", "\"X\", \"Y\" or \"Z\"",
-                      [](std::string_view w) { return w.size() == 1 ? axis_of(w.front()) : std::nullopt; });
+  if (const auto axis = named(reader, table, "axis", "\"X\", \"Y\", \"Z\", \"A\", \"B\" or \"C\"", laser::axis_named)) {
+    effect.axis = axis->axis;
+    effect.rotary = axis->rotary;
+  }
   effect.sense =
       named(reader, table, "sense", "EX, EY, EZ, EA, EB or EC", [](std::string_view w) { return sense_named(w); });
   take_code(reader, table, effect);
@@ -293,16 +288,22 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
   if (table.contains("formula"))
     reader.complain(*table.get("formula"), "formula: only effects with id = \"user\" have one");
   std::vector<std::string> known;
-  for (const ParameterDefinition& parameter : effect.definition().parameters) known.emplace_back(parameter.name);
-  take_numbers(reader, table, "parameters", effect.parameters, known);
-  take_numbers(reader, table, "fitted", effect.fitted, known);
+  for (const ParameterDefinition& parameter : effect.definition().parameters)
+    known.push_back(shown_name(parameter.name, effect.rotary));
+  for (const auto& [key, values] : {std::pair{"parameters", &effect.parameters}, std::pair{"fitted", &effect.fitted}}) {
+    std::map<std::string, double> shown;
+    take_numbers(reader, table, key, shown, known);
+    for (const auto& [name, value] : shown) values->emplace(library_name(name, effect.rotary), value);
+  }
   if (const toml::table* curve = reader.child(table, "curve")) {
-    reader.only(*curve, {"p_mm", "value"}, "curve");
-    if (auto points = curve_in(reader, *curve, "curve")) effect.curve = std::move(*points);
+    const std::string places = shown_name("p_mm", effect.rotary);
+    reader.only(*curve, {places, "value"}, "curve");
+    if (auto points = curve_in(reader, *curve, places, "curve")) effect.curve = std::move(*points);
   }
   const auto period = effect.parameters.find("period_mm");
   if (period != effect.parameters.end() && period->second <= 0.0)
-    reader.complain(*table.get("parameters"), "period_mm: expected a period above 0");
+    reader.complain(*table.get("parameters"),
+                    fmt::format("{}: expected a period above 0", shown_name("period_mm", effect.rotary)));
   complete(reader, table, effect);
   return effect;
 }
@@ -333,7 +334,7 @@ void take_known(TomlReader& reader, const toml::table& root, Model& model) {
                               return component && !is_squareness(*component) ? component : std::nullopt;
                             });
     if (!table->contains("code")) reader.complain(*table, "known: expected code = a component, such as ECX");
-    const auto curve = curve_in(reader, *table, "known");
+    const auto curve = curve_in(reader, *table, "p_mm", "known");
     if (code && curve) model.known.push_back({*code, curve->p_mm, curve->value});
   }
 }

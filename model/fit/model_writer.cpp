@@ -28,9 +28,10 @@ std::string list_of(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(words, ", "));
 }
 
-std::string table_of(const std::map<std::string, double>& values) {
+std::string table_of(const EffectInstance& effect, const std::map<std::string, double>& values) {
   std::vector<std::string> words;
-  for (const auto& [name, value] : values) words.push_back(fmt::format("{} = {}", name, shortest(value)));
+  for (const auto& [name, value] : values)
+    words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect.rotary), shortest(value)));
   return fmt::format("{{ {} }}", fmt::join(words, ", "));
 }
 
@@ -62,7 +63,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   std::string text = fmt::format("\n[[{}]]\n", table);
   if (!effect.tied_with.empty()) text += fmt::format("{} {}\n", kAlternatives, effect.tied_with);
   text += fmt::format("id = \"{}\"\n", name_of(effect.id));
-  if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
+  if (effect.axis) text += fmt::format("axis = \"{}\"\n", axis_letter(effect));
   const auto word = [&](std::string_view key, std::string_view value) {
     if (!value.empty()) text += fmt::format("{} = \"{}\"\n", key, value);
   };
@@ -74,16 +75,16 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   if (effect.is_user())
     text += user_text(effect);
   else if (!effect.parameters.empty())
-    text += fmt::format("parameters = {}\n", table_of(effect.parameters));
-  if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect.fitted));
+    text += fmt::format("parameters = {}\n", table_of(effect, effect.parameters));
+  if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect, effect.fitted));
   if (effect.undetermined) {
     std::vector<std::string> names;
     for (const std::string& name : *effect.undetermined) names.push_back(toml_text(name));
     text += fmt::format("undetermined = [{}]\n", fmt::join(names, ", "));
   }
   if (!effect.curve.empty())
-    text +=
-        fmt::format("curve = {{ p_mm = {}, value = {} }}\n", list_of(effect.curve.p_mm), list_of(effect.curve.value));
+    text += fmt::format("curve = {{ {} = {}, value = {} }}\n", shown_name("p_mm", effect.rotary),
+                        list_of(effect.curve.p_mm), list_of(effect.curve.value));
   return text;
 }
 

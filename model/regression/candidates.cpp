@@ -62,7 +62,8 @@ Site site_at(const Observations& data, Sense sense, Axis axis, bool any_axis_var
 /// What the definitions seek at a site of this kind; only those that every line has, if so asked.
 void add_at(const Site& site, CandidatesAt EffectDefinition::*kind, bool usual_only, std::vector<EffectInstance>& out) {
   for (const EffectId id : by_preference()) {
-    if (id->*kind == nullptr || (usual_only && !id->traits.is_usual) || lacks_needs(site.data, *id)) continue;
+    if (id->*kind == nullptr || (site.data.rotary && !id->traits.on_rotary_axes)) continue;
+    if ((usual_only && !id->traits.is_usual) || lacks_needs(site.data, *id)) continue;
     for (EffectInstance& one : (id->*kind)(site)) {
       one.id = id;
       if (!is_tied_to_runs(site.data, one)) out.push_back(std::move(one));
@@ -124,6 +125,7 @@ std::vector<EffectInstance> Site::once(bool worth_trying) const {
   if (!worth_trying) return {};
   EffectInstance effect;
   effect.axis = axis;
+  effect.rotary = data.rotary;
   effect.sense = sense;
   return {effect};
 }

@@ -74,10 +74,10 @@ bool of_sensors(Need need) { return need == Need::two_sensors || need == Need::m
 
 /// Adds "no load_kg: load cannot be tried"; nothing where no effect of the library is concerned.
 template <class Chosen>
-void note(std::string_view what, const Chosen& chosen, std::vector<std::string>& notes) {
+void note(const Observations& data, std::string_view what, const Chosen& chosen, std::vector<std::string>& notes) {
   std::vector<std::string_view> names;
   for (const EffectDefinition& definition : effect_library())
-    if (chosen(definition)) names.push_back(definition.id);
+    if (chosen(definition) && (!data.rotary || definition.traits.on_rotary_axes)) names.push_back(definition.id);
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += fmt::format("{}{}", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
@@ -174,7 +174,7 @@ std::vector<std::string> untried_effects(const Observations& data) {
                                               definition.has_need(Need::material_temperature)
                                         : definition.has_need(facts.need);
     };
-    note(facts.what, concerned, notes);
+    note(data, facts.what, concerned, notes);
   }
   if (data.time_s.empty() && data.size() > 0)
     notes.emplace_back("no time_s: the order of the rows serves as time in the tests of what is left (row)");
@@ -183,11 +183,11 @@ std::vector<std::string> untried_effects(const Observations& data) {
     notes.emplace_back("no approach: effects of approach cannot be tried");
   if (data.terms.count == 0)
     note(
-        "machine", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
+        data, "machine", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
   if (data.known.empty())
     note(
-        facts_of(Need::known).what, [](const EffectDefinition& definition) { return definition.has_need(Need::known); },
-        notes);
+        data, facts_of(Need::known).what,
+        [](const EffectDefinition& definition) { return definition.has_need(Need::known); }, notes);
   return notes;
 }
 

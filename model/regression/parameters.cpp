@@ -79,7 +79,8 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
   const EffectDefinition& definition = effect.definition();
   std::vector<ParameterEstimate> out;
   const auto add = [&](const ParameterDefinition& parameter, double value, std::optional<double> sigma, bool held) {
-    out.push_back({std::string(parameter.name), std::string(parameter.unit), value, sigma, held, false});
+    const std::string_view unit = effect.rotary && parameter.unit == "mm" ? "deg" : parameter.unit;
+    out.push_back({std::string(parameter.name), std::string(unit), value, sigma, held, false});
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
     if (parameter.coding == Coding::searched && searched)

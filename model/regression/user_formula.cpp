@@ -17,8 +17,10 @@ namespace {
 
 /// One formula: its parser, and the columns that it reads.
 constexpr std::size_t kRowNumbers = 7;
-constexpr std::array<const char*, kRowNumbers> kRowNames{"x_mm",     "y_mm", "z_mm",       "p_mm",
-                                                         "approach", "run",  "compensated"};
+/// Of readings of linear and of rotary axes.
+constexpr std::array<std::array<const char*, kRowNumbers>, 2> kRowNames{
+    {{"x_mm", "y_mm", "z_mm", "p_mm", "approach", "run", "compensated"},
+     {"a_deg", "b_deg", "c_deg", "p_deg", "approach", "run", "compensated"}}};
 
 std::map<std::string, const Column*> optional_columns_of(const Observations& data) {
   std::map<std::string, const Column*> columns;
@@ -36,8 +38,8 @@ std::map<std::string, const Column*> optional_columns_of(const Observations& dat
   return columns;
 }
 
-std::vector<std::string> names_of(const std::map<std::string, const Column*>& columns) {
-  std::vector<std::string> names(kRowNames.begin(), kRowNames.end());
+std::vector<std::string> names_of(const std::map<std::string, const Column*>& columns, bool rotary) {
+  std::vector<std::string> names(kRowNames[rotary].begin(), kRowNames[rotary].end());
   for (const auto& each : columns) names.push_back(each.first);
   return names;
 }
@@ -117,7 +119,7 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
     mu::Parser& parser = *compiled.parser;
     try {
       for (std::size_t i = 0; i < effect.user.size(); ++i) parser.DefineVar(effect.user[i].name, &parts->parameters[i]);
-      for (std::size_t i = 0; i < kRowNumbers; ++i) parser.DefineVar(kRowNames[i], &parts->row[i]);
+      for (std::size_t i = 0; i < kRowNumbers; ++i) parser.DefineVar(kRowNames[data.rotary][i], &parts->row[i]);
       for (auto& [name, cell] : parts->cells) parser.DefineVar(name, &cell);
       parser.DefineConst("pi", std::numbers::pi);
       parser.SetExpr(formula.text);
@@ -127,10 +129,10 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
         if (column != columns.end()) compiled.optional_columns.emplace_back(&parts->cells[used.first], column->second);
       }
     } catch (const mu::ParserError& error) {
-      problems.push_back(bad_formula(
-          effect.name, formula,
-          fmt::format("{} The data have the columns {}", error.GetMsg(), fmt::join(names_of(columns), ", ")),
-          static_cast<std::size_t>(error.GetPos()) + 1));
+      problems.push_back(bad_formula(effect.name, formula,
+                                     fmt::format("{} The data have the columns {}", error.GetMsg(),
+                                                 fmt::join(names_of(columns, data.rotary), ", ")),
+                                     static_cast<std::size_t>(error.GetPos()) + 1));
     }
     parts->formulas.push_back(std::move(compiled));
   }

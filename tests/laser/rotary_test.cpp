@@ -52,8 +52,9 @@ TEST_CASE("work on linear axes refuses a rotary one, with its line and what take
   const auto refused = parse_any("axis,a_deg,sense,reading\nA,0,EA,1\n", "a.csv", {});
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().line == 2);
-  CHECK(contains(refused.error().message,
-                 "found the rotary axis A: maps and error models are of linear axes; `ecs laser stats` gives"));
+  CHECK(
+      contains(refused.error().message,
+               "found the rotary axis A: the unit and its maps are of linear axes; `ecs laser stats` and `ecs model`"));
 }
 
 TEST_CASE("targets in degrees or arc seconds, readings in arc seconds") {

@@ -64,7 +64,7 @@ Cell correlations_cell(const Fit& fit) {
   return list;
 }
 
-Cell noise_cell(const Fit& fit) {
+Cell noise_cell(const Fit& fit, bool rotary) {
   Cell list{Json::array(), fit.noise_by_sense.empty() ? "" : "noise [um, um/m]\n"};
   for (const model::NoiseReport& one : fit.noise_by_sense)
     list.add(record_cell(
@@ -72,7 +72,7 @@ Cell noise_cell(const Fit& fit) {
                                   "over {correlation_time_s} (s, or readings without time)\n"
                                 : "  {sense} along {axis}: white {white_um}\n",
         {{"sense", word_cell(name_of(one.sense))},
-         {"axis", word_cell(axis_json(one.axis))},
+         {"axis", word_cell(axis_json(one.axis, rotary))},
          {"white_um", number_cell(one.white_um, 3)},
          {"correlated_um", number_cell(one.correlated_um, 3)},
          {"correlation_time_s", {number_or_null(one.correlation_time_s), few_digits(one.correlation_time_s, 2)}}}));
@@ -86,7 +86,7 @@ std::string outliers_text(const Fit& fit) {
                    0, 2);
 }
 
-Cell fit_cell(const Fit& fit, std::size_t readings, const std::string& output) {
+Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::string& output) {
   const Cell lack_of_fit = lack_of_fit_cell(fit.lack_of_fit);
   std::string undetermined;
   for (const std::string& one : fit.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
@@ -108,7 +108,7 @@ Cell fit_cell(const Fit& fit, std::size_t readings, const std::string& output) {
        {"correlations", correlations_cell(fit)},
        {"undetermined", {fit.undetermined, undetermined}},
        {"outliers", {fit.outliers, outliers_text(fit)}},
-       {"noise", noise_cell(fit)},
+       {"noise", noise_cell(fit, rotary)},
        {"notes", {fit.notes, notes_text(fit.notes)}},
        {"model", text_cell(output)}});
 }
@@ -140,7 +140,7 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   result->notes.insert(result->notes.end(), ties->notes.begin(), ties->notes.end());
   if (const auto written = write(ties->model, *work, *result, arguments); !written)
     return tl::unexpected(written.error());
-  Cell answer = fit_cell(*result, work->data.size(), arguments.output);
+  Cell answer = fit_cell(*result, work->data.size(), work->data.rotary, arguments.output);
   if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
   if (!arguments.plot.empty()) answer.text += fmt::format("plot written to {}\n", arguments.plot);
   return outcome_of(answer);

@@ -49,28 +49,28 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
 
 Cell prediction_cell(const laser::Reading& r, bool has_readings) {
   const bool forward = r.approach == Approach::forward;
-  return record_cell(
-      has_readings ? "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} "
-                     "{predicted:>10} {measured:>10}\n"
-                   : "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} "
-                     "{predicted:>10}\n",
-      {{"row", integer_cell(r.row)},
-       {"axis", word_cell(axis_json(r.axis))},
-       {"sense", word_cell(name_of(r.sense))},
-       {"x_mm", position_cell(r.position_mm[0])},
-       {"y_mm", position_cell(r.position_mm[1])},
-       {"z_mm", position_cell(r.position_mm[2])},
-       {"approach", {static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")}},
+  AnswerFields fields{{"row", integer_cell(r.row)},
+                      {"axis", word_cell(axis_json(r.axis, r.rotary))},
+                      {"sense", word_cell(name_of(r.sense))}};
+  add_position(fields, r.rotary ? r.angle_deg : r.position_mm, r.rotary);
+  fields.insert(
+      fields.end(),
+      {{"approach", {static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")}},
        {"unit", word_cell(laser::unit_of(r.sense))},
        {"predicted", number_cell(r.error, 3)},
        {"measured", number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)}});
+  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
+                                 position_layout(r.rotary), has_readings ? " {measured:>10}" : ""),
+                     fields);
 }
 
 /// The text has the first rows only.
 Cell predictions_cell(const Predicted& p) {
   constexpr std::size_t kMostRows = 40;
   const auto& rows = p.set.readings;
-  Cell list{Json::array(), "   row axis sense          x          y          z dir  predicted"};
+  const bool rotary = !rows.empty() && rows.front().rotary;
+  Cell list{Json::array(), fmt::format("   row axis sense          {} dir  predicted",
+                                       rotary ? "a          b          c" : "x          y          z")};
   list.text += p.has_readings ? "   measured\n" : "\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Cell one = prediction_cell(rows[i], p.has_readings);
