@@ -49,6 +49,8 @@ const std::vector<VerbDefinition>& verbs_without_unit() {
                    "--axis X --sense EX --seconds 10 -o run.rtx", add_capture_options),
       without_unit("survey", "true volumetric error of a machine without a unit", "--step 500 -o survey.csv",
                    add_survey_options),
+      without_unit("components", "true error components along the axes of a machine without a unit",
+                   "--x 0,500,1000 --y 0,100", add_components_options),
       without_unit("run", "run a part program on a machine without a unit", "exx.nc --axis X --sense EX -o exx.csv",
                    add_run_options),
   };

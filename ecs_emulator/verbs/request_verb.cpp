@@ -163,6 +163,11 @@ void add_survey_options(RequestVerb verb) {
   verb.force();
 }
 
+void add_components_options(RequestVerb verb) {
+  for (const char* axis : {"x", "y", "z"})
+    verb.numbers(std::string("--") + axis, axis, "coordinates, separated by commas, mm");
+}
+
 void add_run_options(RequestVerb verb) {
   verb.path("PROGRAM", "program", "part program (docs/part_programs.md)", Need::required);
   verb.word("--axis", "axis", "axis whose component every M08 reads");

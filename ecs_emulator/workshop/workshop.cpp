@@ -9,6 +9,7 @@
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
+#include "ecs_emulator/workshop/components.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
 #include "ecs_emulator/workshop/measure.hpp"
 #include "ecs_emulator/workshop/program.hpp"
@@ -162,6 +163,23 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
                 {"rms_um", rms_um(found->grid)}}}};
 }
 
+/// The true components along each axis, the others at the datum: the systematic part, as the machine is now.
+Answer true_components(const Workshop& workshop, Arguments& arguments) {
+  const PerAxis<std::vector<double>> places{arguments.numbers("x"), arguments.numbers("y"), arguments.numbers("z")};
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto found = components_along(*workshop.simulation, places);
+  if (!found) return tl::unexpected(found.error());
+  Json curves = Json::object(), squareness = Json::object();
+  for (std::size_t c = 0; c < kCurves; ++c)
+    curves[std::string(kComponentNames[c])] = {{"forward", found->forward[c]}, {"reverse", found->reverse[c]}};
+  for (std::size_t c = kCurves; c < kComponents; ++c)
+    squareness[std::string(kComponentNames[c])] = found->squareness[c];
+  Json lines = Json::object();
+  const MeasurementLines lines_mm = params::measurement_lines_of(workshop.simulation->description().machine);
+  for (const Axis a : kAllAxes) lines[std::string(1, letter_of(a))] = lines_mm[index_of(a)];
+  return Json{{"components", curves}, {"squareness_um_per_m", squareness}, {"measurement_lines_mm", lines}};
+}
+
 Answer power(const Workshop& workshop, Arguments& arguments) {
   const std::string state = arguments.word("state");
   if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
@@ -226,16 +244,18 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "run") return run_part_program(workshop, arguments, report);
   if (action == "mdi") return run_block(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
+  if (action == "components") return true_components(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
   if (action == "wait") return wait(workshop, arguments);
   if (action == "tick") return tick(workshop, arguments);
   if (action == "load") return load(workshop, arguments);
   if (action == "fault") return fault(workshop, arguments);
   if (action == "arm-code") return arm_code(workshop, arguments);
-  return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, plan, capture, run, mdi, survey, power, wait, tick, load, "
-      "fault or arm-code, got \"{}\"",
-      action));
+  return wrong(
+      fmt::format("action: expected state, jog, reference, measure, plan, capture, run, mdi, survey, components, "
+                  "power, wait, tick, "
+                  "load, fault or arm-code, got \"{}\"",
+                  action));
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+// The true error components of the machine along its axes: what a volume is computed from.
+// Does not live here: their sum at the tool (survey.hpp drives there).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ecs_emulator/machine/simulation.hpp"
+
+namespace ecs::emulator {
+
+/// Systematic part at the coordinates asked for [um, um/m]; empty for an axis that does not exist.
+struct AxisComponents {
+  std::array<std::vector<double>, kCurves> forward;
+  std::array<std::vector<double>, kCurves> reverse;
+  ComponentValues squareness{};
+};
+
+/// The other axes stand at the datum. Refused: a component that depends on where another axis stands, by its name.
+/// @param places_mm  coordinates of each axis
+[[nodiscard]] Result<AxisComponents> components_along(const Simulation& simulation,
+                                                      const PerAxis<std::vector<double>>& places_mm);
+
+}  // namespace ecs::emulator
