@@ -224,16 +224,6 @@ EvenGrid even_grid(const ControlCurve& curve, std::size_t most) {
   return best;
 }
 
-double unit_value_at(const laser::MapTable& table, Interpolation interpolation, double position_mm) {
-  if (interpolation == Interpolation::linear) return compensation_at(table, position_mm);
-  const auto& p = table.position_mm;
-  const auto above = static_cast<std::size_t>(std::lower_bound(p.begin(), p.end(), position_mm) - p.begin());
-  if (above == 0) return table.compensation.front();
-  if (above == p.size()) return table.compensation.back();
-  const bool upper = position_mm - p[above - 1] >= p[above] - position_mm;
-  return table.compensation[upper ? above : above - 1];
-}
-
 double deviation_from_unit(const ControlCurve& written, const laser::ErrorMap& map, Component component,
                            Interpolation interpolation) {
   double largest = 0.0;

@@ -45,9 +45,6 @@ struct EvenGrid {
 /// curve
 [[nodiscard]] EvenGrid even_grid(const ControlCurve& curve, std::size_t most);
 
-/// What the unit puts out for a table: linear, or the value of the nearest point.
-[[nodiscard]] double unit_value_at(const laser::MapTable& table, Interpolation interpolation, double position_mm);
-
 /// Largest difference between a curve as a control joins it and what the unit puts out for the same component of the
 /// map, either approach. @param map  holds the component for both approaches
 [[nodiscard]] double deviation_from_unit(const ControlCurve& written, const laser::ErrorMap& map, Component component,

@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
 #include "laser/analysis/pipeline.hpp"
+#include "laser/analysis/shrinking.hpp"
 #include "laser/map/sources.hpp"
 
 namespace ecs::laser {
@@ -69,6 +71,8 @@ class Builder {
                   fmt::format("a {} machine does not use it in this scope: leave it out of the recipe",
                               configuration_of(built_.parameters))));
     outcome_ = ComponentOutcome{};
+    stated_ = {};
+    lever_mm_ = kMmPerM;
     outcome_.component = one.component;
     const auto done = is_squareness(one.component) ? add_squareness(one) : add_curve(one);
     if (done) built_.outcomes.push_back(outcome_);
@@ -83,7 +87,31 @@ class Builder {
     outcome_.band = std::max(outcome_.band, found->band);
     outcome_.readings += found->readings;
     built_.map.header.sources.push_back(std::move(found->source));
-    return std::move(found->curve);
+    Curve curve = std::move(found->curve);
+    if (found->repeatability) take_repeatability(*found->repeatability, curve, one.component);
+    return curve;
+  }
+
+  /// The first file's, or that of the sum of two.
+  void take_repeatability(const Repeatability& of_file, Curve& curve, Component component) {
+    const double means = std::sqrt(std::max(1.0, of_file.repeats));
+    stated_.value = std::hypot(stated_.value, of_file.reading / means);
+    stated_.pass = std::hypot(stated_.pass, of_file.pass / means);
+    stated_.degrees_of_freedom = stated_.degrees_of_freedom == 0
+                                     ? of_file.pass_freedom
+                                     : std::min(stated_.degrees_of_freedom, of_file.pass_freedom);
+    if (!recipe_.shrink || is_squareness(component)) return;
+    Shrunk less = shrunk(curve, of_file);
+    note_step(component, fmt::format("shrunk below its noise: {:.2f} {} rms taken away, {:.0f} % of the freedom left",
+                                     less.removed_rms, unit_of(curve.sense), 100.0 * less.kept));
+    curve = std::move(less.curve);
+  }
+
+  /// @param factor  of the readings that became the component
+  void state_uncertainty(Component component, double factor = 1.0) {
+    if (stated_.value == 0.0 && stated_.pass == 0.0) return;
+    built_.map.header.uncertainty.push_back(
+        {component, factor * stated_.value, factor * stated_.pass, stated_.degrees_of_freedom});
   }
 
   // --- curves --------------------------------------------------------------------------------------------------------
@@ -98,6 +126,7 @@ class Builder {
     auto processed = process(*measured, one);
     if (!processed) return tl::unexpected(refusal(one.files.front(), one.component, processed.error().message));
     put_tables(*processed, one.component);
+    state_uncertainty(one.component, kMmPerM / lever_mm_);
     return {};
   }
 
@@ -114,6 +143,8 @@ class Builder {
                   fmt::format("the two lines differ so that they show {}, not {}",
                               name_of(curve_of(rotation->sense, rotation->axis)), name_of(one.component))));
     outcome_.band = band_of(*rotation);
+    lever_mm_ = std::hypot(first->parked_mm[0] - second->parked_mm[0], first->parked_mm[1] - second->parked_mm[1],
+                           first->parked_mm[2] - second->parked_mm[2]);
     note_step(one.component, fmt::format("from two runs of {} along {} on parallel lines", name_of(first->sense),
                                          letter_of(first->axis)));
     return rotation;
@@ -243,6 +274,11 @@ class Builder {
     double& value = squareness_um_per_m(built_.parameters, one.component);
     value = unit_sign(one.component) * square->um_per_m;
     outcome_.largest = std::abs(square->um_per_m);
+    const double length_m = std::abs(curve->points.back().position_mm - curve->points.front().position_mm) / kMmPerM;
+    // The straight line of a pass: a quarter of its mean square (volume/shapes.hpp), over the length measured.
+    stated_.value = std::hypot(square->std_error_um_per_m.value_or(0.0), std::sqrt(3.0) * stated_.pass / length_m);
+    stated_.pass = 0.0;
+    state_uncertainty(one.component);
     outcome_.slope_um_per_m = square->indicator_slope_um_per_m;
     outcome_.points = curve->points.size();
     note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", value));
@@ -289,6 +325,8 @@ class Builder {
   ComponentSet needed_;
   BuiltMap built_;
   ComponentOutcome outcome_;
+  StatedUncertainty stated_;   ///< of the readings of the component under way
+  double lever_mm_ = kMmPerM;  ///< distance of its two lines
   MeasuredFiles files_;
 };
 

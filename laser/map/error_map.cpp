@@ -26,6 +26,16 @@ double compensation_at(const MapTable& table, double position_mm) {
   return std::lerp(table.compensation[above - 1], table.compensation[above], part);
 }
 
+double unit_value_at(const MapTable& table, Interpolation interpolation, double position_mm) {
+  if (interpolation == Interpolation::linear) return compensation_at(table, position_mm);
+  const auto& p = table.position_mm;
+  const auto above = static_cast<std::size_t>(std::lower_bound(p.begin(), p.end(), position_mm) - p.begin());
+  if (above == 0) return table.compensation.front();
+  if (above == p.size()) return table.compensation.back();
+  const bool upper = position_mm - p[above - 1] >= p[above] - position_mm;
+  return table.compensation[upper ? above : above - 1];
+}
+
 std::string description_of(Component component) {
   if (component == Component::C0Y) return "squareness of Y to X";
   if (component == Component::B0Z) return "squareness of Z to X";

@@ -34,6 +34,15 @@ struct DeclaredZero {
   friend bool operator==(const DeclaredZero&, const DeclaredZero&) = default;
 };
 
+/// Standard uncertainty (k = 1) of the values of a component, as its measurements show it [um, um/m].
+struct StatedUncertainty {
+  Component component = Component::EXX;
+  double value = 0.0;          ///< of each value, independent of the others; of a squareness all there is
+  double pass = 0.0;           ///< common to a table: what differs from pass to pass, smooth along the travel
+  int degrees_of_freedom = 0;  ///< of `pass`
+  friend bool operator==(const StatedUncertainty&, const StatedUncertainty&) = default;
+};
+
 /// Thesis 5.3: the file header that travels with the map and can be read back from the unit.
 struct MapHeader {
   std::string customer;
@@ -44,6 +53,7 @@ struct MapHeader {
   std::string configuration;  ///< chain string that the map was made for
   std::vector<SourceFile> sources;
   std::vector<DeclaredZero> declared_zero;
+  std::vector<StatedUncertainty> uncertainty;
   std::vector<std::string> processing;  ///< one sentence per step: slope removed, smoothing, runs left out
   friend bool operator==(const MapHeader&, const MapHeader&) = default;
 };
@@ -59,6 +69,8 @@ struct ErrorMap {
 
 /// Compensation at a position; @pre the table is not empty.
 [[nodiscard]] double compensation_at(const MapTable& table, double position_mm);
+/// What the unit puts out for a table: linear, or the value of the nearest point. @pre the table is not empty
+[[nodiscard]] double unit_value_at(const MapTable& table, Interpolation interpolation, double position_mm);
 
 /// The largest |compensation| in the tables of a component; 0 if there are none.
 [[nodiscard]] double largest_in(const std::vector<MapTable>& tables, Component component);

@@ -51,6 +51,23 @@ std::string take_declared_zero(MapHeader& header, std::string_view value) {
   return {};
 }
 
+/// `EXX value=0.98 pass=0.18 degrees_of_freedom=4`
+std::string take_uncertainty(MapHeader& header, std::string_view value) {
+  const Coded entry = coded(value);
+  const auto component = component_of(entry.code);
+  const auto number_of = [&](std::string_view key) -> std::optional<double> {
+    for (const std::string_view word : split(entry.rest, ' '))
+      if (word.starts_with(key) && word.substr(key.size()).starts_with('='))
+        return number_in(word.substr(key.size() + 1));
+    return std::nullopt;
+  };
+  const auto each = number_of("value"), pass = number_of("pass"), freedom = number_of("degrees_of_freedom");
+  if (!component || !each || !pass || !freedom || *each < 0.0 || *pass < 0.0 || *freedom < 0.0 || *freedom > 1e6)
+    return fmt::format("uncertainty: expected CODE value=… pass=… degrees_of_freedom=…, found {}", in_quotes(value));
+  header.uncertainty.push_back({*component, *each, *pass, static_cast<int>(*freedom)});
+  return {};
+}
+
 std::string take(MapHeader& header, std::string_view key, std::string_view value) {
   if (key == "customer")
     header.customer = value;
@@ -70,6 +87,8 @@ std::string take(MapHeader& header, std::string_view key, std::string_view value
     return take_source(header, value);
   else if (key == "declared_zero")
     return take_declared_zero(header, value);
+  else if (key == "uncertainty")
+    return take_uncertainty(header, value);
   else
     return fmt::format("header: no such key {}", in_quotes(key));
   return {};
@@ -89,6 +108,10 @@ std::string header_text(const MapHeader& header) {
     put(text, "source", fmt::format("{} {} sha256={}", s.component, s.name, s.sha256));
   for (const DeclaredZero& z : header.declared_zero)
     put(text, "declared_zero", fmt::format("{} {}", name_of(z.component), z.reason));
+  for (const StatedUncertainty& u : header.uncertainty)
+    put(text, "uncertainty",
+        fmt::format("{} value={:.4g} pass={:.4g} degrees_of_freedom={}", name_of(u.component), u.value, u.pass,
+                    u.degrees_of_freedom));
   for (const std::string& step : header.processing) put(text, "processing", step);
   return text;
 }

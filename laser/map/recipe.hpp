@@ -36,6 +36,7 @@ struct ComponentRecipe {
 };
 
 struct MapRecipe {
+  bool shrink = false;  ///< every curve below its own noise (laser/analysis/shrinking.hpp)
   std::string customer;
   std::string engineer;
   std::string date;
@@ -46,7 +47,7 @@ struct MapRecipe {
 };
 
 /// Reads a recipe (docs/maps.md):
-///   customer, engineer, date, machine, serial_number
+///   customer, engineer, date, machine, serial_number, shrink (true or false)
 ///   [[component]] code, files (relative to the recipe), slope, smoothing_mm, exclude_runs, increment_mm
 ///   [[declared_zero]] code, reason
 /// Refuses unknown keys, unknown codes, a component named twice or both measured and declared zero.

@@ -124,6 +124,7 @@ Result<SourceCurve> MeasuredFiles::curve(const std::filesystem::path& path, Comp
   source.source = {std::string(name_of(component)), path.filename().string(), (*loaded)->sha256};
   source.band = range_of(selection->chosen, *group);
   source.readings = group->readings.size();
+  source.repeatability = repeatability_of(selection->chosen, *group);
   return source;
 }
 

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/result.hpp"
 #include "laser/analysis/curve.hpp"
+#include "laser/analysis/repeatability.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/error_map.hpp"
 
@@ -27,6 +29,7 @@ struct SourceCurve {
   SourceFile source;
   double band = 0.0;  ///< range of the readings used [um, um/m]
   std::size_t readings = 0;
+  std::optional<Repeatability> repeatability;
 };
 
 class MeasuredFiles {

@@ -1,0 +1,131 @@
+#include "laser/analysis/shrinking.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace ecs::laser {
+namespace {
+
+constexpr std::size_t kLeastBlock = 3;  ///< below three, shrinking gains nothing (Stein 1956)
+
+/// Orthonormal cosines, DCT-II; its transpose turns back.
+double cosine(std::size_t k, std::size_t i, std::size_t count) {
+  const auto n = static_cast<double>(count);
+  return std::sqrt((k == 0 ? 1.0 : 2.0) / n) *
+         std::cos(std::numbers::pi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) / n);
+}
+
+/// End of the octave that begins at `first`; a short rest belongs to it.
+std::size_t block_end(std::size_t first, std::size_t count) {
+  const std::size_t end = first == 1 ? 4 : 2 * first;
+  return end + kLeastBlock > count ? count : end;
+}
+
+/// Shrinks values in place. @return the share of degrees of freedom that is left
+double shrink(std::vector<double>& values, double variance, double freedom) {
+  const std::size_t count = values.size();
+  if (count < kLeastBlock + 1) return 1.0;
+  std::vector<double> part(count, 0.0);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t i = 0; i < count; ++i) part[k] += cosine(k, i, count) * values[i];
+  double kept = 1.0;
+  for (std::size_t first = 1; first < count;) {
+    const std::size_t end = block_end(first, count);
+    double square = 0.0;
+    for (std::size_t k = first; k < end; ++k) square += part[k] * part[k];
+    const auto size = static_cast<double>(end - first);
+    const double noise = (size - 2.0) * variance * freedom / (freedom + 2.0);  // of an estimated variance
+    const double factor = square > 0.0 ? std::max(0.0, 1.0 - noise / square) : 1.0;
+    for (std::size_t k = first; k < end; ++k) part[k] *= factor;
+    kept += factor * size;
+    first = end;
+  }
+  std::fill(values.begin(), values.end(), 0.0);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t i = 0; i < count; ++i) values[i] += cosine(k, i, count) * part[k];
+  return kept / static_cast<double>(count);
+}
+
+/// The same of what a straight line over the positions leaves.
+double shrink_off_line(std::vector<double>& values, const std::vector<double>& position_mm, double variance,
+                       double freedom) {
+  const auto count = static_cast<double>(values.size());
+  double mean_p = 0.0, mean = 0.0, square = 0.0, product = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    mean_p += position_mm[i] / count;
+    mean += values[i] / count;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    square += (position_mm[i] - mean_p) * (position_mm[i] - mean_p);
+    product += (position_mm[i] - mean_p) * (values[i] - mean);
+  }
+  const double slope = square > 0.0 ? product / square : 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= mean + slope * (position_mm[i] - mean_p);
+  const double kept = shrink(values, variance, freedom);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += mean + slope * (position_mm[i] - mean_p);
+  return kept;
+}
+
+using SideMember = std::optional<double> CurvePoint::*;
+
+/// One approach by itself.
+double shrink_side(Curve& curve, SideMember side, double variance, double freedom) {
+  std::vector<double> values, position_mm;
+  for (const CurvePoint& point : curve.points) {
+    if (!(point.*side)) continue;
+    values.push_back(*(point.*side));
+    position_mm.push_back(point.position_mm);
+  }
+  const double kept = shrink_off_line(values, position_mm, variance, freedom);
+  std::size_t next = 0;
+  for (CurvePoint& point : curve.points)
+    if (point.*side) point.*side = values[next++];
+  return kept;
+}
+
+/// Mean and half of the reversal error; each has half of the variance of one approach.
+double shrink_both(Curve& curve, double variance, double freedom) {
+  std::vector<double> mean, half, position_mm;
+  for (const CurvePoint& point : curve.points) {
+    mean.push_back(0.5 * (*point.forward + *point.reverse));
+    half.push_back(0.5 * (*point.forward - *point.reverse));
+    position_mm.push_back(point.position_mm);
+  }
+  const double kept = shrink_off_line(mean, position_mm, 0.5 * variance, freedom);
+  const double kept_half = shrink(half, 0.5 * variance, freedom);
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    curve.points[i].forward = mean[i] + half[i];
+    curve.points[i].reverse = mean[i] - half[i];
+  }
+  return 0.5 * (kept + kept_half);
+}
+
+}  // namespace
+
+Shrunk shrunk(const Curve& curve, const Repeatability& repeatability) {
+  const double variance = repeatability.reading * repeatability.reading / std::max(1.0, repeatability.repeats);
+  const double freedom = repeatability.reading_freedom;
+  Shrunk out{curve, 0.0, 1.0};
+  const bool both = std::all_of(curve.points.begin(), curve.points.end(),
+                                [](const CurvePoint& point) { return point.forward && point.reverse; });
+  if (both && curve.approach_known) {
+    out.kept = shrink_both(out.curve, variance, freedom);
+  } else {
+    out.kept = shrink_side(out.curve, &CurvePoint::forward, variance, freedom);
+    shrink_side(out.curve, &CurvePoint::reverse, variance, freedom);
+  }
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < curve.points.size(); ++i)
+    for (const SideMember side : {&CurvePoint::forward, &CurvePoint::reverse})
+      if (const auto before = curve.points[i].*side) {
+        sum += std::pow(*before - *(out.curve.points[i].*side), 2);
+        count += 1.0;
+      }
+  if (count > 0.0) out.removed_rms = std::sqrt(sum / count);
+  return out;
+}
+
+}  // namespace ecs::laser
