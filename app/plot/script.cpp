@@ -24,6 +24,13 @@ std::string literal(std::string_view text) {
   return out + "'";
 }
 
+/// A text in a row of data.
+std::string in_double_quotes(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  return out + "\"";
+}
+
 bool is_line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
 
 /// Points from one mark on a line to the next: dense marks would hide it.
@@ -53,10 +60,42 @@ std::string_view style_of(Mark mark) {
       return "lines lw 2.5 dt (12,6) lc rgb '#c04000'";
     case Mark::spread:
       return "lines lw 3 dt 1 lc rgb '#c8c8c8'";
+    case Mark::wire:
+      return "lines lw 0.8 dt 1 lc rgb '#a0a0a0'";
+    case Mark::bent_wire:
+      return "lines lw 1.6 dt 1 lc rgb '#0050a0'";
+    case Mark::arrow:
+      return "vectors head filled size graph 0.012,20 lw 1.2 lc rgb '#c04000'";
+    case Mark::label:
+      return "labels tc rgb '#202020' offset 0,0.6";
     case Mark::reading:
       break;
   }
   return "points pt 6 ps 0.6 lw 0.7 lc rgb '#808080'";
+}
+
+bool is_stroke(Mark mark) { return mark == Mark::spread || mark == Mark::wire || mark == Mark::bent_wire; }
+
+std::string point_rows(const PlotSeries& series) {
+  std::string out;
+  for (std::size_t k = 0; k < series.points.size(); ++k) {
+    if (is_stroke(series.mark) && k > 0 && k % 2 == 0) out += '\n';  // ends a stroke
+    out += fmt::format("{:.9g} {:.9g}", series.points[k].x, series.points[k].y);
+    if (series.mark == Mark::label && k < series.labels.size())
+      out += fmt::format(" {}", in_double_quotes(series.labels[k]));
+    out += '\n';
+  }
+  return out;
+}
+
+/// Where each begins, and how far it goes.
+std::string arrow_rows(const PlotSeries& series) {
+  std::string out;
+  for (std::size_t k = 0; k + 1 < series.points.size(); k += 2) {
+    const PlotPoint &from = series.points[k], &to = series.points[k + 1];
+    out += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}\n", from.x, from.y, to.x - from.x, to.y - from.y);
+  }
+  return out;
 }
 
 std::string data_blocks(const PlotFigure& figure) {
@@ -65,20 +104,23 @@ std::string data_blocks(const PlotFigure& figure) {
     for (std::size_t s = 0; s < figure.panels[p].series.size(); ++s) {
       out += fmt::format("$data_{}_{} << END_OF_DATA\n", p, s);
       const PlotSeries& series = figure.panels[p].series[s];
-      for (std::size_t k = 0; k < series.points.size(); ++k) {
-        if (series.mark == Mark::spread && k > 0 && k % 2 == 0) out += '\n';  // ends a stroke
-        out += fmt::format("{:.9g} {:.9g}\n", series.points[k].x, series.points[k].y);
-      }
+      out += series.mark == Mark::arrow ? arrow_rows(series) : point_rows(series);
       out += "END_OF_DATA\n";
     }
   return out;
+}
+
+std::string_view columns_for(Mark mark) {
+  if (mark == Mark::arrow) return "1:2:3:4";
+  return mark == Mark::label ? "1:2:3" : "1:2";
 }
 
 std::string plot_command(const PlotPanel& panel, std::size_t place) {
   std::vector<std::string> parts;
   for (std::size_t s = 0; s < panel.series.size(); ++s)
     if (!panel.series[s].points.empty())
-      parts.push_back(fmt::format("$data_{}_{} using 1:2 with {}{} title {}", place, s, style_of(panel.series[s].mark),
+      parts.push_back(fmt::format("$data_{}_{} using {} with {}{} title {}", place, s,
+                                  columns_for(panel.series[s].mark), style_of(panel.series[s].mark),
                                   is_line(panel.series[s].mark)
                                       ? fmt::format(" pointinterval {}", mark_spacing(panel.series[s].points.size()))
                                       : "",
@@ -102,10 +144,18 @@ std::string x_names_commands(const PlotPanel& panel, const PlotRanges& ranges) {
                      static_cast<double>(names.size()) - 0.3, ranges.y.to > 0.0 ? 1.1 * ranges.y.to : 1.0);
 }
 
+/// A picture without axes; undone for the next panel.
+std::string frame_commands(const PlotPanel& panel) {
+  return panel.drawing ? "unset border\nunset tics\nunset grid\nunset xzeroaxis\nset size ratio -1\n"
+                       : "set border 3 lc rgb '#404040'\nset tics nomirror out\nset grid lt 1 lc rgb '#d8d8d8' lw 0.6\n"
+                         "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size noratio\n";
+}
+
 std::string panel_commands(const PlotPanel& panel, std::size_t place, const PlotRanges& ranges) {
-  return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}{}",
-                     literal(panel.title), literal(panel.x_label), literal(panel.y_label), range_text(ranges.x, 0.02),
-                     range_text(ranges.y, 0.06), x_names_commands(panel, ranges), plot_command(panel, place));
+  return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}{}{}",
+                     literal(panel.title), literal(panel.x_label), literal(panel.y_label),
+                     range_text(ranges.x, panel.drawing ? 0.1 : 0.02), range_text(ranges.y, panel.drawing ? 0.1 : 0.06),
+                     x_names_commands(panel, ranges), frame_commands(panel), plot_command(panel, place));
 }
 
 std::string terminal_commands(PlotFormat format, int columns, int rows) {

@@ -14,6 +14,7 @@ extern const VerbDefinition kUnitArm, kUnitDisarm, kUnitEvents;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
     kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
+extern const VerbDefinition kVolume;
 extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
 /// One for each controller format.
@@ -96,6 +97,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kModelHistory,
       &kModelWhatIf,
       &kModelReveal,
+      &kVolume,
       &kReport,
   };
   for (const VerbDefinition& writer : export_writers()) verbs.push_back(&writer);

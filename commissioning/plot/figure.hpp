@@ -23,6 +23,10 @@ enum class Mark {
   spread,           ///< points in pairs of equal x: a grey bar from the lower to the upper
   bar,              ///< a filled bar from zero; that of a later series in front, half as high
   level,            ///< a thick dashed line without marks, such as a limit
+  wire,             ///< points in pairs: a thin grey stroke from the one to the other
+  bent_wire,        ///< the same, strong
+  arrow,            ///< the same with a head at the second point
+  label,            ///< the labels of the series, at the points
 };
 
 struct PlotPoint {
@@ -33,8 +37,8 @@ struct PlotPoint {
 struct PlotSeries {
   std::string name;  ///< in the key
   Mark mark = Mark::both;
-  std::vector<PlotPoint> points;                                 ///< finite
-  std::vector<std::string> labels{};                             ///< beside the bars of a report; empty: none
+  std::vector<PlotPoint> points;      ///< finite
+  std::vector<std::string> labels{};  ///< beside the bars of a report, at Mark::label; else none
   double longest_gap = std::numeric_limits<double>::infinity();  ///< of x between two points that a line joins
 };
 
@@ -44,6 +48,7 @@ struct PlotPanel {
   std::string y_label;
   std::vector<PlotSeries> series;      ///< drawn in this order
   std::vector<std::string> x_names{};  ///< words at 0, 1, 2 … in place of numbers; empty: numbers
+  bool drawing = false;                ///< no axes, both directions of the same scale
 };
 
 struct PlotFigure {

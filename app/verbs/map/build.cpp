@@ -43,6 +43,8 @@ struct BuildArguments : VerbArguments {
   const std::string& customer = text("--customer", "for the header");
   const std::string& engineer = text("--engineer", "for the header");
   const std::string& date = text("--date", "for the header, as in 2026-03-12");
+  const bool& shrink =
+      flag("--shrink", "shrink every curve below its own noise, as its repeats show it (docs/volume.md)");
   ImportOptions import{*this};
 
   [[nodiscard]] laser::FileReader reader() const {
@@ -89,6 +91,7 @@ Result<void> complete(laser::MapRecipe& recipe, const BuildArguments& arguments)
   if (!arguments.customer.empty()) recipe.customer = arguments.customer;
   if (!arguments.engineer.empty()) recipe.engineer = arguments.engineer;
   if (!arguments.date.empty()) recipe.date = arguments.date;
+  recipe.shrink = recipe.shrink || arguments.shrink;
   return declare_zero(recipe, arguments.zero);
 }
 
@@ -219,6 +222,7 @@ Problem nothing_built(const Built& b) {
 Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (!a.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
+  if (a.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
   const FromModelArguments arguments{a.from_model, a.machine,      a.increment_mm, a.params,   a.output, a.params_out,
                                      a.zero,       a.zero_missing, a.customer,     a.engineer, a.date,   {}};
   const auto map = map_from_model(context.console, arguments);

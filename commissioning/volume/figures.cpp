@@ -1,0 +1,216 @@
+#include "commissioning/volume/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using volume::BeforeAfter;
+using volume::Grid;
+using volume::GridIndex;
+using volume::VolumeError;
+
+constexpr std::size_t kPlacesAlongAWire = 21;
+constexpr double kDrawnPart = 0.12;  ///< of the longest travel that the largest error is drawn as
+
+/// The mean of both sides.
+Vector3 error_at(const Grid& grid, const VolumeError& error, const GridIndex& index) {
+  const Vector3 a = error.at(grid, 0, index), b = error.at(grid, 1, index);
+  return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
+}
+
+double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+/// Seen from the front right above: X to the right, Z up, Y away from the eye.
+PlotPoint projected(const Vector3& mm) {
+  constexpr double kDepthX = 0.45, kDepthY = 0.32;
+  return {mm[0] + kDepthX * mm[1], mm[2] + kDepthY * mm[1]};
+}
+
+Vector3 displaced(const Vector3& mm, const Vector3& error_um, double larger) {
+  Vector3 out = mm;
+  for (std::size_t d = 0; d < kAxes; ++d) out[d] += larger * error_um[d] / kUmPerMm;
+  return out;
+}
+
+double longest_of(const volume::Travels& travel_mm) {
+  double longest = 0.0;
+  for (const auto& travel : travel_mm)
+    if (travel) longest = std::max(longest, (*travel)[1] - (*travel)[0]);
+  return longest;
+}
+
+/// A round factor that draws the largest error as a part of the longest travel.
+double enlargement(double largest_um, double longest_mm) {
+  if (largest_um <= 0.0) return 1.0;
+  const double exact = kDrawnPart * longest_mm * kUmPerMm / largest_um;
+  const double decade = std::pow(10.0, std::floor(std::log10(exact)));
+  for (const double step : {5.0, 2.0, 1.0})
+    if (step * decade <= exact) return step * decade;
+  return decade;
+}
+
+/// The numbers at which wires cross: both ends and the middle.
+std::vector<std::size_t> crossings(const Grid& grid, std::size_t axis) {
+  if (!grid.exists[axis]) return {0};
+  return {0, grid.mm[axis].size() / 2, grid.mm[axis].size() - 1};
+}
+
+/// Calls `each(from, to)` for every piece of the wires on the surface.
+template <class Each>
+void for_each_wire(const Grid& grid, const Each& each) {
+  for (std::size_t along = 0; along < kAxes; ++along) {
+    if (!grid.exists[along]) continue;
+    const std::size_t u = (along + 1) % kAxes, v = (along + 2) % kAxes;
+    for (const std::size_t i : crossings(grid, u))
+      for (const std::size_t j : crossings(grid, v)) {
+        const bool inside =
+            grid.exists[u] && grid.exists[v] && i == crossings(grid, u)[1] && j == crossings(grid, v)[1];
+        if (inside) continue;
+        GridIndex from{};
+        from[u] = i;
+        from[v] = j;
+        for (from[along] = 0; from[along] + 1 < grid.mm[along].size(); ++from[along]) {
+          GridIndex to = from;
+          ++to[along];
+          each(from, to);
+        }
+      }
+  }
+}
+
+/// The corners with the size of their error, and the ends of the travels.
+PlotSeries corner_labels(const Grid& grid, const VolumeError& error, double larger) {
+  PlotSeries labels{"", Mark::label, {}, {}};
+  const auto ends = [&](std::size_t a) {
+    return grid.exists[a] ? std::vector<std::size_t>{0, grid.mm[a].size() - 1} : std::vector<std::size_t>{0};
+  };
+  for (const std::size_t x : ends(0))
+    for (const std::size_t y : ends(1))
+      for (const std::size_t z : ends(2)) {
+        const Vector3 error_um = error_at(grid, error, {x, y, z});
+        labels.points.push_back(projected(displaced(grid.at({x, y, z}), error_um, larger)));
+        labels.labels.push_back(fmt::format("{:.0f}", length_of(error_um)));
+      }
+  return labels;
+}
+
+PlotPanel cube_panel(const std::string& title, const Grid& grid, const VolumeError& error, double larger) {
+  PlotPanel panel{title, "", "", {}, {}, true};
+  PlotSeries nominal{"nominal", Mark::wire, {}},
+      bent{fmt::format("errors drawn {:.0f} times", larger), Mark::bent_wire, {}};
+  for_each_wire(grid, [&](const GridIndex& from, const GridIndex& to) {
+    for (const GridIndex& end : {from, to}) {
+      nominal.points.push_back(projected(grid.at(end)));
+      bent.points.push_back(projected(displaced(grid.at(end), error_at(grid, error, end), larger)));
+    }
+  });
+  panel.series = {std::move(nominal), std::move(bent), corner_labels(grid, error, larger)};
+  return panel;
+}
+
+/// The plane of the two longest travels through the place of the largest error.
+struct Slice {
+  std::size_t across = 0, up = 1;
+  Grid grid;
+};
+
+Slice slice_of(const VolumeWork& work) {
+  constexpr std::size_t kAcross = 17, kUp = 11;
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  const auto length = [&](std::size_t a) {
+    const auto& travel = machine.travel_mm[a];
+    return travel ? (*travel)[1] - (*travel)[0] : 0.0;
+  };
+  std::array<std::size_t, kAxes> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  Slice slice;
+  slice.across = std::min(order[0], order[1]);
+  slice.up = std::max(order[0], order[1]);
+  slice.grid = volume::even_grid(machine.travel_mm, kAcross, work.answer.grid.reference_mm);
+  slice.grid.mm[slice.up] = volume::even_grid(machine.travel_mm, kUp, {}).mm[slice.up];
+  slice.grid.mm[order[2]] = {work.answer.before.all.at_mm[order[2]]};
+  return slice;
+}
+
+PlotPanel slice_panel(const std::string& title, const Slice& slice, const VolumeError& error, double larger) {
+  const Grid& grid = slice.grid;
+  const auto name = [](std::size_t a) { return fmt::format("{} mm", letter_of(static_cast<Axis>(a))); };
+  PlotPanel panel{title, name(slice.across), name(slice.up), {}};
+  PlotSeries arrows{fmt::format("error in the plane, drawn {:.0f} times", larger), Mark::arrow, {}};
+  GridIndex index{};
+  for (index[slice.across] = 0; index[slice.across] < grid.mm[slice.across].size(); ++index[slice.across])
+    for (index[slice.up] = 0; index[slice.up] < grid.mm[slice.up].size(); ++index[slice.up]) {
+      const Vector3 from = grid.at(index), to = displaced(from, error_at(grid, error, index), larger);
+      arrows.points.push_back({from[slice.across], from[slice.up]});
+      arrows.points.push_back({to[slice.across], to[slice.up]});
+    }
+  panel.series = {std::move(arrows)};
+  return panel;
+}
+
+/// Length of the error vector along every body diagonal.
+PlotPanel diagonal_panel(const std::string& title, const Grid& grid, const VolumeError& error) {
+  PlotPanel panel{title, "along the body diagonal, %", "um", {}};
+  const std::size_t count = kPlacesAlongAWire;
+  constexpr std::array<Mark, 4> kMarks{Mark::both, Mark::forward, Mark::reverse, Mark::level};
+  for_each_diagonal_place(grid, [&](std::size_t number, const GridIndex& index) {
+    if (number % count == 0) {
+      const Vector3 from = grid.at(index);
+      std::string name = "from";
+      for (const Axis axis : kAllAxes)
+        if (grid.exists[index_of(axis)])
+          name += fmt::format(" {}{}", letter_of(axis),
+                              from[index_of(axis)] == grid.mm[index_of(axis)].front() ? '-' : '+');
+      panel.series.push_back({name, kMarks[panel.series.size() % kMarks.size()], {}});
+    }
+    panel.series.back().points.push_back({100.0 * static_cast<double>(number % count) / static_cast<double>(count - 1),
+                                          length_of(error_at(grid, error, index))});
+  });
+  return panel;
+}
+
+std::string size_words(const volume::ErrorSize& size) {
+  return fmt::format("largest {:.0f} um, rms {:.0f} um", size.largest_um, size.rms_um);
+}
+
+}  // namespace
+
+Result<PlotFigure> volume_figure(const VolumeWork& work) {
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  const Grid wires = volume::even_grid(machine.travel_mm, kPlacesAlongAWire, work.answer.grid.reference_mm);
+  const Slice slice = slice_of(work);
+  const auto on_wires = errors_over(machine, wires);
+  if (!on_wires) return tl::unexpected(on_wires.error());
+  const auto on_slice = errors_over(machine, slice.grid);
+  if (!on_slice) return tl::unexpected(on_slice.error());
+  const double larger = enlargement(work.answer.before.all.largest_um, longest_of(machine.travel_mm));
+  PlotFigure figure;
+  figure.title = fmt::format("Volume of {} ({}), {}", work.machine_name.empty() ? "the machine" : work.machine_name,
+                             configuration_of(machine.parameters), travels_in_words(machine.travel_mm));
+  figure.columns = 2;
+  figure.same_scale = false;
+  const std::string before = "before: " + size_words(work.answer.before.all);
+  const std::string after = fmt::format("after: {}; at most {:.0f} um (95 %)", size_words(work.answer.after.all),
+                                        work.uncertainty.largest_95_um);
+  figure.panels = {cube_panel(before, wires, on_wires->before, larger),
+                   cube_panel(after, wires, on_wires->after, larger)};
+  if (wires.axes() < 2) return figure;
+  std::string place;
+  for (const Axis axis : kAllAxes)
+    if (wires.exists[index_of(axis)] && index_of(axis) != slice.across && index_of(axis) != slice.up)
+      place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice.grid.mm[index_of(axis)].front());
+  figure.panels.push_back(slice_panel("before" + place, slice, on_slice->before, larger));
+  figure.panels.push_back(slice_panel("after" + place, slice, on_slice->after, larger));
+  figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires->before));
+  figure.panels.push_back(diagonal_panel("after, body diagonals", wires, on_wires->after));
+  return figure;
+}
+
+}  // namespace ecs::commissioning

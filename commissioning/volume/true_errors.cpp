@@ -1,0 +1,143 @@
+#include "commissioning/volume/true_errors.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "base/child_program.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "commissioning/link/choice.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that goes away with its last user.
+class TemporaryFile {
+ public:
+  static Result<std::shared_ptr<TemporaryFile>> with(const std::string& text) {
+    std::string name = (fs::temp_directory_path() / "ecs-machine-XXXXXX").string();
+    const int file = ::mkstemp(name.data());
+    if (file < 0) return problem(ProblemKind::output, fmt::format("cannot write {}", name));
+    ::close(file);
+    auto made = std::make_shared<TemporaryFile>(name);
+    if (auto written = write_file(name, text); !written) return tl::unexpected(written.error());
+    return made;
+  }
+  explicit TemporaryFile(std::string name) : name_(std::move(name)) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() { ::unlink(name_.c_str()); }
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+};
+
+/// A machine file of what the parameters and the travels say.
+std::string machine_toml(const volume::CompensatedMachine& machine) {
+  const UnitParameters& p = machine.parameters;
+  std::string text = fmt::format("name = \"machine\"\nconfiguration = \"{}\"\n", configuration_of(p));
+  for (const Axis axis : kAllAxes) {
+    const std::size_t a = index_of(axis);
+    if (!machine.travel_mm[a]) continue;
+    const Vector3& line_mm = p.measurement_lines_mm[a];
+    std::vector<std::string> line;
+    for (const Axis other : kAllAxes)
+      if (other != axis && machine.travel_mm[index_of(other)])
+        line.push_back(fmt::format("{} = {:.6f}", static_cast<char>('x' + static_cast<char>(index_of(other))),
+                                   line_mm[index_of(other)]));
+    text += fmt::format("[axis.{}]\ntravel_mm = [{:.6f}, {:.6f}]\ndatum_mm = {:.6f}\nmeasurement_line_mm = {{ {} }}\n",
+                        letter_of(axis), (*machine.travel_mm[a])[0], (*machine.travel_mm[a])[1],
+                        p.axes[a].datum.reference_position_mm, fmt::join(line, ", "));
+  }
+  return text;
+}
+
+Result<Json> answer_of(const std::vector<std::string>& words, const std::string& errors_file) {
+  const auto said = output_of(words, {}, {"ecs-emulator", "install it beside `ecs`", 120.0});
+  if (!said) return tl::unexpected(Problem{ProblemKind::bad_input, said.error().message, errors_file, 0, 0, {}});
+  Json answer = Json::parse(*said, nullptr, false);
+  if (!answer.is_object() || !answer.contains("components"))
+    return problem(ProblemKind::output, "ecs-emulator: expected one JSON object with \"components\"");
+  return answer;
+}
+
+void take(const Json& values, std::vector<double>& into) {
+  for (const Json& value : values) into.push_back(value.is_number() ? value.get<double>() : 0.0);
+}
+
+volume::Components components_in(const Json& answer) {
+  volume::Components out;
+  for (std::size_t c = 0; c < kCurves; ++c) {
+    const Json& curve = answer["components"][std::string(kComponentNames[c])];
+    take(curve["reverse"], out.curve[side_of(Approach::reverse)][c]);
+    take(curve["forward"], out.curve[side_of(Approach::forward)][c]);
+  }
+  for (std::size_t c = kCurves; c < kComponents; ++c)
+    out.squareness[c] = answer["squareness_um_per_m"].value(std::string(kComponentNames[c]), 0.0);
+  return out;
+}
+
+MeasurementLines lines_in(const Json& answer) {
+  MeasurementLines lines{};
+  for (const Axis axis : kAllAxes)
+    for (std::size_t l = 0; l < kAxes; ++l)
+      lines[index_of(axis)][l] = answer["measurement_lines_mm"][std::string(1, letter_of(axis))][l].get<double>();
+  return lines;
+}
+
+std::vector<std::string> words_for(const std::string& program, const std::string& machine, const std::string& errors,
+                                   const volume::Grid& grid) {
+  std::vector<std::string> words{program, "components", "--machine", machine, "--errors", errors};
+  for (const Axis axis : kAllAxes) {
+    if (!grid.exists[index_of(axis)]) continue;
+    std::vector<std::string> places;
+    for (const double mm : coordinates_of(grid, axis)) places.push_back(shortest(mm));
+    words.push_back(
+        fmt::format("--{}={}", static_cast<char>('x' + static_cast<char>(index_of(axis))), fmt::join(places, ",")));
+  }
+  return words;
+}
+
+}  // namespace
+
+Result<volume::ErrorSource> true_errors(const std::string& errors_file, const std::string& machine_file,
+                                        const volume::CompensatedMachine& machine) {
+  const auto program = emulator_program();
+  if (!program)
+    return problem(ProblemKind::output,
+                   "--errors: the bundled emulator `ecs-emulator` is not found beside `ecs` nor "
+                   "on PATH: only it reads errors files");
+  std::shared_ptr<TemporaryFile> made;
+  if (machine_file.empty()) {
+    auto file = TemporaryFile::with(machine_toml(machine));
+    if (!file) return tl::unexpected(file.error());
+    made = std::move(*file);
+  }
+  const std::string name = made ? made->name() : machine_file;
+  const auto ask = [made, name, errors_file, program = program->string()](const volume::Grid& grid) {
+    return answer_of(words_for(program, name, errors_file, grid), errors_file);
+  };
+  const auto first = ask(volume::grid_over(machine.travel_mm, 8, volume::reference_of(machine.parameters)));
+  if (!first) return tl::unexpected(first.error());
+  volume::ErrorSource source;
+  source.kinematics = {volume::terms_of_machine(machine.parameters, Convention::iso, CurveKind::carriage),
+                       lines_in(*first), machine.tool_offset_mm};
+  source.components = [ask](const volume::Grid& grid) -> Result<volume::Components> {
+    const auto answer = ask(grid);
+    if (!answer) return tl::unexpected(answer.error());
+    return components_in(*answer);
+  };
+  return source;
+}
+
+}  // namespace ecs::commissioning

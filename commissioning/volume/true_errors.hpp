@@ -1,0 +1,23 @@
+// The true errors of an emulated machine, for a volume: what its errors file says, as the program `ecs-emulator`
+// evaluates it. The machine that hides errors and the code that finds them share no code, so the file is not read here.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/result.hpp"
+#include "params/machine.hpp"
+#include "volume/volume.hpp"
+
+namespace ecs::commissioning {
+
+/// The machine as the emulator has it: cold, unloaded, nothing of what does not repeat.
+/// @param errors_file   errors file of the emulator (docs/emulator.md)
+/// @param machine_file  that of its machine; empty: one is made of the parameters and the travels
+/// @param machine       its errors are replaced; the rest says which machine
+/// `bad_input` with the words of the emulator where it refuses the file, a component that is no function of its own
+/// axis included; `output` where the program is missing.
+[[nodiscard]] Result<volume::ErrorSource> true_errors(const std::string& errors_file, const std::string& machine_file,
+                                                      const volume::CompensatedMachine& machine);
+
+}  // namespace ecs::commissioning

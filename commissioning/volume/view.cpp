@@ -1,0 +1,208 @@
+#include "commissioning/volume/view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/answer_table.hpp"
+#include "base/paragraph.hpp"
+#include "base/text.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+std::string_view word_for(volume::RepeatabilityFrom from) {
+  switch (from) {
+    case volume::RepeatabilityFrom::header:
+      return "header of the map";
+    case volume::RepeatabilityFrom::option:
+      return "option";
+    case volume::RepeatabilityFrom::roughness:
+      return "roughness of the table";
+    case volume::RepeatabilityFrom::nothing:
+      break;
+  }
+  return "nothing";
+}
+
+Json vector_json(const Vector3& v) { return {number_or_null(v[0]), number_or_null(v[1]), number_or_null(v[2])}; }
+
+Json size_json(const volume::ErrorSize& size, const PerAxis<bool>& exists) {
+  Json along = Json::object();
+  for (const Axis axis : kAllAxes)
+    if (exists[index_of(axis)])
+      along[std::string(1, letter_of(axis))] = {{"largest_um", number_or_null(size.largest_along_um[index_of(axis)])},
+                                                {"rms_um", number_or_null(size.rms_along_um[index_of(axis)])}};
+  return {{"largest_um", number_or_null(size.largest_um)},
+          {"p95_um", number_or_null(size.p95_um)},
+          {"rms_um", number_or_null(size.rms_um)},
+          {"at", vector_json(size.at_mm)},
+          {"approach", static_cast<int>(size.approach)},
+          {"error_um", vector_json(size.error_um)},
+          {"points", size.places},
+          {"along", std::move(along)}};
+}
+
+Json size_json(const volume::VolumeSize& size, const PerAxis<bool>& exists) {
+  Json all = size_json(size.all, exists);
+  all["edges"] = size_json(size.edges, exists);
+  all["faces"] = size_json(size.faces, exists);
+  all["diagonals"] = size_json(size.diagonals, exists);
+  return all;
+}
+
+std::string place_text(const Vector3& mm, const PerAxis<bool>& exists) {
+  std::vector<std::string> words;
+  for (const Axis axis : kAllAxes)
+    if (exists[index_of(axis)]) words.push_back(fmt::format("{} {:.0f}", letter_of(axis), mm[index_of(axis)]));
+  return fmt::format("{}", fmt::join(words, "  "));
+}
+
+std::string size_text(std::string_view name, const volume::ErrorSize& size, const PerAxis<bool>& exists) {
+  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
+                     place_text(size.at_mm, exists), size.approach == Approach::forward ? "forward" : "reverse");
+}
+
+std::string size_text(std::string_view name, const volume::VolumeSize& size, const PerAxis<bool>& exists) {
+  return size_text(name, size.all, exists) + size_text("  faces", size.faces, exists) +
+         size_text("  edges", size.edges, exists) + size_text("  body diagonals", size.diagonals, exists);
+}
+
+Json budget_json(const VolumeWork& work) {
+  Json list = Json::array();
+  for (std::size_t c = 0; c < kComponents; ++c) {
+    const auto component = static_cast<Component>(c);
+    const auto share = std::find_if(work.shares.begin(), work.shares.end(),
+                                    [&](const ComponentShare& one) { return one.component == component; });
+    if (share == work.shares.end()) continue;
+    Json one{{"component", name_of(component)}, {"unit", unit_of(component)}, {"share", number_or_null(share->share)}};
+    if (is_squareness(component)) {
+      one["value"] = number_or_null(work.budget.squareness_um_per_m[c]);
+    } else {
+      const volume::CurveUncertainty& u = work.budget.curves[c];
+      one.update({{"repeatability_from", word_for(u.from)},
+                  {"value", number_or_null(u.value)},
+                  {"pass", number_or_null(u.pass)},
+                  {"between", number_or_null(u.between)},
+                  {"per_m", number_or_null(u.per_m)},
+                  {"unmeasured", number_or_null(u.unmeasured)}});
+    }
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json uncertainty_json(const VolumeWork& work) {
+  const volume::VolumeUncertainty& u = work.uncertainty;
+  const volume::UncertaintySettings& s = work.settings;
+  return {{"largest_50_um", number_or_null(u.largest_50_um)},
+          {"rms_50_um", number_or_null(u.rms_50_um)},
+          {"linear_rms_um", number_or_null(u.linear_rms_um)},
+          {"monte_carlo_rms_um", number_or_null(u.drawn_rms_um)},
+          {"draws", s.draws},
+          {"seed", s.seed},
+          {"instrument_um_per_m", number_or_null(s.instrument_um_per_m)},
+          {"temperature_degC", number_or_null(s.temperature_degC)},
+          {"expansion_um_per_m_degC", number_or_null(s.expansion_um_per_m_degC)},
+          {"declared_zero", number_or_null(s.declared_zero)},
+          {"squareness_um_per_m", number_or_null(s.squareness_um_per_m)},
+          {"components", budget_json(work)}};
+}
+
+std::string bound_text(const VolumeWork& work) {
+  const volume::VolumeUncertainty& u = work.uncertainty;
+  std::vector<std::string> shares;
+  for (const ComponentShare& one : work.shares)
+    if (shares.size() < 3) shares.push_back(fmt::format("{} {:.0f} %", name_of(one.component), 100.0 * one.share));
+  return paragraph(
+      fmt::format("As certain as the map is, the unit leaves at most {:.1f} um anywhere and at most {:.1f} um rms "
+                  "(95 %; {:.1f} and {:.1f} um are as likely exceeded as not). Most of it: {}.",
+                  u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
+}
+
+Cell at_cell(const std::optional<PlaceAnswer>& at) {
+  if (!at) return null_cell();
+  Json sides = Json::array();
+  std::string text =
+      fmt::format("at {:g}, {:g}, {:g} mm:\n", at->position_mm[0], at->position_mm[1], at->position_mm[2]);
+  for (const std::size_t side : {std::size_t{1}, std::size_t{0}}) {
+    const Vector3 &before = at->before_um[side], &after = at->after_um[side];
+    sides.push_back({{"approach", static_cast<int>(volume::kSides[side])},
+                     {"before_um", vector_json(before)},
+                     {"after_um", vector_json(after)}});
+    text +=
+        fmt::format("  {}  before {:.1f} {:.1f} {:.1f}  after {:.1f} {:.1f} {:.1f} um\n",
+                    side == 1 ? "forward" : "reverse", before[0], before[1], before[2], after[0], after[1], after[2]);
+  }
+  const Vector3& u = at->standard_uncertainty_um;
+  text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
+  return {{{"position_mm", vector_json(at->position_mm)},
+           {"sides", std::move(sides)},
+           {"expanded_uncertainty_um",
+            {number_or_null(2.0 * u[0]), number_or_null(2.0 * u[1]), number_or_null(2.0 * u[2])}}},
+          std::move(text)};
+}
+
+Json travel_json(const volume::Travels& travel_mm) {
+  Json travels = Json::object();
+  for (const Axis axis : kAllAxes)
+    if (const auto& travel = travel_mm[index_of(axis)])
+      travels[std::string(1, letter_of(axis))] = {number_or_null((*travel)[0]), number_or_null((*travel)[1])};
+  return travels;
+}
+
+std::string heading_of(const VolumeWork& work) {
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  return paragraph(fmt::format(
+             "{} ({}): {}{}, {} places from both sides", work.machine_name.empty() ? "machine" : work.machine_name,
+             configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
+             work.prepared.travels_of_machine ? "" : " (as far as the map reaches)", work.answer.grid.places())) +
+         fmt::format("errors from {}\n", work.prepared.errors_from) +
+         fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "95 %", "rms", "largest at, mm");
+}
+
+}  // namespace
+
+Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::string& values) {
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  const PerAxis<bool>& exists = work.answer.grid.exists;
+  const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
+    return Cell{size_json(size, exists), size_text(name, size, exists)};
+  };
+  return record_cell("{heading}{before}{after}{bound}{at}{notes}{picture}{values}",
+                     {{"points", count_cell(work.answer.grid.places())},
+                      {"heading", shown_cell(heading_of(work))},
+                      {"before", sizes("before", work.answer.before)},
+                      {"after", sizes("after", work.answer.after)},
+                      {"uncertainty_95_um",
+                       {{{"largest", number_or_null(work.uncertainty.largest_95_um)},
+                         {"rms", number_or_null(work.uncertainty.rms_95_um)}},
+                        {}}},
+                      {"bound", shown_cell(bound_text(work))},
+                      {"errors_from", text_cell(work.prepared.errors_from)},
+                      {"travel_mm", {travel_json(machine.travel_mm), {}}},
+                      {"reference_mm", {vector_json(work.answer.grid.reference_mm), {}}},
+                      {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
+                      {"uncertainty", {uncertainty_json(work), {}}},
+                      {"at", at_cell(work.at)},
+                      {"notes", paragraphs_cell(work.notes, "note: ")},
+                      {"picture", written_cell("picture", picture)},
+                      {"values", written_cell("values", values)}});
+}
+
+std::string values_csv(const VolumeWork& work) {
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  std::string text = "axis,sense,approach,p_mm,value_um,u_um\n";
+  for (const laser::MapTable& table : machine.map.tables) {
+    const auto u = uncertainties_of(table, machine, work.budget);
+    for (std::size_t i = 0; i < u.size(); ++i)
+      text += fmt::format("{},{},{},{},{},{:.4f}\n", letter_of(moving_axis(table.component)),
+                          name_of(sense_of(table.component)), static_cast<int>(table.approach), table.position_mm[i],
+                          table.compensation[i], u[i]);
+  }
+  return text;
+}
+
+}  // namespace ecs::commissioning

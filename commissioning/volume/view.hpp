@@ -1,0 +1,18 @@
+// The answer of `ecs volume` as text and JSON. Only for .cpp files (heavy header).
+#pragma once
+
+#include <string>
+
+#include "base/json_fwd.hpp"
+#include "commissioning/volume/work.hpp"
+
+namespace ecs::commissioning {
+
+/// The contract's keys `points`, `before`, `after`, `uncertainty_95_um`, with more beside (docs/volume.md); at most 24
+/// lines of 80 columns in the text. @param picture, values  files that were written; empty: none
+[[nodiscard]] Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::string& values);
+
+/// Every value of the map with its standard uncertainty: axis,sense,approach,p_mm,value_um,u_um.
+[[nodiscard]] std::string values_csv(const VolumeWork& work);
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,78 @@
+// `ecs volume` without a terminal: files read, the volume evaluated, its uncertainty.
+// Does not live here: the arithmetic (volume/), words and JSON (view.hpp), pictures (figures.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/session/message.hpp"
+#include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
+#include "volume/uncertainty.hpp"
+
+namespace ecs::commissioning {
+
+/// A machine whose volume can be evaluated.
+struct PreparedVolume {
+  volume::CompensatedMachine machine;
+  std::string errors_from;          ///< "the map", "the error model", "the errors file"
+  std::string remark;               ///< why the model that was given is not used; empty: none was, or it is
+  bool travels_of_machine = false;  ///< false: as far as the map reaches
+};
+
+/// @param model  fitted; null: none was given. It is used where it has an effect for all that is compensated
+[[nodiscard]] PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters& parameters,
+                                             const std::optional<params::Machine>& machine, const model::Model* model);
+
+/// "X 0 … 1000, Y 0 … 500 mm"
+[[nodiscard]] std::string travels_in_words(const volume::Travels& travel_mm);
+
+inline constexpr std::size_t kUsualPlaces = 9261;  ///< 21 on each of three axes
+
+/// As typed; empty: not given.
+struct VolumeArguments {
+  std::string map;
+  std::string params;
+  std::string errors;   ///< errors file of the emulator
+  std::string model;    ///< needs the machine
+  std::string machine;  ///< default: machine.toml beside the parameters, if it is of the same machine
+  bool other_machine = false;
+  std::size_t places = kUsualPlaces;
+  std::optional<double> tool_length_mm;  ///< along −Z from the point at which the curves were measured
+  std::string tool_offset;               ///< "X,Y,Z" [mm]
+  std::string at;                        ///< "X,Y,Z" [mm]: one place as well
+  volume::UncertaintySettings settings;
+};
+
+/// The error at one place, both sides.
+struct PlaceAnswer {
+  Vector3 position_mm{};
+  std::array<Vector3, 2> before_um{};  ///< by side
+  std::array<Vector3, 2> after_um{};
+  Vector3 standard_uncertainty_um{};  ///< along X, Y, Z, from the forward side
+};
+
+struct ComponentShare {
+  Component component = Component::EXX;
+  double share = 0.0;  ///< of the variance of the error vector over the volume
+};
+
+struct VolumeWork {
+  PreparedVolume prepared;
+  std::string machine_name;
+  volume::VolumeAnswer answer;
+  volume::UncertaintyBudget budget;
+  volume::UncertaintySettings settings;
+  volume::VolumeUncertainty uncertainty;
+  std::vector<ComponentShare> shares;  ///< of the uncertainty, largest first
+  std::optional<PlaceAnswer> at;
+  std::vector<std::string> notes;
+  std::vector<std::string> inputs;  ///< files that must not be written over
+};
+
+/// Refused: a map of another configuration or machine than the parameters, an axis whose travel nobody states, a place
+/// outside the travels, a model that cannot be used, an errors file that the emulator refuses.
+[[nodiscard]] Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arguments);
+
+}  // namespace ecs::commissioning

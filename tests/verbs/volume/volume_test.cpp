@@ -1,0 +1,149 @@
+// `ecs volume`: the keys of the contract, numbers that a hand can check, the emulator as an independent witness.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "base/text.hpp"
+#include "params/parameters_toml.hpp"
+#include "tests/support/command_output.hpp"
+#include "tests/support/emulator.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+
+/// A map of X alone, 20 um too long at 1000 mm, parameters beside it, no machine file.
+struct OneAxisFiles : Folder {
+  OneAxisFiles() {
+    UnitParameters p;
+    p.configuration = {'T', 'X', 0, 0, 0};
+    p.axis_present = {true, false, false};
+    p.scope = Scope::linear;
+    REQUIRE(params::write_parameters(parameters, p));
+  }
+  std::string map = with("map.csv",
+                         "# configuration: TX\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,500,-10\n"
+                         "X,EX,0,1000,-20\n");
+  std::string parameters = *this / "parameters.toml";
+};
+
+constexpr const char* kErrors = "[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.03*p + 2*d\"\n";
+
+TEST_CASE("the answer has the keys of the contract, before and after by hand") {
+  const OneAxisFiles files;
+  const Ran r = ran({"volume", files.map, "--params", files.parameters, "--points", "101", "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  const auto j = r.json();
+  CHECK(j["points"] == 101);
+  CHECK(j["before"]["largest_um"].get<double>() == Approx(20.0));
+  CHECK(j["before"]["p95_um"].get<double>() == Approx(19.0));
+  CHECK(j["before"]["rms_um"].get<double>() == Approx(20.0 * std::sqrt(201.0 / 600.0)));
+  CHECK(j["before"]["at"] == nlohmann::json{1000.0, 0.0, 0.0});
+  CHECK(j["after"]["largest_um"].get<double>() < 1e-9);
+  CHECK(j["uncertainty_95_um"]["largest"].get<double>() > 0.0);
+  CHECK(j["uncertainty_95_um"]["rms"].get<double>() <= j["uncertainty_95_um"]["largest"].get<double>());
+}
+
+TEST_CASE("with an errors file the true errors count, and what the map leaves of them") {
+  const OneAxisFiles files;
+  const std::string errors = files.with("errors.toml", kErrors);
+  const Ran r =
+      ran({"volume", files.map, "--params", files.parameters, "--errors", errors, "--points", "51", "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  const auto j = r.json();
+  CHECK(j["before"]["largest_um"].get<double>() == Approx(32.0));
+  CHECK(j["after"]["largest_um"].get<double>() == Approx(12.0));
+  CHECK(j["errors_from"] == "the errors file");
+}
+
+TEST_CASE("the true errors are those that the emulator finds when it drives there") {
+  const Folder folder;
+  const std::string map = folder.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,0\n");
+  const auto surveyed = nlohmann::json::parse(
+      output_of(kEmulator + " survey --machine samples/machining_centre/machine.toml --step 300 --approach 1").text);
+  const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--errors",
+                     "samples/machining_centre/errors.toml", "--at", "1200,600,-600", "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  for (const auto& corner : surveyed["corners"]["all"]) {
+    const auto& place = corner["position_mm"];
+    if (place["X"] != 1200.0 || place["Y"] != 600.0 || place["Z"] != -600.0) continue;
+    const auto forward = r.json()["at"]["sides"][0];
+    CHECK(forward["approach"] == 1);
+    // The survey counts from the datum approached forward, the volume from the mean of both sides there.
+    const double half_reversal[] = {8.6 + 0.5, 4.8 + 0.4, 29.0 + 0.3};  // terms in d of the errors file
+    for (std::size_t d = 0; d < kAxes; ++d)
+      CHECK(std::abs(forward["before_um"][d].get<double>() - half_reversal[d] -
+                     corner["error_um"][std::string(1, static_cast<char>('X' + d))].get<double>()) < 0.05);
+    return;
+  }
+  FAIL("no such corner");
+}
+
+TEST_CASE("the text fits a terminal") {
+  const Ran r = ran({"volume", "none.csv", "--params", "samples/mill/parameters.toml"});
+  CHECK(r.code == 3);
+  const OneAxisFiles files;
+  const Ran shown = ran({"volume", files.map, "--params", files.parameters, "--at", "500,0,0"});
+  REQUIRE(shown.code == 0);
+  const auto lines = lines_of(shown.out);
+  CHECK(lines.size() <= 24);
+  for (const auto line : lines) CHECK(line.size() <= 84);  // an ellipsis takes three bytes
+}
+
+TEST_CASE("every value of the map is written with its standard uncertainty") {
+  const OneAxisFiles files;
+  const std::string values = files / "values.csv";
+  REQUIRE(ran({"volume", files.map, "--params", files.parameters, "--repeatability", "1.5", "--instrument", "0",
+               "--temperature", "0", "--values", values})
+              .code == 0);
+  CHECK(content_of(values) ==
+        "axis,sense,approach,p_mm,value_um,u_um\nX,EX,0,0,0,1.5000\nX,EX,0,500,-10,1.5000\n"
+        "X,EX,0,1000,-20,1.5000\n");
+}
+
+TEST_CASE("what cannot be computed is refused in words, and nothing is written") {
+  const OneAxisFiles files;
+  const std::string picture = files / "v.svg";
+  const auto refused = [&](std::vector<std::string> words, int code, const char* saying) {
+    words.insert(words.begin(), {"volume", files.map, "--params", files.parameters, "-o", picture});
+    const Ran r = ran(words);
+    CAPTURE(r.all());
+    CHECK(r.code == code);
+    CHECK(r.messages.find(saying) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(picture));
+  };
+  refused({"--at", "1500,0,0"}, 2, "expected X within 0");
+  refused({"--at", "here"}, 2, "three numbers");
+  refused({"--tool-length", "100", "--tool-offset", "0,0,1"}, 2, "got both");
+  refused({"--errors", "e.toml", "--model", "m.toml"}, 2, "got both");
+  refused({"--points", "3"}, 2, "points");
+  refused({"--errors", files.with("bad.toml", "[[contribution]]\ncomponent = \"EXQ\"\nformula = \"p\"\n")}, 3, "EXQ");
+  refused({"--errors", files / "none.toml"}, 3, "none.toml");
+  const std::string other =
+      files.with("other.csv", "# configuration: XT\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1,0\n");
+  const Ran r = ran({"volume", other, "--params", files.parameters});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("made for XT") != std::string::npos);
+}
+
+TEST_CASE("an error that depends on two axes is refused by its name") {
+  const Folder folder;
+  const std::string errors =
+      folder.with("errors.toml", "[[contribution]]\ncomponent = \"EYX\"\nformula = \"0.001*p*y\"\n");
+  const std::string map = folder.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,0\n");
+  const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--errors", errors});
+  CHECK(r.code == 3);
+  CHECK(r.messages.find("EYX depends on where another axis") != std::string::npos);
+}
+
+TEST_CASE("a picture is drawn") {
+  const OneAxisFiles files;
+  const std::string picture = files / "v.svg";
+  REQUIRE(ran({"volume", files.map, "--params", files.parameters, "-o", picture}).code == 0);
+  CHECK(content_of(picture).find("<svg") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecs::app

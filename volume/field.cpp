@@ -1,0 +1,97 @@
+#include "volume/field.hpp"
+
+#include "base/units.hpp"
+
+namespace ecs::volume {
+Field::Field(const Grid& grid, const Components& components, const Kinematics& kinematics) : grid_(grid) {
+  for (auto& side : part_)
+    for (std::size_t a = 0; a < kAxes; ++a) side[a].resize(grid.mm[a].size() + 1);
+  for (const Term& term : kinematics.terms) put(term, components, kinematics);
+}
+
+void Field::put(const Term& term, const Components& components, const Kinematics& kinematics) {
+  const std::size_t d = index_of(term.observed), l = index_of(term.lever), c = index_of(term.component);
+  if (is_squareness(term.component)) {
+    if (term.uses_coordinate) squareness_[l][d] += term.sign * components.squareness[c] / kMmPerM;
+    return;
+  }
+  const std::size_t b = index_of(moving_axis(term.component));
+  double constant = 1.0, slope = 0.0;
+  if (term.has_lever) {
+    constant = kinematics.tool_offset_mm[l] / kMmPerM;
+    if (term.uses_coordinate) {
+      constant -= kinematics.lines_mm[b][l] / kMmPerM;
+      slope = 1.0 / kMmPerM;
+    }
+  }
+  const std::vector<double> own_mm = coordinates_of(grid_, static_cast<Axis>(b));
+  for (std::size_t side = 0; side < part_.size(); ++side) {
+    const std::vector<double>& values = components.curve[side][c];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double value = term.sign * values[i];
+      Part& part = part_[side][b][i];
+      if (l == b)
+        part.constant[d] += value * (constant + slope * own_mm[i]);
+      else {
+        part.constant[d] += value * constant;
+        part.slope[l][d] += value * slope;
+      }
+    }
+  }
+}
+
+void Field::add(const Field& other) {
+  for (std::size_t side = 0; side < part_.size(); ++side)
+    for (std::size_t a = 0; a < kAxes; ++a)
+      for (std::size_t i = 0; i < part_[side][a].size(); ++i)
+        for (std::size_t d = 0; d < kAxes; ++d) {
+          part_[side][a][i].constant[d] += other.part_[side][a][i].constant[d];
+          for (std::size_t l = 0; l < kAxes; ++l) part_[side][a][i].slope[l][d] += other.part_[side][a][i].slope[l][d];
+        }
+  for (std::size_t l = 0; l < kAxes; ++l)
+    for (std::size_t d = 0; d < kAxes; ++d) squareness_[l][d] += other.squareness_[l][d];
+}
+
+void Field::count_from_reference() {
+  const Vector3 reverse = at_reference(0), forward = at_reference(1);
+  for (auto& side : part_)
+    for (Part& part : side[0])
+      for (std::size_t d = 0; d < kAxes; ++d) part.constant[d] -= 0.5 * (reverse[d] + forward[d]);
+}
+
+Vector3 Field::sum(const PerAxis<const Part*>& parts, const Vector3& place_mm) const {
+  Vector3 error{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      double slope = squareness_[a][d];
+      for (const Part* part : parts) slope += part->slope[a][d];
+      error[d] += parts[a]->constant[d] + slope * place_mm[a];
+    }
+  return error;
+}
+
+Vector3 Field::at(std::size_t side, const GridIndex& index) const {
+  return sum({&part_[side][0][index[0]], &part_[side][1][index[1]], &part_[side][2][index[2]]}, grid_.at(index));
+}
+
+Vector3 Field::at_reference(std::size_t side) const {
+  return sum({&part_[side][0].back(), &part_[side][1].back(), &part_[side][2].back()}, grid_.reference_mm);
+}
+
+void Field::row(std::size_t side, std::size_t x, std::size_t y, std::span<Vector3> out) const {
+  const Part &of_x = part_[side][0][x], &of_y = part_[side][1][y];
+  const double x_mm = grid_.mm[0][x], y_mm = grid_.mm[1][y];
+  Vector3 base{}, slope{};
+  for (std::size_t d = 0; d < kAxes; ++d) {
+    base[d] = of_x.constant[d] + of_y.constant[d] + (squareness_[0][d] + of_y.slope[0][d]) * x_mm +
+              (squareness_[1][d] + of_x.slope[1][d]) * y_mm;
+    slope[d] = squareness_[2][d] + of_x.slope[2][d] + of_y.slope[2][d];
+  }
+  const std::vector<Part>& of_z = part_[side][2];
+  for (std::size_t z = 0; z < out.size(); ++z)
+    for (std::size_t d = 0; d < kAxes; ++d)
+      out[z][d] = base[d] + slope[d] * grid_.mm[2][z] + of_z[z].constant[d] + of_z[z].slope[0][d] * x_mm +
+                  of_z[z].slope[1][d] * y_mm;
+}
+
+}  // namespace ecs::volume
