@@ -116,6 +116,7 @@ enum class Need : std::uint8_t {
   feed,
   load,
   travel_since_reversal,
+  reversed,
   known
 };
 
@@ -193,6 +194,8 @@ struct Site {
   bool any_axis_varies = false;  ///< some coordinate varies in readings of the sense
 
   [[nodiscard]] bool is_positioning() const { return !is_rotation(sense) && direction_of(sense) == axis; }
+  /// Readings of a translation across the axis.
+  [[nodiscard]] bool is_across() const { return !is_rotation(sense) && direction_of(sense) != axis; }
   /// One instance here (its `id` is set by the caller), or none.
   [[nodiscard]] std::vector<EffectInstance> once(bool worth_trying = true) const;
 };

@@ -110,6 +110,13 @@ double map_compensation(const ReadingAt& at) {
   return map_compensation(at.data, at.k, at.effect, 0.0, at.data.approach[at.k]);
 }
 
+double side_of_artefact(const Observations& data, std::size_t k) {
+  const auto found = data.extras.find("reversed");
+  return found == data.extras.end() ? kNotMeasured : 1.0 - 2.0 * cell(found->second, k);
+}
+
+double side_of_artefact(const ReadingAt& at) { return side_of_artefact(at.data, at.k); }
+
 bool first_set_up(const Observations& data, std::size_t k) {
   const auto found = data.extras.find("set_up");
   const double set_up = found == data.extras.end() ? 1.0 : cell(found->second, k);

@@ -36,6 +36,11 @@ inline constexpr double kReference_degC = 20.0;
 /// The same as the unit applied it.
 [[nodiscard]] double map_compensation(const ReadingAt& at);
 
+/// Column `reversed`: 1 for an artefact as it was first, -1 turned over (reversed = 1); kNotMeasured where the cell
+/// lacks.
+[[nodiscard]] double side_of_artefact(const Observations& data, std::size_t k);
+[[nodiscard]] double side_of_artefact(const ReadingAt& at);
+
 /// Column `set_up`: 1 or absent where the optics are as in the first readings; another number after they were aligned
 /// and reset anew.
 [[nodiscard]] bool first_set_up(const Observations& data, std::size_t k);

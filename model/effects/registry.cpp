@@ -21,6 +21,8 @@
   EFFECT(thermal_drift)      \
   EFFECT(thermal_bend)       \
   EFFECT(set_up_rotation)    \
+  EFFECT(artefact_angle)     \
+  EFFECT(artefact_form)      \
   EFFECT(warm_up)            \
   EFFECT(time_drift)         \
   EFFECT(air_refraction)     \

@@ -14,6 +14,8 @@ inline constexpr SeparatingMeasurement kOtherTemperature{
     30, "Repeat the {axis} line with the machine at least 3 degC warmer or colder, sensors recorded."};
 inline constexpr SeparatingMeasurement kFromCold{
     50, "Repeat the {axis} line from the cold machine and again after two hours, targets in reverse order."};
+inline constexpr SeparatingMeasurement kTurnedOver{
+    52, "Turn the square or straight edge over and repeat the {axis} line with column reversed = 1 (0 before)."};
 inline constexpr SeparatingMeasurement kSecondLine{
     80, "Measure along {axis} again on a second line, the other axes parked as far as possible from the first."};
 inline constexpr SeparatingMeasurement kAfterReversal{

@@ -43,6 +43,7 @@ struct MeasurementProposal {
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
   std::optional<double> pressure_hPa, humidity_pct, load_kg;
   std::optional<bool> compensated;    ///< absent: no map is known
+  std::optional<bool> reversed;       ///< the artefact turned over, column `reversed`; absent: the data have none
   double wait_minutes = 0.0;          ///< until the condition holds
   double set_up_minutes = 5.0;        ///< work before the first reading
   double minutes = 0.0;               ///< everything

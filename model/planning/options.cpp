@@ -103,6 +103,8 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   now.humidity_pct = last_of(data.humidity_pct, rows);
   if (const auto column = data.extras.find("set_up"); column != data.extras.end())
     now.set_up = static_cast<int>(last_of(column->second, rows).value_or(1.0));
+  if (const auto column = data.extras.find("reversed"); column != data.extras.end())
+    now.reversed = last_of(column->second, rows).value_or(0.0) != 0.0;
   for (const auto& [sensor, column] : data.sensors_degC)
     if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
   const Range range = range_of(data, axis);
@@ -222,6 +224,11 @@ class Conditions {
       add("with compensation switched off, the map's values added to the readings", [&](MeasurementProposal& p) {
         p.compensated = false;
         p.set_up_minutes += times_.map_minutes;
+      });
+    if (now_.reversed)
+      add("with the square or straight edge turned over", [&](MeasurementProposal& p) {
+        p.reversed = !*now_.reversed;
+        p.set_up_minutes += times_.align_minutes;
       });
     if (!is_rotation(now_.sense) && direction_of(now_.sense) == now_.axis)
       add("after aligning the beam and resetting anew, optics close together", [&](MeasurementProposal& p) {

@@ -77,6 +77,9 @@ class ProgramWriter {
                      where.empty() ? " the other axes as now" : where));
     if (plan_.new_set_up)
       note(fmt::format("  align the beam and reset anew, optics close together; write set_up = {}", plan_.set_up));
+    if (plan_.reversed)
+      note(fmt::format("  write reversed = {}: 1 with the square or straight edge turned over",
+                       *plan_.reversed ? 1 : 0));
     conditions();
     note(fmt::format("{} targets, {} {}, {}", targets_.size(), plan_.runs, plan_.runs == 1 ? "run" : "runs",
                      plan_.bidirectional  ? "both ways"
@@ -185,6 +188,7 @@ laser::Reading row_of(const MeasurementProposal& plan, const Stop& stop) {
   row.compensated = plan.compensated;
   row.sensors_degC = plan.temperatures_degC;
   if (plan.set_up != 1) row.extras["set_up"] = plan.set_up;
+  if (plan.reversed) row.extras["reversed"] = *plan.reversed ? 1.0 : 0.0;
   return row;
 }
 

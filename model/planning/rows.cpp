@@ -40,6 +40,8 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
     if (const auto degC = proposal.temperatures_degC.find(sensor); degC != proposal.temperatures_degC.end())
       set(column, k, degC->second);
   if (const auto set_up = data.extras.find("set_up"); set_up != data.extras.end()) set_up->second[k] = proposal.set_up;
+  if (const auto reversed = data.extras.find("reversed"); reversed != data.extras.end() && proposal.reversed)
+    reversed->second[k] = *proposal.reversed ? 1.0 : 0.0;
 }
 
 /// An extra column as a straight line over another one; over none it is constant.
@@ -100,7 +102,7 @@ bool is_mark(const Column& extra) {
 /// @param zeroed_each_run  marks are the zeros of past runs
 void fill_extras(WithProposals& all, const Observations& present, bool zeroed_each_run) {
   for (auto& [name, column] : all.data.extras) {
-    if (name == "set_up") continue;
+    if (name == "set_up" || name == "reversed") continue;
     const Column& known = present.extras.find(name)->second;
     const auto line = zeroed_each_run && is_mark(known) ? std::optional(Follows{}) : follows(present, known);
     if (line) all.extras_follow[name] = line->column;

@@ -58,6 +58,8 @@ constexpr NeedFacts kNeeds[] = {
     {Need::travel_since_reversal, "travel_since_reversal_mm", "travel_since_reversal_mm",
      [](Data data) { return data.travel_since_reversal_mm.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.travel_since_reversal_mm, k); }},
+    {Need::reversed, "reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
+     [](Data data, std::size_t k, Effect) { return side_of_artefact(data, k); }},
     {Need::known, "[[known]] component", "the known component", [](Data data) { return data.known.empty(); },
      [](Data data, std::size_t, Effect effect) {
        return effect.code ? known_value(data, *effect.code, 0.0) : kNotMeasured;
@@ -164,11 +166,23 @@ void add_tied_to_runs(const Observations& data, std::vector<std::string>& notes)
 
 }  // namespace
 
+namespace {
+
+/// Readings that an artefact gives: a translation across the axis that moves.
+bool has_readings_across(const Observations& data) {
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!is_rotation(data.sense[k]) && direction_of(data.sense[k]) != data.axis[k]) return true;
+  return false;
+}
+
+}  // namespace
+
 std::vector<std::string> untried_effects(const Observations& data) {
   std::vector<std::string> notes;
   for (const NeedFacts& facts : kNeeds) {
     if (facts.need == Need::known || !facts.lacking(data)) continue;
     if (of_sensors(facts.need) && data.sensors_degC.empty()) continue;
+    if (facts.need == Need::reversed && !has_readings_across(data)) continue;
     const auto concerned = [&](const EffectDefinition& definition) {
       return facts.need == Need::sensor ? definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
                                               definition.has_need(Need::material_temperature)

@@ -59,6 +59,7 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
                       {"humidity_pct", {number_or_null(one.humidity_pct), ""}},
                       {"load_kg", {number_or_null(one.load_kg), ""}},
                       {"compensated", {one.compensated ? Json(*one.compensated) : Json(nullptr), ""}},
+                      {"reversed", {one.reversed ? Json(*one.reversed) : Json(nullptr), ""}},
                       {"condition", word_cell(one.condition)},
                       {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
                       {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
