@@ -13,7 +13,8 @@ extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtil
 extern const VerbDefinition kUnitArm, kUnitDisarm, kUnitEvents;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
-    kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
+    kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelRepair,
+    kModelReveal;
 extern const VerbDefinition kVolume;
 extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
@@ -96,6 +97,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kModelUndo,
       &kModelHistory,
       &kModelWhatIf,
+      &kModelRepair,
       &kModelReveal,
       &kVolume,
       &kReport,

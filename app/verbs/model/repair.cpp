@@ -1,0 +1,30 @@
+// `ecs model repair`: repair or compensate, cause by cause.
+#include "commissioning/volume/repair.hpp"
+
+#include "app/cli/verb.hpp"
+#include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct RepairArguments : VerbArguments {
+  ModelOptions common{*this};
+  const int& points = integer("--points", "places in the volume, at most", 1331, 8, 100'000);
+};
+
+Result<Outcome> repair(VerbContext& context, const RepairArguments& arguments) {
+  const auto work = model_work(context.console, arguments.common);
+  if (!work) return tl::unexpected(work.error());
+  const auto answer = repair_answer(*work, arguments.common.model, static_cast<std::size_t>(arguments.points));
+  if (!answer) return tl::unexpected(answer.error());
+  return outcome_of(repair_cell(*answer));
+}
+
+}  // namespace
+
+extern const VerbDefinition kModelRepair =
+    verb<RepairArguments>("model repair", "repair or compensate: what each cause leaves in readings, volume and circle",
+                          "ecs model repair model.toml data.csv --machine machine.toml", repair);
+
+}  // namespace ecs::app

@@ -1,0 +1,302 @@
+// Sums of what the effects contribute: readings by the fit, places of a volume and of a circle by prediction. What the
+// unit can compensate is taken as compensated without rest: a map leaves less than its resolution.
+#include "commissioning/volume/repair.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "base/answer_table.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/maps/export_source.hpp"
+#include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
+#include "volume/grid.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::size_t kCirclePlaces = 180;
+/// The circle: at most this share of the shorter travel and no larger; a choice, ISO 230-4 leaves it to the user.
+constexpr double kShareOfTravel = 0.8, kLargestDiameter_mm = 300.0;
+/// Less is no gain: a hundredth of what is left otherwise, or the resolution of a map.
+constexpr double kNoGain = 0.01, kResolution_um = 0.1;
+
+using Vectors = std::vector<Vector3>;
+using Places = std::vector<controllers::MachinePlace>;
+
+struct Circle {
+  std::size_t first = 0, second = 1;  ///< axes of the plane
+  double diameter_mm = 0.0;
+  Places places;
+};
+
+volume::Travels travels_of_axes(const params::Machine& machine) {
+  volume::Travels travels;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (machine.axes[a]) travels[a] = machine.axes[a]->travel_mm;
+  return travels;
+}
+
+/// Every place of the volume from both sides; the reference comes last.
+Places volume_places(const params::Machine& machine, std::size_t most) {
+  Vector3 datum_mm{};
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (machine.axes[a]) datum_mm[a] = machine.axes[a]->datum_mm;
+  const volume::Grid grid = volume::grid_over(travels_of_axes(machine), most, datum_mm);
+  Places places;
+  const auto add = [&](const Vector3& at) {
+    for (const Approach side : {Approach::forward, Approach::reverse}) places.push_back({at, {side, side, side}});
+  };
+  for (const double x : grid.mm[0])
+    for (const double y : grid.mm[1])
+      for (const double z : grid.mm[2]) add({x, y, z});
+  add(datum_mm);
+  return places;
+}
+
+/// In the plane of the two longest travels through the middle, run counter-clockwise: each axis arrives as it moves.
+Circle circle_of(const params::Machine& machine) {
+  const volume::Travels travels = travels_of_axes(machine);
+  const auto length = [&](std::size_t a) { return travels[a] ? (*travels[a])[1] - (*travels[a])[0] : 0.0; };
+  std::array<std::size_t, kAxes> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  Circle circle;
+  circle.first = std::min(order[0], order[1]);
+  circle.second = std::max(order[0], order[1]);
+  circle.diameter_mm = std::min(kShareOfTravel * length(order[1]), kLargestDiameter_mm);
+  if (circle.diameter_mm <= 0.0) return circle;
+  Vector3 middle{};
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (travels[a]) middle[a] = 0.5 * ((*travels[a])[0] + (*travels[a])[1]);
+  for (std::size_t i = 0; i < kCirclePlaces; ++i) {
+    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / kCirclePlaces;
+    controllers::MachinePlace place{middle, {Approach::forward, Approach::forward, Approach::forward}};
+    place.position_mm[circle.first] += 0.5 * circle.diameter_mm * std::cos(angle);
+    place.position_mm[circle.second] += 0.5 * circle.diameter_mm * std::sin(angle);
+    if (std::sin(angle) > 0.0) place.approach[circle.first] = Approach::reverse;
+    if (std::cos(angle) < 0.0) place.approach[circle.second] = Approach::reverse;
+    circle.places.push_back(place);
+  }
+  return circle;
+}
+
+/// Length of vectors counted from the last two, the reference from both sides.
+struct Sizes {
+  double largest_um = 0.0, rms_um = 0.0;
+};
+Sizes sizes_of(const Vectors& vectors) {
+  Sizes sizes;
+  if (vectors.size() < 3) return sizes;
+  const Vector3 &a = vectors[vectors.size() - 1], &b = vectors[vectors.size() - 2];
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 2 < vectors.size(); ++i) {
+    double square = 0.0;
+    for (std::size_t d = 0; d < kAxes; ++d) square += std::pow(vectors[i][d] - 0.5 * (a[d] + b[d]), 2);
+    sizes.largest_um = std::max(sizes.largest_um, std::sqrt(square));
+    sum += square;
+  }
+  sizes.rms_um = std::sqrt(sum / static_cast<double>(vectors.size() - 2));
+  return sizes;
+}
+
+/// G of ISO 230-4 about the least-squares centre; the places are even, so that centre and deviation are orthogonal.
+double circular_deviation_um(const Circle& circle, const Vectors& vectors) {
+  if (vectors.empty()) return 0.0;
+  const double n = static_cast<double>(vectors.size());
+  std::vector<double> radial;
+  double cosine = 0.0, sine = 0.0;
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / n;
+    radial.push_back(vectors[i][circle.first] * std::cos(angle) + vectors[i][circle.second] * std::sin(angle));
+    cosine += 2.0 / n * radial.back() * std::cos(angle);
+    sine += 2.0 / n * radial.back() * std::sin(angle);
+  }
+  for (std::size_t i = 0; i < radial.size(); ++i) {
+    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / n;
+    radial[i] -= cosine * std::cos(angle) + sine * std::sin(angle);
+  }
+  const auto [least, greatest] = std::minmax_element(radial.begin(), radial.end());
+  return *greatest - *least;
+}
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// What one effect, or what is left of all, gives everywhere.
+struct Contribution {
+  std::vector<double> readings;
+  Vectors volume, circle;
+
+  void add(const Contribution& other, double times) {
+    for (std::size_t k = 0; k < readings.size(); ++k) readings[k] += times * other.readings[k];
+    for (std::size_t k = 0; k < volume.size(); ++k)
+      for (std::size_t d = 0; d < kAxes; ++d) volume[k][d] += times * other.volume[k][d];
+    for (std::size_t k = 0; k < circle.size(); ++k)
+      for (std::size_t d = 0; d < kAxes; ++d) circle[k][d] += times * other.circle[k][d];
+  }
+};
+
+Remaining CauseCost::*const kQuantities[] = {&CauseCost::readings_rms, &CauseCost::volume_largest,
+                                             &CauseCost::volume_rms, &CauseCost::circle};
+
+void take(CauseCost& cost, double Remaining::*which, const Contribution& rest, const Circle& circle) {
+  const Sizes volume = sizes_of(rest.volume);
+  cost.readings_rms.*which = rms_of(rest.readings);
+  cost.volume_largest.*which = volume.largest_um;
+  cost.volume_rms.*which = volume.rms_um;
+  cost.circle.*which = circular_deviation_um(circle, rest.circle);
+}
+
+bool is_gain(double before_um, double after_um) {
+  return before_um - after_um > std::max(kNoGain * before_um, kResolution_um);
+}
+
+Remedy remedy_for(const CauseCost& cost) {
+  const auto gains = [&](double Remaining::*from, double Remaining::*to) {
+    return std::any_of(std::begin(kQuantities), std::end(kQuantities),
+                       [&](auto quantity) { return is_gain(cost.*quantity.*from, cost.*quantity.*to); });
+  };
+  if (cost.effect.traits().of_measurement)
+    return gains(&Remaining::left_um, &Remaining::repaired_um) ? Remedy::set_up : Remedy::nothing;
+  if (gains(&Remaining::compensated_um, &Remaining::repaired_um)) return Remedy::repair;
+  return gains(&Remaining::left_um, &Remaining::compensated_um) ? Remedy::compensate : Remedy::nothing;
+}
+
+double largest_cost_um(const CauseCost& cost) {
+  double most = 0.0;
+  for (const auto quantity : kQuantities)
+    most = std::max(most,
+                    (cost.*quantity).left_um - std::min((cost.*quantity).compensated_um, (cost.*quantity).repaired_um));
+  return most;
+}
+
+std::string_view remedy_text(Remedy remedy) {
+  switch (remedy) {
+    case Remedy::compensate:
+      return "compensate";
+    case Remedy::repair:
+      return "repair";
+    case Remedy::set_up:
+      return "put the measurement right";
+    case Remedy::nothing:
+      break;
+  }
+  return "leave";
+}
+
+Cell remaining_cell(std::string_view name, const Remaining& one) {
+  return record_cell(fmt::format("  {:<18} {{left_um:>9}} {{compensated_um:>12}} {{repaired_um:>9}}\n", name),
+                     {{"left_um", number_cell(one.left_um, 2)},
+                      {"compensated_um", number_cell(one.compensated_um, 2)},
+                      {"repaired_um", number_cell(one.repaired_um, 2)}});
+}
+
+Cell cause_cell(const CauseCost& cost, bool has_circle) {
+  const std::string head = paragraph(
+      fmt::format("{}: {} ({})", name_with_alternatives(cost.effect), remedy_text(cost.remedy),
+                  cost.remedy == Remedy::repair ? cost.effect.definition().check : how_compensated(cost.effect)),
+      0, 2);
+  Cell circle = remaining_cell("circle G", cost.circle);
+  if (!has_circle) circle = null_cell();
+  return record_cell("{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n",
+                     {{"head", shown_cell(head)},
+                      {"", {effect_json(cost.effect), ""}},
+                      {"remedy", {remedy_text(cost.remedy), ""}},
+                      {"readings_rms", remaining_cell("readings, rms", cost.readings_rms)},
+                      {"volume_largest", remaining_cell("volume, largest", cost.volume_largest)},
+                      {"volume_rms", remaining_cell("volume, rms", cost.volume_rms)},
+                      {"circle", std::move(circle)}});
+}
+
+Result<Contribution> contribution_of(const model::EffectFit& effect, const ModelWork& work, const Places& volume,
+                                     const Circle& circle, const std::string& model_file) {
+  model::Model alone = work.model;
+  alone.effects = {effect.effect};
+  const auto errors = errors_of_model(alone, *work.machine, model_file);
+  auto in_volume = errors(volume);
+  if (!in_volume) return tl::unexpected(in_volume.error());
+  auto on_circle = errors(circle.places);
+  if (!on_circle) return tl::unexpected(on_circle.error());
+  return Contribution{effect.contribution, std::move(*in_volume), std::move(*on_circle)};
+}
+
+}  // namespace
+
+Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& model_file, std::size_t places) {
+  if (!work.machine) return problem(ProblemKind::usage, "expected --machine: its file holds the travels of the axes");
+  if (work.data.rotary)
+    return problem(ProblemKind::refused, "the volume is of linear axes: `ecs model what-if` takes rotary ones");
+  const auto fit = model::fit(work.model, work.data);
+  if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
+  const Places volume = volume_places(*work.machine, places);
+  const Circle circle = circle_of(*work.machine);
+  RepairAnswer answer;
+  answer.readings = work.data.size();
+  answer.places = volume.size() / 2 - 1;
+  answer.diameter_mm = circle.diameter_mm;
+  answer.plane =
+      fmt::format("{}{}", letter_of(static_cast<Axis>(circle.first)), letter_of(static_cast<Axis>(circle.second)));
+  answer.noise_um = fit->noise.noise_um;
+
+  std::vector<Contribution> each;
+  Contribution rest{fit->residual, Vectors(volume.size()), Vectors(circle.places.size())};
+  for (const model::EffectFit& effect : fit->effects) {
+    auto one = contribution_of(effect, work, volume, circle, model_file);
+    if (!one) return tl::unexpected(one.error());
+    if (!is_carried(effect.effect)) rest.add(*one, 1.0);
+    each.push_back(std::move(*one));
+  }
+  bool unseen = false;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    CauseCost cost;
+    cost.effect = fit->effects[i].effect;
+    const bool carried = is_carried(cost.effect);
+    Contribution other = rest;
+    take(cost, &Remaining::compensated_um, rest, circle);
+    other.add(each[i], carried ? 1.0 : -1.0);
+    take(cost, carried ? &Remaining::left_um : &Remaining::repaired_um, other, circle);
+    for (const auto quantity : kQuantities)
+      (carried ? (cost.*quantity).repaired_um : (cost.*quantity).left_um) = (cost.*quantity).compensated_um;
+    cost.remedy = remedy_for(cost);
+    unseen = unseen || !cost.effect.definition().needs.empty();
+    answer.causes.push_back(std::move(cost));
+  }
+  std::stable_sort(answer.causes.begin(), answer.causes.end(),
+                   [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
+  if (unseen)
+    answer.notes.emplace_back(
+        "volume and circle are those of a machine at rest, unloaded, without a change of temperature: what depends on "
+        "a condition shows in the readings only");
+  return answer;
+}
+
+Cell repair_cell(const RepairAnswer& answer) {
+  const bool has_circle = answer.diameter_mm > 0.0;
+  Cell causes{Json::array(), ""};
+  for (const CauseCost& cost : answer.causes) causes.add(cause_cell(cost, has_circle));
+  std::string head = fmt::format(
+      "What is left [um] if one cause is left as it is, compensated or repaired, everything else that the unit can "
+      "compensate being compensated. {} readings (noise of one {:.2f} um), {} places of the volume from both sides",
+      answer.readings, answer.noise_um, answer.places);
+  if (has_circle)
+    head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
+  return record_cell("{head}\n                          left  compensated  repaired\n{causes}{notes}",
+                     {{"head", shown_cell(paragraph(head + "."))},
+                      {"readings", count_cell(answer.readings)},
+                      {"points", count_cell(answer.places)},
+                      {"noise_um", {number_or_null(answer.noise_um), ""}},
+                      {"circle_diameter_mm", {has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr), ""}},
+                      {"circle_plane", {has_circle ? Json(answer.plane) : Json(nullptr), ""}},
+                      {"causes", std::move(causes)},
+                      {"notes", {answer.notes, notes_text(answer.notes)}}});
+}
+
+}  // namespace ecs::commissioning

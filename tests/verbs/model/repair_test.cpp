@@ -1,0 +1,126 @@
+// `ecs model repair`: sums that a hand can check, and the emulated machine as the witness of what is left.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/model_workspace.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+
+constexpr const char* kMachine = R"(name = "two axes"
+configuration = "TXY"
+[axis.X]
+travel_mm = [0.0, 1000.0]
+datum_mm = 0.0
+measurement_line_mm = { y = 0.0, z = 0.0 }
+[axis.Y]
+travel_mm = [0.0, 500.0]
+datum_mm = 0.0
+measurement_line_mm = { x = 0.0, z = 0.0 }
+)";
+
+constexpr const char* kModel = R"([[effect]]
+id = "scale"
+axis = "X"
+sense = "EX"
+parameters = { um_per_m = 30.0 }
+
+[[effect]]
+id = "squareness"
+code = "C0Y"
+parameters = { um_per_m = 40.0 }
+
+[[effect]]
+id = "servo_lag"
+axis = "X"
+sense = "EX"
+parameters = { um_per_m_min = 3.0 }
+)";
+
+/// EX along X at 2 m/min: 30 um/m and 6 um by direction, no noise.
+std::string lagging() {
+  std::string text = "axis,sense,x_mm,reading,approach,run,feed_mm_min\n";
+  for (const int approach : {1, -1})
+    for (int i = 0; i <= 10; ++i)
+      text += fmt::format("X,EX,{},{},{},1,2000\n", 100 * i, 3.0 * i + 6.0 * approach, approach);
+  return text;
+}
+
+struct TwoAxes : Folder {
+  std::string model = with("model.toml", kModel), data = with("data.csv", lagging()),
+              machine = with("machine.toml", kMachine);
+  [[nodiscard]] Ran repair(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"model", "repair", model, data, "--machine", machine};
+    words.insert(words.end(), more.begin(), more.end());
+    return ran(words);
+  }
+  [[nodiscard]] nlohmann::json cause(const std::string& name) const {
+    const nlohmann::json answer = repair({"--json"}).json();
+    for (const nlohmann::json& one : answer["causes"])
+      if (one["name"] == name) return one;
+    return {};
+  }
+};
+
+TEST_CASE("what the unit can compensate is compensated: repairing gains no more") {
+  const TwoAxes files;
+  const nlohmann::json scale = files.cause("scale:X:EX");
+  CHECK(scale["remedy"] == "compensate");
+  CHECK(scale["readings_rms"]["left_um"].get<double>() == Approx(std::sqrt(315.0 + 36.0)));
+  CHECK(scale["readings_rms"]["compensated_um"].get<double>() == Approx(6.0));
+  CHECK(scale["readings_rms"]["repaired_um"].get<double>() == Approx(6.0));
+  CHECK(scale["volume_largest"]["left_um"].get<double>() == Approx(30.0));
+  CHECK(scale["volume_largest"]["compensated_um"].get<double>() == Approx(0.0));
+  // 30 um/m over a circle of 300 mm: radial 4.5 um cos^2, of which the ellipse stays
+  CHECK(scale["circle"]["left_um"].get<double>() == Approx(4.5).epsilon(0.001));
+}
+
+TEST_CASE("what the unit cannot compensate is to be repaired") {
+  const TwoAxes files;
+  const nlohmann::json lag = files.cause("servo_lag:X:EX");
+  CHECK(lag["remedy"] == "repair");
+  CHECK(lag["readings_rms"]["left_um"].get<double>() == Approx(6.0));
+  CHECK(lag["readings_rms"]["compensated_um"].get<double>() == Approx(6.0));
+  CHECK(lag["readings_rms"]["repaired_um"].get<double>() < 1e-6);
+  const Ran text = files.repair();
+  CHECK(contains(text.out, "servo_lag:X:EX: repair ("));
+  CHECK(contains(text.out, "shows in the readings"));
+  CHECK(widest_line(text.out) <= 80);
+}
+
+TEST_CASE("the emulated machine without a cause has what was predicted to be left") {
+  const TwoAxes files;
+  const std::string parameters = files / "parameters.toml";
+  REQUIRE(ran({"params", "new", "--machine", files.machine, "-o", parameters}).code == 0);
+  const std::string map = files.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1000,0\n");
+  const auto truth = [&](const std::string& errors) {
+    const Ran r = ran({"volume", map, "--params", parameters, "--machine", files.machine, "--errors",
+                       files.with("errors.toml", errors), "--points", "1331", "--json"});
+    REQUIRE_MESSAGE(r.code == 0, r.all());
+    return r.json()["before"];
+  };
+  constexpr const char* kSquare = "[squareness]\nC0Y = 40.0\n";
+  constexpr const char* kScale = "[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.03*p\"\n";
+  const nlohmann::json square = files.cause("squareness:Y:C0Y"), scale = files.cause("scale:X:EX");
+  const auto near = [](double predicted_um, double true_um) {
+    CHECK(std::abs(predicted_um - true_um) < std::max(1.0, 0.1 * true_um));
+  };
+  const nlohmann::json only_square = truth(kSquare), only_scale = truth(kScale);
+  near(square["volume_largest"]["left_um"], only_square["largest_um"]);
+  near(square["volume_rms"]["left_um"], only_square["rms_um"]);
+  near(scale["volume_largest"]["left_um"], only_scale["largest_um"]);
+  near(scale["volume_rms"]["left_um"], only_scale["rms_um"]);
+}
+
+TEST_CASE("without travels there is no volume") {
+  const TwoAxes files;
+  const Ran refused = ran({"model", "repair", files.model, files.data});
+  CHECK(refused.code == 2);
+  CHECK(contains(refused.messages, "--machine"));
+}
+
+}  // namespace
+}  // namespace ecs::app
