@@ -129,6 +129,7 @@ std::optional<fs::path> sample_file(const fs::path& inside) {
   std::vector<fs::path> candidates;
   if (const std::string samples = environment("ECS_SAMPLES"); !samples.empty()) return first_file({samples / inside});
   candidates.push_back(own_folder() / ".." / "share" / "ecs" / "samples" / inside);
+  candidates.push_back(own_folder() / ".." / ".." / ".." / "samples" / inside);  // of a clone that was moved
   candidates.push_back(fs::path(ECS_SOURCE_FOLDER) / "samples" / inside);
   auto found = first_file(candidates);
   if (found) found = found->lexically_normal();

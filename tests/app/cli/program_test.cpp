@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/interrupt.hpp"
+#include "tests/support/command_output.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -27,6 +28,20 @@ TEST_CASE("the program alone lists its verbs and names the link, and does nothin
   const Ran json = ran({"--json"});
   CHECK(one_object(json.out));
   CHECK(json.json()["verbs"].size() > 20);
+}
+
+TEST_CASE("a clone that was moved after it was built finds its own sample machine and emulator") {
+  const Folder clone;
+  const std::filesystem::path built(ECS_BUILD_FOLDER), build = std::filesystem::path(clone / "build/release");
+  std::filesystem::create_directories(build / "app");
+  std::filesystem::create_directories(build / "ecs_emulator");
+  std::filesystem::create_directories(clone / "samples");
+  std::filesystem::copy_file(built / "app/ecs", build / "app/ecs");
+  std::filesystem::create_symlink(built / "ecs_emulator/ecs-emulator", build / "ecs_emulator/ecs-emulator");
+  std::filesystem::copy("samples/mill", clone / "samples/mill");
+  const Output said = output_of((build / "app/ecs").string() + " utility status");
+  CHECK(said.status == 0);
+  CHECK_MESSAGE(contains(said.text, clone / "samples/mill/machine.toml"), said.text);
 }
 
 struct NoArguments : VerbArguments {};
