@@ -13,6 +13,7 @@
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "core/component.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 
@@ -40,13 +41,6 @@ struct Reading {
   std::map<std::string, std::string, std::less<>> text_extras;  ///< other columns, by name
 
   friend bool operator==(const Reading&, const Reading&) = default;
-};
-
-/// `# key: value` before the header row; an empty key is a comment without a colon.
-struct MetadataEntry {
-  std::string key;
-  std::string value;
-  friend bool operator==(const MetadataEntry&, const MetadataEntry&) = default;
 };
 
 struct MeasurementSet {
