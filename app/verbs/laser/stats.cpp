@@ -11,6 +11,7 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/stats_summary.hpp"
+#include "app/verbs/laser/stats_uncertainty.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
@@ -31,6 +32,7 @@ struct StatsArguments : VerbArguments {
   const std::vector<std::string>& files =
       texts("FILE", "measurement files; those of one line are joined as its runs", Need::required);
   const bool& all = flag("--all", "each measurement line whole, however many");
+  UncertaintyOptions uncertainty{*this};
   RotaryImportOptions import{*this};
 };
 
@@ -187,7 +189,7 @@ Cell turn_cell(const MeasuredLine& line) {
           std::move(text)};
 }
 
-Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, bool all) {
+Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsArguments& arguments) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
@@ -201,18 +203,19 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, bool all) {
   }
   append(fields, {{"unit_of_targets", word_cell(laser::target_unit(iso.rotary))},
                   {"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
+                  {"uncertainty", uncertainty_cell(iso, arguments.uncertainty)},
                   {"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}},
                   {"targets", list_cell(iso.targets,
                                         [&](const auto& target) {
                                           return Cell{target_json(target, iso.rotary), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
-                  {"outliers", outliers_cell(line, all ? SIZE_MAX : kMostOutliers)},
+                  {"outliers", outliers_cell(line, arguments.all ? SIZE_MAX : kMostOutliers)},
                   {"drift", drift_cell(line)},
                   {"growth", growth_cell(line)},
                   {"turn", turn_cell(line)},
                   {"notes", lines_cell(iso.notes, "  note: ")}});
-  return record_cell(layout + "{range}{growth}{turn}{outliers}{drift}{notes}", fields);
+  return record_cell(layout + "{range}{uncertainty}{growth}{turn}{outliers}{drift}{notes}", fields);
 }
 
 /// @param answer  the line as JSON
@@ -288,7 +291,7 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
       if (!lines.text.empty()) lines.text += "\n";
       const MeasuredLine line{machine.all, group, machine.files_of(group),
                               [&](std::size_t i) { return machine.file_of(i); }};
-      lines.add(iso230_cell(*iso, line, arguments.all));
+      lines.add(iso230_cell(*iso, line, arguments));
       statistics.push_back(line_statistics(*iso, line, lines.json.back()));
     }
   }
