@@ -1,0 +1,46 @@
+// The quantities of a circular test: ISO 230-4:2005, 3.3 to 3.7, and the circular hysteresis of ISO 230-4:1996.
+// Does not live here: the causes of what they show (model/circle/diagnosis.hpp).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "laser/circle_test.hpp"
+
+namespace ecs::laser {
+
+/// One contouring motion.
+struct CirclePass {
+  bool clockwise = false;
+  int run = 1;
+  std::vector<CircleReading> readings;  ///< by rising angle
+  double G_um = 0.0;                    ///< circular deviation: separation of the minimum zone circles
+  double F_max_um = 0.0;                ///< radial deviations about the least squares centre
+  double F_min_um = 0.0;
+  double mean_um = 0.0;               ///< radius of the least squares circle less the nominal radius
+  std::array<double, 2> centre_um{};  ///< of least squares, along the first and the second axis
+};
+
+/// A pass each way, the same run of each.
+struct CirclePair {
+  int clockwise_run = 1;
+  int counter_clockwise_run = 1;
+  double G_um = 0.0;  ///< bidirectional circular deviation G(b): minimum zone circles that hold both paths
+  double D_um = 0.0;  ///< mean bidirectional radial deviation: least squares circle of both paths less nominal radius
+  double H_um = 0.0;  ///< circular hysteresis: greatest difference between the paths at one angle (ISO 230-4:1996)
+  double H_at_deg = 0.0;
+};
+
+struct CircleValues {
+  std::vector<CirclePass> passes;  ///< counter-clockwise first, by run
+  std::vector<CirclePair> pairs;   ///< empty where one direction only was measured
+};
+
+/// F is given about the least squares centre of each path, which ISO 230-4 allows for full circles; G and D do not
+/// depend on the centre.
+[[nodiscard]] CircleValues circle_values_of(const CircleTest& test);
+
+/// Deviation of a pass at an angle, linear between its readings, about its least squares centre [um].
+[[nodiscard]] double deviation_at(const CirclePass& pass, double angle_deg);
+
+}  // namespace ecs::laser
