@@ -421,7 +421,9 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     if (outliers == core.left_out && round > 0) break;
     core.left_out = outliers;
   }
-  const double freedom = std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank));
+  const std::size_t searched = free_nonlinear(assembly).size();
+  const double freedom =
+      std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank) - static_cast<double>(searched));
   if (options.plain) {
     core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-9));
     core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out).pure.noise_um;
