@@ -1,0 +1,107 @@
+// Radial deviations of faults of two axes: Kakino, Ihara and Shinohara, "Accuracy inspection of NC machine tools by
+// double ball bar method" (1993); Knapp, "Circular test for three-coordinate measuring machines and machine tools"
+// (1983).
+#include "model/circle/faults.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+
+namespace ecs::model {
+namespace {
+
+/// Decay lengths of spikes as shares of the radius: 1.4 to 14 degrees after the reversal; beyond, it is a backlash.
+constexpr std::array<double, 5> kDecays_of_radius{0.0003, 0.001, 0.003, 0.01, 0.03};
+/// A wave needs so many readings a period where the axis moves fastest.
+constexpr double kReadingsAPeriod = 3.0;
+
+double sign_of(double value) { return value < 0.0 ? -1.0 : 1.0; }
+
+/// One axis of the plane: where it stands, how it moves, and what its error does to the radius.
+struct AxisOnCircle {
+  Eigen::VectorXd place;      ///< u/R
+  Eigen::VectorXd across;     ///< of the other axis, v/R: what an error of this one across its motion does
+  Eigen::VectorXd motion;     ///< sign of the velocity
+  Eigen::VectorXd travelled;  ///< since the reversal, of R
+};
+
+AxisOnCircle axis_on_circle(const CirclePoints& points, std::size_t which) {
+  const Eigen::Index n = points.angle.size();
+  AxisOnCircle axis{Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double c = std::cos(points.angle[i]), s = std::sin(points.angle[i]);
+    axis.place[i] = which == 0 ? c : s;
+    axis.across[i] = which == 0 ? s : c;
+    axis.motion[i] = sign_of((which == 0 ? -s : c) * points.sense[i]);
+    axis.travelled[i] = 1.0 + axis.motion[i] * axis.place[i];
+  }
+  return axis;
+}
+
+/// The longest step between readings of a pass [rad].
+double widest_step(const CirclePoints& points) {
+  double widest = 0.0;
+  for (Eigen::Index i = 1; i < points.angle.size(); ++i)
+    if (points.sense[i] == points.sense[i - 1] && points.angle[i] > points.angle[i - 1])
+      widest = std::max(widest, points.angle[i] - points.angle[i - 1]);
+  return widest;
+}
+
+void add_of_axis(std::vector<CircleFault>& faults, const CirclePoints& points, std::size_t which,
+                 const std::vector<double>& pitches_mm) {
+  const AxisOnCircle axis = axis_on_circle(points, which);
+  const std::string letter(1, letter_of(points.plane[which]));
+  const Eigen::ArrayXd u = axis.place, v = axis.across, d = axis.motion;
+  faults.push_back({"backlash", letter, "backlash of " + letter, 0.0, (u * d / 2.0).matrix(), 1.0, "um"});
+  const double step = widest_step(points);
+  for (const double decay : kDecays_of_radius) {
+    // Travel over the step after the reversal; a shorter spike would be a single reading.
+    if (decay < step * step / 2.0) continue;
+    faults.push_back({"reversal_spike", letter, "reversal spikes of " + letter, decay * points.radius_mm,
+                      (u * d * (-axis.travelled.array() / decay).exp()).matrix(), 1.0, "um"});
+  }
+  for (const double pitch_mm : pitches_mm) {
+    if (!(pitch_mm > 0.0) || pitch_mm > points.radius_mm || kReadingsAPeriod * step * points.radius_mm > pitch_mm)
+      continue;
+    const Eigen::ArrayXd phase = u * (kTurn * points.radius_mm / pitch_mm);
+    Eigen::MatrixXd waves(u.size(), 2);
+    waves << (u * phase.sin()).matrix(), (u * phase.cos()).matrix();
+    faults.push_back({"cyclic", letter, fmt::format("cyclic error of {} with its pitch {:g} mm", letter, pitch_mm),
+                      pitch_mm, std::move(waves), 1.0, "um"});
+  }
+  faults.push_back({"straightness", letter, "straightness of " + letter + " (bow)", 0.0,
+                    (v * (2.0 * u * u - 1.0)).matrix(), 1.0, "um"});
+  faults.push_back({"straightness_s", letter, "straightness of " + letter + " (S)", 0.0,
+                    (v * (4.0 * u * u * u - 3.0 * u)).matrix(), 1.0, "um"});
+}
+
+}  // namespace
+
+Eigen::MatrixXd centring_columns(const CirclePoints& points) {
+  Eigen::MatrixXd columns(points.angle.size(), 3);
+  columns << Eigen::VectorXd::Ones(points.angle.size()), points.angle.array().cos().matrix(),
+      points.angle.array().sin().matrix();
+  return columns;
+}
+
+std::vector<CircleFault> circle_faults(const CirclePoints& points,
+                                       const std::array<std::vector<double>, 2>& pitches_mm) {
+  const std::string both = laser::plane_name(points.plane);
+  const Eigen::ArrayXd c = points.angle.array().cos(), s = points.angle.array().sin();
+  const double radius_m = points.radius_mm / kMmPerM;
+  std::vector<CircleFault> faults;
+  faults.push_back({"scale_mismatch", both, fmt::format("scale mismatch of {} and {}", both[0], both[1]), 0.0,
+                    (c * c - s * s).matrix(), 2.0 / radius_m, "um/m"});
+  faults.push_back({"squareness", both, fmt::format("{} and {} out of square", both[0], both[1]), 0.0, (s * c).matrix(),
+                    1.0 / radius_m, "um/m"});
+  faults.push_back({"servo_mismatch", both, fmt::format("servo mismatch of {} and {}", both[0], both[1]), 0.0,
+                    (points.sense.array() * s * c).matrix(), 1.0, "um"});
+  for (std::size_t which = 0; which < 2; ++which) add_of_axis(faults, points, which, pitches_mm[which]);
+  return faults;
+}
+
+}  // namespace ecs::model

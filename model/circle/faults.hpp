@@ -1,0 +1,52 @@
+// The faults that a circular test can show: each as columns of the radial deviation over angle and sense of rotation.
+// Does not live here: which of them a test does show (diagnosis.hpp). Internal to model/ (Eigen).
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "laser/circle_test.hpp"
+
+namespace ecs::model {
+
+/// Points of a circle as the columns need them.
+struct CirclePoints {
+  double radius_mm = 0.0;
+  std::array<Axis, 2> plane{};
+  Eigen::VectorXd angle;  ///< [rad]
+  Eigen::VectorXd sense;  ///< +1 counter-clockwise, −1 clockwise
+};
+
+/// A fault at one axis, or of both, with fixed values of its nonlinear parameters. Coefficients in um.
+struct CircleFault {
+  std::string effect;       ///< "backlash"
+  std::string where;        ///< "X", or "XY" where it is of both axes
+  std::string title;        ///< "backlash of X"
+  double nonlinear = 0.0;   ///< decay or period [mm]; 0: none
+  Eigen::MatrixXd columns;  ///< (points × coefficients)
+  double to_unit = 1.0;     ///< a coefficient times this is the fault's own quantity
+  std::string quantity;     ///< what that is: "um", "um/m"
+  [[nodiscard]] std::string name() const { return effect + ":" + where; }
+};
+
+/// What is not a fault: centre and radius.
+[[nodiscard]] Eigen::MatrixXd centring_columns(const CirclePoints& points);
+
+/// Every fault, with e_u and e_v the errors of the first and second axis at (u, v) = R (cos θ, sin θ), s = ±1 the sense
+/// of rotation, so that Δr = e_u cos θ + e_v sin θ:
+///   scale_mismatch      e_u = +a u, e_v = −a v
+///   squareness          e_u = c v
+///   servo_mismatch      e_u = −ẋ/Kv: Δr = k s sin θ cos θ, the ellipse at 45° that turns with the sense of rotation
+///   backlash            e_u = b/2 · sign of motion
+///   reversal_spike      e_u = c · sign of motion · exp(−travel since reversal/u0), u0 on a grid that the readings
+///   resolve cyclic              e_u = A sin(2πu/P) + B cos(2πu/P), P a pitch of the axis straightness        e_v = q
+///   (2(u/R)² − 1), the bow of axis u, the same as the progressive error of v straightness_s      e_v = q (4(u/R)³ − 3
+///   u/R), the S of axis u, the same as that of v
+/// @param pitches_mm  of the first and the second axis
+[[nodiscard]] std::vector<CircleFault> circle_faults(const CirclePoints& points,
+                                                     const std::array<std::vector<double>, 2>& pitches_mm);
+
+}  // namespace ecs::model
