@@ -179,6 +179,7 @@ class ProgramRunner {
   std::vector<PathPiece> pieces_;  ///< read ahead, not yet with the control
   const std::function<void()> each_ = [this] {
     if (trace_) trace_->sample(simulation_);
+    if (hooks_.each) hooks_.each();
   };
 };
 

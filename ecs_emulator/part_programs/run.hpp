@@ -40,6 +40,7 @@ struct ProgramResult {
 struct ProgramHooks {
   std::function<void(const ProgramProgress&)> report;  ///< called after every block that ends standing
   std::function<void(double rpm)> spindle;             ///< M03 (positive), M04 (negative), M05 (0)
+  std::function<void()> each;                          ///< called after every tick
 };
 
 /// Where the axes of this machine can be sent: their travel and kOvertravel_mm.

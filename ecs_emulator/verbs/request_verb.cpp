@@ -168,6 +168,21 @@ void add_components_options(RequestVerb verb) {
     verb.numbers(std::string("--") + axis, axis, "coordinates, separated by commas, mm");
 }
 
+void add_circle_options(RequestVerb verb) {
+  verb.word("--plane", "plane",
+            "XY, YZ, ZX, or the axes in the other order; the angle rises from the first to the second", Need::required);
+  verb.coordinates("--centre", "centre", "x=200,y=300; the middle of the travel where nothing is said");
+  verb.number("--radius", "radius", "[mm], 100");
+  verb.number("--feed", "feed", "[mm/min], 1000");
+  verb.number("--start", "start", "[deg], 0");
+  verb.number("--overlap", "overlap", "before and after each turn [deg], 45");
+  verb.number("--step", "step", "between readings [deg], 1");
+  verb.integer("--runs", "runs", "each of one turn both ways, 2");
+  verb.number("--noise", "noise", "standard deviation of the ball bar [um], 0.1");
+  verb.path("-o,--output", "output", "circle file (docs/standards_tests.md)");
+  verb.force();
+}
+
 void add_run_options(RequestVerb verb) {
   verb.path("PROGRAM", "program", "part program (docs/part_programs.md)", Need::required);
   verb.word("--axis", "axis", "axis whose component every M08 reads");

@@ -90,6 +90,8 @@ const std::vector<VerbDefinition>& workshop_verbs() {
               [](RequestVerb verb) { verb.word("BLOCK", "block", "one block: \"G01 X-100 F2000\"", Need::required); }),
       request("capture", "the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
               add_capture_options),
+      request("circle", "circular test (ISO 230-4) with a ball bar", "circle --plane XY --radius 100 -o circle.csv",
+              add_circle_options),
       request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv",
               add_survey_options),
       request("power", "the unit's mains switch: off, on or cycle", "power cycle",

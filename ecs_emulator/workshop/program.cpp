@@ -108,7 +108,7 @@ Result<Json> run_block(const Workshop& workshop, Arguments& arguments) {
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto program = parse_program(block, "mdi");
   if (!program) return tl::unexpected(program.error());
-  const auto result = run_program(*workshop.simulation, *program, {}, {{}, spindle_of(workshop)});
+  const auto result = run_program(*workshop.simulation, *program, {}, {{}, spindle_of(workshop), {}});
   if (!result) return tl::unexpected(result.error());
   return answer_of(*result, *workshop.simulation);
 }

@@ -9,12 +9,14 @@
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
+#include "ecs_emulator/workshop/circle.hpp"
 #include "ecs_emulator/workshop/components.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
 #include "ecs_emulator/workshop/measure.hpp"
 #include "ecs_emulator/workshop/program.hpp"
 #include "ecs_emulator/workshop/referencing.hpp"
 #include "ecs_emulator/workshop/survey.hpp"
+#include "laser/writers/circle_writer.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -131,6 +133,42 @@ Json point_of(const MachineTool& machine, const SurveyPoint& point) {
           {"length_um", point.length_um()}};
 }
 
+/// The plane "XY" of a request.
+std::array<Axis, 2> circle_plane(const Workshop& workshop, Arguments& arguments) {
+  const std::string name = arguments.word("plane");
+  const auto first = name.size() == 2 ? axis_of(name[0]) : std::nullopt;
+  const auto second = name.size() == 2 ? axis_of(name[1]) : std::nullopt;
+  const MachineTool& machine = workshop.simulation->machine();
+  if (first && second && first != second && machine.has(*first) && machine.has(*second)) return {*first, *second};
+  arguments.complain(fmt::format("plane: expected two axes of this machine, such as XY, got \"{}\"", name));
+  return {Axis::X, Axis::Y};
+}
+
+Answer read_circle(const Workshop& workshop, Arguments& arguments) {
+  CirclePlan plan;
+  plan.plane = circle_plane(workshop, arguments);
+  const MachineTool& machine = workshop.simulation->machine();
+  const auto centre = arguments.coordinates("centre");
+  for (const Axis a : kAllAxes) {
+    const auto [low_mm, high_mm] = machine.travel_mm()[index_of(a)];
+    plan.centre_mm[index_of(a)] = centre[index_of(a)].value_or((low_mm + high_mm) / 2.0);
+  }
+  plan.radius_mm = arguments.number_or("radius", plan.radius_mm);
+  plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
+  plan.start_angle_deg = arguments.number_or("start", plan.start_angle_deg);
+  plan.overlap_deg = arguments.number_or("overlap", plan.overlap_deg);
+  plan.step_deg = arguments.number_or("step", plan.step_deg);
+  plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
+  plan.noise_um = arguments.number_or("noise", plan.noise_um);
+  const std::string output = arguments.word("output");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto test = contour_circle(*workshop.simulation, plan);
+  if (!test) return tl::unexpected(test.error());
+  if (output.empty()) return Json{{"readings", test->readings.size()}, {"csv", laser::to_csv(*test)}};
+  if (auto written = write_file(output, laser::to_csv(*test)); !written) return tl::unexpected(written.error());
+  return Json{{"readings", test->readings.size()}, {"output", output}};
+}
+
 Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
   SurveyPlan plan;
   plan.step_mm = arguments.number_or("step", plan.step_mm);
@@ -243,6 +281,7 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "capture") return capture_machine(workshop, arguments);
   if (action == "run") return run_part_program(workshop, arguments, report);
   if (action == "mdi") return run_block(workshop, arguments);
+  if (action == "circle") return read_circle(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
   if (action == "components") return true_components(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
@@ -255,6 +294,9 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
       fmt::format("action: expected state, jog, reference, measure, plan, capture, run, mdi, survey, components, "
                   "power, wait, tick, "
                   "load, fault or arm-code, got \"{}\"",
+      fmt::format("action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, survey, power, "
+                  "wait, tick, load, "
+                  "fault or arm-code, got \"{}\"",
                   action));
 }
 
