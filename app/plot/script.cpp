@@ -146,9 +146,11 @@ std::string x_names_commands(const PlotPanel& panel, const PlotRanges& ranges) {
 
 /// A picture without axes; undone for the next panel.
 std::string frame_commands(const PlotPanel& panel) {
-  return panel.drawing ? "unset border\nunset tics\nunset grid\nunset xzeroaxis\nset size ratio -1\n"
-                       : "set border 3 lc rgb '#404040'\nset tics nomirror out\nset grid lt 1 lc rgb '#d8d8d8' lw 0.6\n"
-                         "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size noratio\n";
+  if (panel.drawing) return "unset border\nunset tics\nunset grid\nunset xzeroaxis\nset size ratio -1\n";
+  return fmt::format(
+      "set border 3 lc rgb '#404040'\nset tics nomirror out\nset grid lt 1 lc rgb '#d8d8d8' lw 0.6\n"
+      "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size {}\n",
+      panel.equal_units ? "ratio -1" : "noratio");
 }
 
 std::string panel_commands(const PlotPanel& panel, std::size_t place, const PlotRanges& ranges) {
@@ -158,9 +160,9 @@ std::string panel_commands(const PlotPanel& panel, std::size_t place, const Plot
                      x_names_commands(panel, ranges), frame_commands(panel), plot_command(panel, place));
 }
 
-std::string terminal_commands(PlotFormat format, int columns, int rows) {
+std::string terminal_commands(PlotFormat format, int columns, int rows, bool square) {
   const int width = columns == 1 ? 1000 : 620 * columns;
-  const int height = 60 + (columns == 1 ? 420 : 360) * rows;
+  const int height = 60 + (square ? width / columns - 100 : columns == 1 ? 420 : 360) * rows;
   return format == PlotFormat::svg
              ? fmt::format("set terminal svg size {},{} noenhanced font 'Helvetica,13' background rgb 'white'\n", width,
                            height)
@@ -174,7 +176,9 @@ std::string plot_script(const PlotFigure& figure, PlotFormat format) {
   const int rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
   PlotRanges common;
   common.take(figure);
-  std::string script = "set encoding utf8\n" + terminal_commands(format, columns, std::max(1, rows));
+  const bool square =
+      std::any_of(figure.panels.begin(), figure.panels.end(), [](const PlotPanel& panel) { return panel.equal_units; });
+  std::string script = "set encoding utf8\n" + terminal_commands(format, columns, std::max(1, rows), square);
   script += data_blocks(figure);
   script +=
       "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset "

@@ -7,6 +7,7 @@ extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, 
 extern const VerbDefinition kMonitor;
 extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
     kLaserTable, kLaserCapture, kLaserDevices;
+extern const VerbDefinition kTestCircle, kTestDiagonals, kTestFlatness;
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
 extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
@@ -29,6 +30,7 @@ const std::vector<MenuDefinition>& menus() {
   static const std::vector<MenuDefinition> all{
       {"params", "E.C.S. PARAMETERS"},
       {"laser", "PROCESS LASER DATA: measurements"},
+      {"test", "PROCESS LASER DATA: tests of the ISO 230 standards"},
       {"map", "PROCESS LASER DATA: error maps"},
       {"utility", "ECS UTILITY"},
       {"utility datum", "datum sequences: record, show, test"},
@@ -58,6 +60,9 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kLaserTable,
       &kLaserCapture,
       &kLaserDevices,
+      &kTestCircle,
+      &kTestDiagonals,
+      &kTestFlatness,
       &kMapBuild,
       &kMapShow,
       &kMapHeader,

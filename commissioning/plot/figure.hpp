@@ -49,6 +49,7 @@ struct PlotPanel {
   std::vector<PlotSeries> series;      ///< drawn in this order
   std::vector<std::string> x_names{};  ///< words at 0, 1, 2 … in place of numbers; empty: numbers
   bool drawing = false;                ///< no axes, both directions of the same scale
+  bool equal_units = false;            ///< with axes, a unit as long in x as in y
 };
 
 struct PlotFigure {

@@ -290,14 +290,10 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "load") return load(workshop, arguments);
   if (action == "fault") return fault(workshop, arguments);
   if (action == "arm-code") return arm_code(workshop, arguments);
-  return wrong(
-      fmt::format("action: expected state, jog, reference, measure, plan, capture, run, mdi, survey, components, "
-                  "power, wait, tick, "
-                  "load, fault or arm-code, got \"{}\"",
-      fmt::format("action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, survey, power, "
-                  "wait, tick, load, "
-                  "fault or arm-code, got \"{}\"",
-                  action));
+  return wrong(fmt::format(
+      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, survey, components, "
+      "power, wait, tick, load, fault or arm-code, got \"{}\"",
+      action));
 }
 
 }  // namespace

@@ -1,0 +1,143 @@
+// `ecs test circle`: a circular test by ISO 230-4, and its causes ranked by their share.
+#include "laser/standards/circle.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/cli/verb.hpp"
+#include "app/plot/gnuplot.hpp"
+#include "app/verbs/test/polar.hpp"
+#include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "laser/standards/circle_file.hpp"
+#include "model/circle/diagnosis.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct CircleArguments : VerbArguments {
+  const std::string& file = text("FILE", "radial deviations: angle_deg,deviation_um,direction,run", Need::required);
+  const std::string& machine = text("--machine", "machine file, for the pitches of its axes");
+  const bool& draw = flag("--draw", "the polar plot in characters");
+  const std::string& plot = output_file("--plot", "the polar plot: OUT.svg or OUT.png");
+};
+
+Result<std::array<std::vector<double>, 2>> pitches_of(const std::string& machine_file,
+                                                      const std::array<Axis, 2>& plane) {
+  std::array<std::vector<double>, 2> pitches_mm;
+  if (machine_file.empty()) return pitches_mm;
+  const auto file = params::read_machine(machine_file);
+  if (!file) return tl::unexpected(file.error());
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const auto& axis = file->machine.axes[index_of(plane[i])];
+    if (!axis)
+      return problem(ProblemKind::usage, fmt::format("{}: this machine has no {}", machine_file, letter_of(plane[i])));
+    for (const auto& pitch_mm : {axis->screw_pitch_mm, axis->scale_pitch_mm})
+      if (pitch_mm) pitches_mm[i].push_back(*pitch_mm);
+  }
+  return pitches_mm;
+}
+
+Cell pass_cell(const laser::CirclePass& pass) {
+  return record_cell("  {direction:<4} {run:>4} {G_um:>9} {F_max_um:>9} {F_min_um:>9} {mean_um:>9}   {centre_um}\n",
+                     {{"direction", word_cell(laser::contouring_name(pass.clockwise))},
+                      {"run", integer_cell(pass.run)},
+                      {"G_um", number_cell(pass.G_um, 2)},
+                      {"F_max_um", number_cell(pass.F_max_um, 2)},
+                      {"F_min_um", number_cell(pass.F_min_um, 2)},
+                      {"mean_um", number_cell(pass.mean_um, 2)},
+                      {"centre_um",
+                       {{pass.centre_um[0], pass.centre_um[1]},
+                        fmt::format("({:.2f}, {:.2f})", pass.centre_um[0], pass.centre_um[1])}}});
+}
+
+Cell pair_cell(const laser::CirclePair& pair) {
+  return record_cell(
+      "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, D {D_um} um, hysteresis H "
+      "{H_um} "
+      "um at {H_at_deg} deg\n",
+      {{"counter_clockwise_run", integer_cell(pair.counter_clockwise_run)},
+       {"clockwise_run", integer_cell(pair.clockwise_run)},
+       {"G_um", number_cell(pair.G_um, 2)},
+       {"D_um", number_cell(pair.D_um, 2)},
+       {"H_um", number_cell(pair.H_um, 2)},
+       {"H_at_deg", number_cell(pair.H_at_deg, 0)}});
+}
+
+Cell fault_cell(const model::CircleFaultFound& fault) {
+  std::string rivals;
+  if (!fault.indistinguishable_from.empty())
+    rivals =
+        fmt::format("          these readings cannot tell it from {}\n", fmt::join(fault.indistinguishable_from, ", "));
+  return record_cell("  {share:>6} {rms_um:>8} {range_um:>8}  {title}: {value} +- {sigma} {unit}\n{rivals}",
+                     {{"name", word_cell(fault.name)},
+                      {"title", word_cell(fault.title)},
+                      {"share", {number_or_null(fault.share), fmt::format("{:.1f} %", 100.0 * fault.share)}},
+                      {"rms_um", number_cell(fault.rms_um, 2)},
+                      {"range_um", number_cell(fault.range_um, 2)},
+                      {"value", number_cell(fault.value, 2)},
+                      {"sigma", number_cell(fault.sigma, 2)},
+                      {"unit", word_cell(fault.unit)},
+                      {"nonlinear_mm", {fault.nonlinear_mm > 0.0 ? Json(fault.nonlinear_mm) : Json(), {}}},
+                      {"false_naming", {number_or_null(std::exp(fault.ln_p)), {}}},
+                      {"indistinguishable_from", {fault.indistinguishable_from, {}}},
+                      {"rivals", shown_cell(rivals)}});
+}
+
+Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
+  const std::string heading = diagnosis.faults.empty()
+                                  ? std::string("  no fault of the library stands out of the noise\n")
+                                  : fmt::format("  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]", "G [um]", "cause");
+  return record_cell(
+      "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, {left_um} um rms left\n"
+      "{faults}{notes}",
+      {{"rms_um", number_cell(diagnosis.rms_um, 3)},
+       {"noise_um", number_cell(diagnosis.noise_um, 3)},
+       {"noise_from_repeats", {diagnosis.noise_from_repeats, {}}},
+       {"from", shown_cell(diagnosis.noise_from_repeats ? " (from repeats)" : " (from neighbouring readings)")},
+       {"left_um", number_cell(diagnosis.left_um, 3)},
+       {"explained", {number_or_null(diagnosis.explained), {}}},
+       {"lack_of_fit_p", {number_or_null(std::exp(diagnosis.lack_of_fit_ln_p)), {}}},
+       {"faults", list_cell(diagnosis.faults, fault_cell, heading)},
+       {"notes", lines_cell(diagnosis.notes, "  note: ")}});
+}
+
+Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
+  const auto text = read_file(arguments.file);
+  if (!text) return tl::unexpected(text.error());
+  const auto test = laser::parse_circle_test(*text, arguments.file);
+  if (!test) return tl::unexpected(test.error());
+  const auto pitches_mm = pitches_of(arguments.machine, test->plane);
+  if (!pitches_mm) return tl::unexpected(pitches_mm.error());
+  const auto diagnosis = model::diagnose_circle(*test, *pitches_mm);
+  if (!diagnosis) return tl::unexpected(diagnosis.error());
+  const laser::CircleValues values = laser::circle_values_of(*test);
+  if (!arguments.plot.empty())
+    if (auto drawn = write_plot(arguments.plot, polar_figure(*test, values)); !drawn)
+      return tl::unexpected(drawn.error());
+  return outcome_of(
+      record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
+                  "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
+                  {{"file", word_cell(arguments.file)},
+                   {"plane", word_cell(laser::plane_name(test->plane))},
+                   {"radius_mm", plain_cell(test->radius_mm)},
+                   {"feed_mm_min", {number_or_null(test->feed_mm_min), {}}},
+                   {"heading", shown_cell(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]",
+                                                      "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]"))},
+                   {"passes", list_cell(values.passes, pass_cell)},
+                   {"pairs", list_cell(values.pairs, pair_cell)},
+                   {"causes", diagnosis_cell(*diagnosis)},
+                   {"drawn", shown_cell(arguments.draw ? polar_text(values) : "")},
+                   {"plot", written_cell("plot", arguments.plot)}}));
+}
+
+}  // namespace
+
+extern const VerbDefinition kTestCircle =
+    verb<CircleArguments>("test circle", "ISO 230-4: circular deviations G, F and D, and their causes by share",
+                          "ecs test circle circle.csv --machine machine.toml --plot circle.svg", circle);
+
+}  // namespace ecs::app
