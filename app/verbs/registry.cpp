@@ -7,7 +7,7 @@ extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, 
 extern const VerbDefinition kMonitor;
 extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
     kLaserTable, kLaserCapture, kLaserDevices;
-extern const VerbDefinition kTestCircle, kTestDiagonals, kTestFlatness;
+extern const VerbDefinition kTestCircle, kTestDiagonals, kTestDrift, kTestFlatness;
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
 extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
@@ -62,6 +62,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kLaserDevices,
       &kTestCircle,
       &kTestDiagonals,
+      &kTestDrift,
       &kTestFlatness,
       &kMapBuild,
       &kMapShow,

@@ -99,6 +99,22 @@ TEST_CASE("test diagonals: too few are named") {
   CHECK(contains(refused.messages, "expected the 4 diagonals of the body, found 1; missing: PPN, PNP, PNN"));
 }
 
+TEST_CASE("test drift: ranges as text and as JSON, the figure, and sets without times refused") {
+  const Folder folder;
+  std::string text = "axis,x_mm,sense,reading,time_s,t_air_degC\n";
+  for (int minute = 0; minute <= 240; ++minute)
+    text += fmt::format("X,100,EZ,{:.3f},{},{:.3f}\n", 0.05 * minute, 60 * minute, 20.0 + 0.01 * minute);
+  const std::string file = folder.with("etve.csv", text), plot = (folder.path / "etve.svg").string();
+  const auto json = ran({"test", "drift", file, "--window", "0.5", "--plot", plot, "--json"}).json();
+  CHECK(json["senses"][0]["sense"] == "EZ");
+  CHECK(json["senses"][0]["range"].get<double>() == Approx(12.0));
+  CHECK(json["senses"][0]["window_range"].get<double>() == Approx(1.5));
+  CHECK(contains(*read_file(plot), "t_air_degC"));
+  const Ran refused = ran({"test", "drift", folder.with("no.csv", "axis,x_mm,sense,reading\nX,100,EZ,1\n")});
+  CHECK(refused.code == 3);
+  CHECK(contains(refused.messages, "time_s: expected the time of each reading, found none"));
+}
+
 TEST_CASE("laser stats: uncertainty by the options that say what is known; null without them") {
   const Folder folder;
   std::string text = "axis,x_mm,sense,reading,approach,run\n";

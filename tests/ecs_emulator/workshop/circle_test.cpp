@@ -1,0 +1,116 @@
+// A ball bar on machines whose errors are known: what it reads at an angle, in each plane and direction.
+#include "ecs_emulator/workshop/circle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/test.hpp"
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+using doctest::Approx;
+
+namespace {
+
+constexpr std::array<std::array<Axis, 2>, 4> kPlanes{
+    {{Axis::X, Axis::Y}, {Axis::Y, Axis::Z}, {Axis::Z, Axis::X}, {Axis::X, Axis::Z}}};
+
+CirclePlan circle_in(const std::array<Axis, 2>& plane) {
+  CirclePlan plan;
+  plan.plane = plane;
+  plan.centre_mm = {-250.0, -200.0, -150.0};
+  plan.radius_mm = 80.0;
+  plan.feed_mm_min = 600.0;
+  plan.step_deg = 5.0;
+  plan.runs = 1;
+  plan.noise_um = 0.0;
+  return plan;
+}
+
+laser::CircleTest contoured(const std::string& errors, const CirclePlan& plan) {
+  Simulation simulation(machine_of(ideal_machine()), errors_of(errors), 1);
+  auto test = contour_circle(simulation, plan);
+  if (!test) FAIL(to_text(test.error()));
+  return std::move(*test);
+}
+
+std::string effect(const std::string& id, Axis axis, const std::string& parameters) {
+  return "[[effect]]\nid = \"" + id + "\"\naxis = \"" + letter_of(axis) + "\"\nparameters = { " + parameters + " }\n";
+}
+
+/// Least squares centre is not taken off: the mean of the deviations is.
+double mean_of(const laser::CircleTest& test) {
+  double sum = 0.0;
+  for (const laser::CircleReading& reading : test.readings) sum += reading.deviation_um;
+  return sum / static_cast<double>(test.readings.size());
+}
+
+}  // namespace
+
+TEST_CASE("a perfect machine is round to the lag of its drives, both ways, in every plane") {
+  for (const auto& plane : kPlanes) {
+    CAPTURE(laser::plane_name(plane));
+    const laser::CircleTest test = contoured("", circle_in(plane));
+    REQUIRE(test.readings.size() == 144);
+    CHECK(std::count_if(test.readings.begin(), test.readings.end(), [](const auto& r) { return r.clockwise; }) == 72);
+    const double mean_um = mean_of(test);
+    for (const laser::CircleReading& reading : test.readings) CHECK(std::abs(reading.deviation_um - mean_um) < 0.05);
+    CHECK(test.plane == plane);
+  }
+}
+
+TEST_CASE("a scale error of 100 um/m of the second axis is 8 um at its ends and none at those of the first") {
+  for (const auto& plane : kPlanes) {
+    CAPTURE(laser::plane_name(plane));
+    CirclePlan plan = circle_in(plane);
+    plan.centre_mm = {-250.0, -200.0, -150.0};
+    const laser::CircleTest test = contoured(effect("scale", plane[1], "um_per_m = 100.0"), plan);
+    const double at_centre_um = 0.1 * plan.centre_mm[index_of(plane[1])];
+    for (const laser::CircleReading& reading : test.readings) {
+      const double s = std::sin(reading.angle_deg * std::numbers::pi / 180.0);
+      CHECK(reading.deviation_um == Approx(at_centre_um * s + 8.0 * s * s).epsilon(0.01));
+    }
+  }
+}
+
+TEST_CASE("backlash steps where its axis turns round, the other way in the other direction") {
+  const laser::CircleTest test = contoured(effect("backlash", Axis::X, "um = 6.0"), circle_in({Axis::X, Axis::Y}));
+  for (const laser::CircleReading& reading : test.readings) {
+    const double angle = reading.angle_deg * std::numbers::pi / 180.0;
+    if (std::abs(std::sin(angle)) < 0.1) continue;
+    const double motion = (std::sin(angle) > 0.0) != reading.clockwise ? -1.0 : 1.0;
+    CHECK(reading.deviation_um == Approx(3.0 * motion * std::cos(angle)).epsilon(0.02));
+  }
+}
+
+TEST_CASE("a position loop that is slower turns the circle into an ellipse that leans by the direction") {
+  std::string text = ideal_machine();
+  text.replace(text.find("[emulator.axis.Y]"), 17, "[emulator.axis.Y]\nkv_per_s = 29.0");
+  Simulation simulation(machine_of(text), errors_of(""), 1);
+  const auto test = contour_circle(simulation, circle_in({Axis::X, Axis::Y}));
+  REQUIRE(test);
+  double ccw = 0.0, cw = 0.0;
+  for (const laser::CircleReading& reading : test->readings)
+    (reading.clockwise ? cw : ccw) +=
+        reading.deviation_um * std::sin(reading.angle_deg * std::numbers::pi / 90.0) / 36.0;
+  CHECK(ccw == Approx(-cw).epsilon(0.05));
+  CHECK(std::abs(ccw) == Approx(10.0 * (1.0 / 29.0 - 1.0 / 30.0) / 2.0 * 1000.0).epsilon(0.1));  // v (1/Kv − 1/Kv')/2
+}
+
+TEST_CASE("a circle beyond the travel, or none, is refused") {
+  Simulation simulation(machine_of(ideal_machine()), errors_of(""), 1);
+  CirclePlan plan = circle_in({Axis::X, Axis::Y});
+  plan.radius_mm = 400.0;
+  const auto beyond = contour_circle(simulation, plan);
+  REQUIRE(!beyond);
+  CHECK(beyond.error().kind == ProblemKind::usage);
+  plan = circle_in({Axis::X, Axis::X});
+  const auto line = contour_circle(simulation, plan);
+  REQUIRE(!line);
+  CHECK(contains(line.error().message, "plane: expected two axes"));
+}
