@@ -1,5 +1,5 @@
 // Circular tests of emulated machines that hide one fault, and the share of them whose first cause is right.
-//   circle_table --seeds A..B [--snr 3] [--second] [--show]
+//   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show]
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
 // another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
@@ -132,11 +132,11 @@ HiddenCircle hidden_circle(std::uint64_t seed, bool second) {
   return hidden;
 }
 
-/// Two noisy runs of what one run without noise showed.
-laser::CircleTest with_noise(const laser::CircleTest& clean, double sigma_um, Random& random) {
+/// Noisy runs of what one run without noise showed.
+laser::CircleTest with_noise(const laser::CircleTest& clean, double sigma_um, int runs, Random& random) {
   laser::CircleTest noisy = clean;
   noisy.readings.clear();
-  for (const int run : {1, 2})
+  for (int run = 1; run <= runs; ++run)
     for (laser::CircleReading reading : clean.readings) {
       reading.run = run;
       reading.deviation_um += sigma_um * random.normal();
@@ -165,7 +165,8 @@ struct Tally {
 
 int main(int argc, char** argv) {
   long long first = 1, last = 20;
-  double snr = 3.0;
+  double snr = 3.0, step_deg = 1.0;
+  int runs = 2;
   bool second = false, show = false, blank = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
@@ -176,6 +177,10 @@ int main(int argc, char** argv) {
       last = dots == range.npos ? first : integer_in(range.substr(dots + 2)).value_or(first);
     } else if (word == "--snr" && i + 1 < argc) {
       snr = number_in(argv[++i]).value_or(snr);
+    } else if (word == "--step" && i + 1 < argc) {
+      step_deg = number_in(argv[++i]).value_or(step_deg);
+    } else if (word == "--runs" && i + 1 < argc) {
+      runs = static_cast<int>(integer_in(argv[++i]).value_or(runs));
     } else {
       second |= word == "--second";
       show |= word == "--show";
@@ -187,7 +192,8 @@ int main(int argc, char** argv) {
   std::map<std::string, Tally> tallies;
   Tally all;
   for (long long seed = first; seed <= last; ++seed) {
-    const HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second);
+    HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second);
+    hidden.plan.step_deg = step_deg;
     const auto machine = folder / "machine.toml", errors = folder / "errors.toml";
     if (!write_file(machine, hidden.machine) || !write_file(errors, hidden.errors.empty() ? "\n" : hidden.errors))
       return 5;
@@ -200,7 +206,7 @@ int main(int argc, char** argv) {
     if (blank)
       for (laser::CircleReading& reading : bare.readings) reading.deviation_um = 0.0;
     const double sigma_um = blank ? 1.0 : rms_about_centre(*clean) / snr;
-    const laser::CircleTest test = with_noise(bare, sigma_um, random);
+    const laser::CircleTest test = with_noise(bare, sigma_um, runs, random);
     std::array<std::vector<double>, 2> pitches;
     for (std::size_t i = 0; i < 2; ++i) pitches[i] = {kPitch_mm[index_of(hidden.plan.plane[i])]};
     const auto diagnosis = model::diagnose_circle(test, pitches);
