@@ -241,3 +241,46 @@ TEST_CASE("a run that is to be left out must be there") {
   REQUIRE_FALSE(built);
   CHECK(built.error().message.find("run 9 is to be left out, but the file has runs 1, 2") != std::string::npos);
 }
+
+/// Two runs that differ by 2 um, up and down from target to target.
+std::string scattered_runs() {
+  std::string text = kHeader;
+  for (int run = 1; run <= 2; ++run)
+    for (const int d : {1, -1})
+      for (int i = 0; i < 40; ++i)
+        text += fmt::format("X,EX,{},-1400,0,{},{},{}\n", 10 * i, d, run, (i + run) % 2 == 0 ? 1.0 : -1.0);
+  return text;
+}
+
+TEST_CASE("the header states how certain the means are") {
+  const MapFolder folder;
+  const auto built =
+      build_map(recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})}), mill_parameters());
+  REQUIRE(built);
+  REQUIRE(built->map.header.uncertainty.size() == 1);
+  const StatedUncertainty& u = built->map.header.uncertainty.front();
+  CHECK(u.component == Component::EXX);
+  CHECK(u.value ==
+        doctest::Approx(std::sqrt(40.0 / 34.0)).epsilon(0.02));  // σ² = 2 · 40/(40 − 6), of a mean of two half of it
+  CHECK(u.pass == 0.0);
+  CHECK(u.degrees_of_freedom == 2);
+}
+
+TEST_CASE("a curve that is shrunk loses what its repeats call scatter, and the header says so") {
+  const MapFolder folder;
+  MapRecipe recipe = recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})});
+  recipe.shrink = true;
+  const auto built = build_map(recipe, mill_parameters());
+  REQUIRE(built);
+  CHECK(built->map.header.processing.front().starts_with("EXX shrunk below its noise"));
+}
+
+TEST_CASE("a header that states an uncertainty wrongly is refused with what is expected") {
+  for (const char* line : {"uncertainty: EXX", "uncertainty: EQX value=1 pass=0 degrees_of_freedom=2",
+                           "uncertainty: EXX value=-1 pass=0 degrees_of_freedom=2",
+                           "uncertainty: EXX value=a pass=0 degrees_of_freedom=2"}) {
+    const auto header = parse_header(line, "m.csv");
+    REQUIRE_FALSE(header);
+    CHECK(header.error().message.find("uncertainty: expected CODE value=") != std::string::npos);
+  }
+}

@@ -26,6 +26,7 @@ ErrorMap small_map() {
   map.header.configuration = "TX";
   map.header.sources = {{"EXX", "x run 1.csv", std::string(64, 'a')}};
   map.header.declared_zero = {{Component::EBY, "cannot be measured"}};
+  map.header.uncertainty = {{Component::EXX, 0.98, 0.18, 4}};
   map.header.processing = {"EXX averaged over 3 runs"};
   map.tables = {{Component::EXX, Approach::forward, {0.0, 50.0, 100.0}, {0.0, -1.25, -3.5}},
                 {Component::EXX, Approach::reverse, {0.0, 50.0, 100.0}, {0.5, -0.75, -3.0}}};
