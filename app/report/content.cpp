@@ -221,11 +221,23 @@ void judge_map(ReportContent& content) {
   content.predicted = std::move(predicted->rows);
 }
 
+Result<ReportedVolume> reported_volume(PreparedVolume prepared) {
+  std::size_t axes = 0;
+  for (const auto& travel : prepared.machine.travel_mm) axes += travel ? 1u : 0u;
+  const std::size_t places = axes > 2 ? 11 * 11 * 11 : axes == 2 ? 21 * 21 : 21;
+  auto answer = evaluated(prepared.machine, places);
+  if (!answer) return tl::unexpected(answer.error());
+  const volume::UncertaintySettings settings;
+  const auto uncertainty = uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places);
+  if (!uncertainty) return tl::unexpected(uncertainty.error());
+  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty};
+}
+
 void predict_volume(ReportContent& content) {
   content.no_volume = content.no_prediction;
   if (content.predicted.empty() || !content.map || !content.parameters) return;
-  auto volume = predicted_volume(content.map->map, content.parameters->file.parameters, content.machine,
-                                 content.model ? &content.model->fitted : nullptr);
+  auto volume = reported_volume(prepared_volume(content.map->map, content.parameters->file.parameters, content.machine,
+                                                content.model ? &content.model->fitted : nullptr));
   if (volume)
     content.volume = std::move(*volume);
   else

@@ -12,10 +12,10 @@
 #include "app/report/diagnosis.hpp"
 #include "app/report/files.hpp"
 #include "app/report/prediction.hpp"
-#include "app/report/volume.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "commissioning/models/after.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/volume/work.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "params/check.hpp"
@@ -55,6 +55,14 @@ struct ReportedModel {
   std::vector<AfterDirection> directions;
 };
 
+/// The error vector over the travels, predicted before and after compensation. Nothing was measured across the volume.
+struct ReportedVolume {
+  PreparedVolume prepared;
+  volume::VolumeAnswer answer;
+  volume::VolumeUncertainty uncertainty;
+  [[nodiscard]] bool from_map() const { return prepared.errors_from == "the map"; }
+};
+
 struct ReportContent {
   std::vector<std::pair<std::string, std::string>> header;  ///< "customer", "Huddersfield …"; what is not empty
   std::string date;                                         ///< of the report; empty: not given
@@ -68,7 +76,7 @@ struct ReportContent {
   std::optional<ReportedParameters> parameters;
   std::vector<PredictedRow> predicted;  ///< one for each row; empty without map and parameters
   std::string no_prediction;            ///< why not
-  std::optional<PredictedVolume> volume;
+  std::optional<ReportedVolume> volume;
   std::string no_volume;  ///< why not
   std::optional<ReportedModel> model;
   std::optional<ReportedDiagnosis> diagnosis;

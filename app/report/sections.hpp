@@ -45,7 +45,7 @@ struct ReportSection {
 /// <dl> of name and value, in columns; long values take a line.
 [[nodiscard]] Markup facts_of(const std::vector<std::pair<std::string, std::string>>& facts);
 /// Largest and rms of the error vector in the volume, predicted, and from what.
-[[nodiscard]] std::string volume_sentence(const PredictedVolume& volume);
+[[nodiscard]] std::string volume_sentence(const ReportedVolume& volume);
 /// A line of a map header as people write it: "µm/m", "least squares", real minus control.
 [[nodiscard]] std::string worded(std::string_view line);
 /// A number in a table, a dash where there is none.

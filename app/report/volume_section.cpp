@@ -30,7 +30,7 @@ Markup named_cell(const Achieved& achieved) {
   return text(fmt::format("{} ({})", number_text(*achieved.band, decimals_for(*achieved.band)), achieved.line));
 }
 
-Markup volume_table(const ReportContent& content, const PredictedVolume& volume) {
+Markup volume_table(const ReportContent& content, const ReportedVolume& volume) {
   TableMarkup table({{"along"},
                      {"predicted before: largest", true},
                      {"rms", true},
@@ -39,51 +39,60 @@ Markup volume_table(const ReportContent& content, const PredictedVolume& volume)
                      {"achieved before: largest band", true},
                      {"achieved after: largest band", true},
                      {"unit"}});
-  const auto row = [&](const std::string& name, std::size_t d, const Achieved& before, const Achieved& after) {
-    const Markup after_um = cell(volume.after.largest_um[d], kDecimals);
-    table.row({element("strong", name), cell(volume.before.largest_um[d], kDecimals),
-               cell(volume.before.rms_um[d], kDecimals), volume.from_map() ? after_um : element("strong", after_um),
-               cell(volume.after.rms_um[d], kDecimals), named_cell(before), named_cell(after), text("µm")});
+  struct Sizes {
+    double largest_um, rms_um;
   };
+  const auto row = [&](const std::string& name, const Sizes& before, const Sizes& after,
+                       const Achieved& achieved_before, const Achieved& achieved_after) {
+    const Markup after_um = cell(after.largest_um, kDecimals);
+    table.row({element("strong", name), cell(before.largest_um, kDecimals), cell(before.rms_um, kDecimals),
+               volume.from_map() ? after_um : element("strong", after_um), cell(after.rms_um, kDecimals),
+               named_cell(achieved_before), named_cell(achieved_after), text("µm")});
+  };
+  const auto along = [](const volume::ErrorSize& size, Axis axis) {
+    return Sizes{size.largest_along_um[index_of(axis)], size.rms_along_um[index_of(axis)]};
+  };
+  const volume::ErrorSize &before = volume.answer.before.all, &after = volume.answer.after.all;
   for (const Axis axis : kAllAxes)
-    if (volume.present[index_of(axis)])
-      row(std::string(1, letter_of(axis)), index_of(axis), achieved_along(content, axis, &TableRow::before),
-          achieved_along(content, axis, &TableRow::after));
-  row("error vector", kAxes, {}, {});
+    if (volume.answer.grid.exists[index_of(axis)])
+      row(std::string(1, letter_of(axis)), along(before, axis), along(after, axis),
+          achieved_along(content, axis, &TableRow::before), achieved_along(content, axis, &TableRow::after));
+  row("error vector", {before.largest_um, before.rms_um}, {after.largest_um, after.rms_um}, {}, {});
   return table.markup();
 }
 
 }  // namespace
 
-std::string volume_sentence(const PredictedVolume& volume) {
+std::string volume_sentence(const ReportedVolume& volume) {
   const auto size = [](double value) { return quantity_text(value, kDecimals, "um"); };
   const std::string before = fmt::format(
       "Predicted from {}: the largest error vector in the volume is {} before "
       "compensation (rms {})",
-      volume.from, size(volume.before.largest_um[kAxes]), size(volume.before.rms_um[kAxes]));
+      volume.prepared.errors_from, size(volume.answer.before.all.largest_um), size(volume.answer.before.all.rms_um));
   const std::string after =
-      fmt::format("{} (rms {})", size(volume.after.largest_um[kAxes]), size(volume.after.rms_um[kAxes]));
+      fmt::format("{} (rms {})", size(volume.answer.after.all.largest_um), size(volume.answer.after.all.rms_um));
   if (volume.from_map())
     return fmt::format(
-        "{}. The unit puts out all that the map holds but {}: that is rounding and interpolation. What stays after "
-        "compensation is what the map does not hold; an error model or a measurement tells it.",
-        before, after);
+        "{}. The unit puts out all that the map holds but {}: that is interpolation. What stays after compensation is "
+        "what the map does not hold: as certain as the map is, at most {} anywhere (95 %).",
+        before, after, size(volume.uncertainty.largest_95_um));
   return fmt::format("{} and {} after.", before, after);
 }
 
 ReportSection volume_section(const ReportContent& content) {
   if (!content.volume) return {"volume", kVolumeTitle, {}, content.no_volume};
-  const PredictedVolume& volume = *content.volume;
+  const ReportedVolume& volume = *content.volume;
   Markup body = paragraph_of(volume_sentence(volume), volume.from_map() ? "" : "class=\"lead\"");
   std::string how = fmt::format(
-      "{} in {}{}, all axes arriving forward, then all in reverse; counted from the reference point, as a work offset "
+      "{} in {}{}, each with all axes arriving forward, then all in reverse; counted from the reference point, as a "
+      "work offset "
       "is. After: what the unit puts out with these parameters and the whole map. Nothing was measured across the "
       "volume: the achieved figures are bands on the measured lines alone.",
-      counted(volume.places, "place", "places"), volume.travels,
-      volume.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
+      counted(volume.answer.grid.places(), "place", "places"), travels_in_words(volume.prepared.machine.travel_mm),
+      volume.prepared.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
   if (volume.from_map()) how += " What the map does not hold counts as zero; scatter and drift are not in it.";
   body += paragraph_of(how, "class=\"small intro\"");
-  if (!volume.remark.empty()) body += paragraph_of(volume.remark, "class=\"small intro\"");
+  if (!volume.prepared.remark.empty()) body += paragraph_of(volume.prepared.remark, "class=\"small intro\"");
   return {"volume", kVolumeTitle, body + volume_table(content, volume)};
 }
 

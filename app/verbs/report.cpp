@@ -60,19 +60,25 @@ std::optional<Problem> unfit_files(const ReportContent& content) {
 }
 
 /// By direction and for the vector; null: not predicted.
-Json volume_json(const std::optional<PredictedVolume>& volume) {
+Json volume_json(const std::optional<ReportedVolume>& volume) {
   if (!volume) return nullptr;
   Json before = Json::object(), after = Json::object();
-  const auto add = [&](const std::string& name, std::size_t d) {
-    for (auto& [size, into] :
-         {std::pair<const controllers::ResidualSize&, Json&>{volume->before, before}, {volume->after, after}})
-      into[name] = {{"largest_um", number_or_null(size.largest_um[d])}, {"rms_um", number_or_null(size.rms_um[d])}};
+  const auto put = [](Json& into, const std::string& name, double largest_um, double rms_um) {
+    into[name] = {{"largest_um", number_or_null(largest_um)}, {"rms_um", number_or_null(rms_um)}};
   };
-  for (const Axis axis : kAllAxes)
-    if (volume->present[index_of(axis)]) add(std::string(1, letter_of(axis)), index_of(axis));
-  add("length", kAxes);
-  return {{"from", volume->from},
-          {"places", volume->places},
+  for (auto& [size, into] : {std::pair<const volume::ErrorSize&, Json&>{volume->answer.before.all, before},
+                             {volume->answer.after.all, after}}) {
+    for (const Axis axis : kAllAxes)
+      if (volume->answer.grid.exists[index_of(axis)])
+        put(into, std::string(1, letter_of(axis)), size.largest_along_um[index_of(axis)],
+            size.rms_along_um[index_of(axis)]);
+    put(into, "length", size.largest_um, size.rms_um);
+  }
+  return {{"from", volume->prepared.errors_from},
+          {"places", volume->answer.grid.places()},
+          {"uncertainty_95_um",
+           {{"largest", number_or_null(volume->uncertainty.largest_95_um)},
+            {"rms", number_or_null(volume->uncertainty.rms_95_um)}}},
           {"predicted_before", std::move(before)},
           {"predicted_after", std::move(after)}};
 }

@@ -15,16 +15,17 @@ TEST_CASE("the report predicts the error vector in the volume from the map, befo
   const Ran r = c.report({"--json"});
   REQUIRE(r.code == 0);
   const auto volume = r.json()["volume"];
-  // One axis of 1000 mm, 36 um/m from the reference point at 0: 21 places each way, rms 36 √(Σ i²/21)/20 = 21.04.
+  // One axis of 1000 mm, 36 um/m from the reference point at 0: 21 places, rms 36 √(Σ i²/21)/20 = 21.04.
   CHECK(volume["from"] == "the map");
-  CHECK(volume["places"] == 42);
+  CHECK(volume["places"] == 21);
   CHECK(volume["predicted_before"]["length"]["largest_um"].get<double>() == Approx(36.0));
   CHECK(volume["predicted_before"]["X"]["rms_um"].get<double>() == Approx(21.0428).epsilon(1e-4));
   CHECK(volume["predicted_after"]["length"]["largest_um"].get<double>() == Approx(0.0).epsilon(0.01));
   const std::string html = c.html();
   CHECK(contains(html, "<h2>Volumetric error, predicted</h2>"));
   CHECK(contains(html, "Predicted from the map: the largest error vector in the volume is 36.0\u202fµm before"));
-  CHECK(contains(html, "The unit puts out all that the map holds but 0.0\u202fµm (rms 0.0\u202fµm): that is rounding"));
+  CHECK(contains(html,
+                 "The unit puts out all that the map holds but 0.0\u202fµm (rms 0.0\u202fµm): that is interpolation"));
   CHECK(contains(html, "Nothing was measured across the volume"));
   CHECK(contains(html, "achieved after: largest band"));
   CHECK(contains(html, "8.0 (EXX)"));
