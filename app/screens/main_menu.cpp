@@ -62,6 +62,7 @@ constexpr Synonyms kSynonyms[] = {
     {"laser stats", "iso 230 accuracy repeatability"},
     {"model diagnose", "cause effect missing why"},
     {"monitor", "live readout dro watch"},
+    {"volume", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
 };
 
 std::string synonyms_of(const std::string& name) {
@@ -120,7 +121,8 @@ const std::vector<TopMenu>& top_menus() {
       {"ECS UTILITY", "positions, outputs, datum sequences, status, faults", utility_choices},
       {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
       {"MODEL", "the error model beside measurements: what is missing", model_choices},
-      {"MORE", "report, tables for other controls, many units, doctor", [](const Connection&) { return Choices{}; }},
+      {"MORE", "volume, report, tables for other controls, many units, doctor",
+       [](const Connection&) { return Choices{}; }},
   };
   return menus;
 }

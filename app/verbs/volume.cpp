@@ -32,6 +32,8 @@ struct VolumeOptions : VerbArguments {
                       "compensates for the tool of its parameters");
   const std::string& tool_offset = text("--tool-offset", "the same along X, Y, Z: 0,0,-250");
   const std::string& at = text("--at", "one place as well: -1000,-200,-350");
+  const std::string& slice =
+      choice("--slice", {"XY", "XZ", "YZ"}, "the error in a plane through the place of the largest, as numbers");
   const std::string& output = output_file("-o,--output", "picture (.svg or .png)");
   const std::string& values = output_file("--values", "CSV of every value of the map with its standard uncertainty");
   const std::optional<double>& repeatability =
@@ -53,7 +55,7 @@ struct VolumeOptions : VerbArguments {
 
   [[nodiscard]] VolumeArguments arguments() const {
     VolumeArguments a{map,         params,      errors, model, machine, other_machine, static_cast<std::size_t>(points),
-                      tool_length, tool_offset, at,     {}};
+                      tool_length, tool_offset, at,     slice, {}};
     a.settings = {repeatability,
                   instrument,
                   temperature,

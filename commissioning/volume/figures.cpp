@@ -19,12 +19,6 @@ using volume::VolumeError;
 constexpr std::size_t kPlacesAlongAWire = 21;
 constexpr double kDrawnPart = 0.12;  ///< of the longest travel that the largest error is drawn as
 
-/// The mean of both sides.
-Vector3 error_at(const Grid& grid, const VolumeError& error, const GridIndex& index) {
-  const Vector3 a = error.at(grid, 0, index), b = error.at(grid, 1, index);
-  return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
-}
-
 double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 /// Seen from the front right above: X to the right, Z up, Y away from the eye.
@@ -94,7 +88,7 @@ PlotSeries corner_labels(const Grid& grid, const VolumeError& error, double larg
   for (const std::size_t x : ends(0))
     for (const std::size_t y : ends(1))
       for (const std::size_t z : ends(2)) {
-        const Vector3 error_um = error_at(grid, error, {x, y, z});
+        const Vector3 error_um = mean_error(grid, error, {x, y, z});
         labels.points.push_back(projected(displaced(grid.at({x, y, z}), error_um, larger)));
         labels.labels.push_back(fmt::format("{:.0f}", length_of(error_um)));
       }
@@ -104,25 +98,19 @@ PlotSeries corner_labels(const Grid& grid, const VolumeError& error, double larg
 PlotPanel cube_panel(const std::string& title, const Grid& grid, const VolumeError& error, double larger) {
   PlotPanel panel{title, "", "", {}, {}, true};
   PlotSeries nominal{"nominal", Mark::wire, {}},
-      bent{fmt::format("errors drawn {:.0f} times", larger), Mark::bent_wire, {}};
+      bent{fmt::format("errors drawn {:.0f} times, um at the corners", larger), Mark::bent_wire, {}};
   for_each_wire(grid, [&](const GridIndex& from, const GridIndex& to) {
     for (const GridIndex& end : {from, to}) {
       nominal.points.push_back(projected(grid.at(end)));
-      bent.points.push_back(projected(displaced(grid.at(end), error_at(grid, error, end), larger)));
+      bent.points.push_back(projected(displaced(grid.at(end), mean_error(grid, error, end), larger)));
     }
   });
   panel.series = {std::move(nominal), std::move(bent), corner_labels(grid, error, larger)};
   return panel;
 }
 
-/// The plane of the two longest travels through the place of the largest error.
-struct Slice {
-  std::size_t across = 0, up = 1;
-  Grid grid;
-};
-
-Slice slice_of(const VolumeWork& work) {
-  constexpr std::size_t kAcross = 17, kUp = 11;
+/// Through the two longest travels.
+Result<VolumeSlice> drawn_slice(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const auto length = [&](std::size_t a) {
     const auto& travel = machine.travel_mm[a];
@@ -130,16 +118,11 @@ Slice slice_of(const VolumeWork& work) {
   };
   std::array<std::size_t, kAxes> order{0, 1, 2};
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
-  Slice slice;
-  slice.across = std::min(order[0], order[1]);
-  slice.up = std::max(order[0], order[1]);
-  slice.grid = volume::even_grid(machine.travel_mm, kAcross, work.answer.grid.reference_mm);
-  slice.grid.mm[slice.up] = volume::even_grid(machine.travel_mm, kUp, {}).mm[slice.up];
-  slice.grid.mm[order[2]] = {work.answer.before.all.at_mm[order[2]]};
-  return slice;
+  return slice_of(machine, work.answer.before.all.at_mm, std::min(order[0], order[1]), std::max(order[0], order[1]), 17,
+                  11);
 }
 
-PlotPanel slice_panel(const std::string& title, const Slice& slice, const VolumeError& error, double larger) {
+PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const VolumeError& error, double larger) {
   const Grid& grid = slice.grid;
   const auto name = [](std::size_t a) { return fmt::format("{} mm", letter_of(static_cast<Axis>(a))); };
   PlotPanel panel{title, name(slice.across), name(slice.up), {}};
@@ -147,7 +130,7 @@ PlotPanel slice_panel(const std::string& title, const Slice& slice, const Volume
   GridIndex index{};
   for (index[slice.across] = 0; index[slice.across] < grid.mm[slice.across].size(); ++index[slice.across])
     for (index[slice.up] = 0; index[slice.up] < grid.mm[slice.up].size(); ++index[slice.up]) {
-      const Vector3 from = grid.at(index), to = displaced(from, error_at(grid, error, index), larger);
+      const Vector3 from = grid.at(index), to = displaced(from, mean_error(grid, error, index), larger);
       arrows.points.push_back({from[slice.across], from[slice.up]});
       arrows.points.push_back({to[slice.across], to[slice.up]});
     }
@@ -171,7 +154,7 @@ PlotPanel diagonal_panel(const std::string& title, const Grid& grid, const Volum
       panel.series.push_back({name, kMarks[panel.series.size() % kMarks.size()], {}});
     }
     panel.series.back().points.push_back({100.0 * static_cast<double>(number % count) / static_cast<double>(count - 1),
-                                          length_of(error_at(grid, error, index))});
+                                          length_of(mean_error(grid, error, index))});
   });
   return panel;
 }
@@ -185,11 +168,8 @@ std::string size_words(const volume::ErrorSize& size) {
 Result<PlotFigure> volume_figure(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const Grid wires = volume::even_grid(machine.travel_mm, kPlacesAlongAWire, work.answer.grid.reference_mm);
-  const Slice slice = slice_of(work);
   const auto on_wires = errors_over(machine, wires);
   if (!on_wires) return tl::unexpected(on_wires.error());
-  const auto on_slice = errors_over(machine, slice.grid);
-  if (!on_slice) return tl::unexpected(on_slice.error());
   const double larger = enlargement(work.answer.before.all.largest_um, longest_of(machine.travel_mm));
   PlotFigure figure;
   figure.title = fmt::format("Volume of {} ({}), {}", work.machine_name.empty() ? "the machine" : work.machine_name,
@@ -202,12 +182,15 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   figure.panels = {cube_panel(before, wires, on_wires->before, larger),
                    cube_panel(after, wires, on_wires->after, larger)};
   if (wires.axes() < 2) return figure;
+  const auto slice = drawn_slice(work);
+  if (!slice) return tl::unexpected(slice.error());
   std::string place;
   for (const Axis axis : kAllAxes)
-    if (wires.exists[index_of(axis)] && index_of(axis) != slice.across && index_of(axis) != slice.up)
-      place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice.grid.mm[index_of(axis)].front());
-  figure.panels.push_back(slice_panel("before" + place, slice, on_slice->before, larger));
-  figure.panels.push_back(slice_panel("after" + place, slice, on_slice->after, larger));
+    if (wires.exists[index_of(axis)] && index_of(axis) != slice->across && index_of(axis) != slice->up)
+      place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice->grid.mm[index_of(axis)].front());
+  figure.panels.push_back(slice_panel("before" + place, *slice, slice->errors.before, larger));
+  const double larger_after = enlargement(work.answer.after.all.largest_um, longest_of(machine.travel_mm));
+  figure.panels.push_back(slice_panel("after" + place, *slice, slice->errors.after, larger_after));
   figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires->before));
   figure.panels.push_back(diagonal_panel("after, body diagonals", wires, on_wires->after));
   return figure;

@@ -145,6 +145,58 @@ Cell at_cell(const std::optional<PlaceAnswer>& at) {
           std::move(text)};
 }
 
+Json slice_json(const VolumeSlice& slice, const volume::VolumeError& error) {
+  Json rows = Json::array();
+  volume::GridIndex index{};
+  for (index[slice.up] = 0; index[slice.up] < slice.grid.mm[slice.up].size(); ++index[slice.up]) {
+    Json row = Json::array();
+    for (index[slice.across] = 0; index[slice.across] < slice.grid.mm[slice.across].size(); ++index[slice.across])
+      row.push_back(vector_json(mean_error(slice.grid, error, index)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// Sizes of the errors as numbers, the greatest coordinate on top; before, and after in brackets.
+std::string slice_text(const VolumeSlice& slice) {
+  const auto letter = [](std::size_t a) { return letter_of(static_cast<Axis>(a)); };
+  const auto size = [&](const volume::VolumeError& error, const volume::GridIndex& index) {
+    const Vector3 e = mean_error(slice.grid, error, index);
+    return std::hypot(e[0], e[1], e[2]);
+  };
+  std::string text = fmt::format("slice {}{}: um before (after)\n", letter(slice.across), letter(slice.up));
+  volume::GridIndex index{};
+  for (std::size_t row = slice.grid.mm[slice.up].size(); row-- > 0;) {
+    index[slice.up] = row;
+    text += fmt::format("{:>7.0f}", slice.grid.mm[slice.up][row]);
+    for (index[slice.across] = 0; index[slice.across] < slice.grid.mm[slice.across].size(); ++index[slice.across])
+      text += fmt::format(
+          " {:>7}", fmt::format("{:.0f}({:.0f})", size(slice.errors.before, index), size(slice.errors.after, index)));
+    text += "\n";
+  }
+  text += fmt::format("{} mm {}  ", letter(slice.up), letter(slice.across));
+  for (const double mm : slice.grid.mm[slice.across]) text += fmt::format("{:>7.0f} ", mm);
+  text.back() = '\n';
+  return text;
+}
+
+Cell slice_cell(const std::optional<VolumeSlice>& slice) {
+  if (!slice) return null_cell();
+  const auto letter = [](std::size_t a) { return std::string(1, letter_of(static_cast<Axis>(a))); };
+  Json through = Json::object();
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (slice->grid.exists[a] && a != slice->across && a != slice->up)
+      through[letter(a)] = number_or_null(slice->grid.mm[a].front());
+  return {{{"across", letter(slice->across)},
+           {"up", letter(slice->up)},
+           {"at_mm", std::move(through)},
+           {"across_mm", slice->grid.mm[slice->across]},
+           {"up_mm", slice->grid.mm[slice->up]},
+           {"before_um", slice_json(*slice, slice->errors.before)},
+           {"after_um", slice_json(*slice, slice->errors.after)}},
+          slice_text(*slice)};
+}
+
 Json travel_json(const volume::Travels& travel_mm) {
   Json travels = Json::object();
   for (const Axis axis : kAllAxes)
@@ -171,7 +223,7 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
     return Cell{size_json(size, exists), size_text(name, size, exists)};
   };
-  return record_cell("{heading}{before}{after}{bound}{at}{notes}{picture}{values}",
+  return record_cell("{heading}{before}{after}{bound}{slice}{at}{notes}{picture}{values}",
                      {{"points", count_cell(work.answer.grid.places())},
                       {"heading", shown_cell(heading_of(work))},
                       {"before", sizes("before", work.answer.before)},
@@ -186,6 +238,7 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
                       {"reference_mm", {vector_json(work.answer.grid.reference_mm), {}}},
                       {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
                       {"uncertainty", {uncertainty_json(work), {}}},
+                      {"slice", slice_cell(work.slice)},
                       {"at", at_cell(work.at)},
                       {"notes", paragraphs_cell(work.notes, "note: ")},
                       {"picture", written_cell("picture", picture)},

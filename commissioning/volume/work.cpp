@@ -171,6 +171,23 @@ Result<void> look_at(const std::string& text, VolumeWork& work) {
   return {};
 }
 
+Result<void> cut(const std::string& plane, VolumeWork& work) {
+  constexpr std::size_t kColumns = 9, kRows = 5;
+  const auto across = plane.size() == 2 ? axis_of(plane[0]) : std::nullopt;
+  const auto up = plane.size() == 2 ? axis_of(plane[1]) : std::nullopt;
+  const volume::CompensatedMachine& machine = work.prepared.machine;
+  const auto exists = [&](const std::optional<Axis>& axis) {
+    return axis && machine.travel_mm[index_of(*axis)].has_value();
+  };
+  if (!exists(across) || !exists(up) || across == up)
+    return problem(ProblemKind::usage,
+                   fmt::format("--slice: expected two axes of the machine, such as XY, got \"{}\"", plane));
+  auto slice = slice_of(machine, work.answer.before.all.at_mm, index_of(*across), index_of(*up), kColumns, kRows);
+  if (!slice) return tl::unexpected(slice.error());
+  work.slice = std::move(*slice);
+  return {};
+}
+
 Result<void> check_travels(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   for (const Axis axis : kAllAxes)
@@ -203,6 +220,26 @@ PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters&
   out.errors_from = "the error model";
   out.machine.errors = source_of_model(*model, *machine);
   return out;
+}
+
+Vector3 mean_error(const volume::Grid& grid, const volume::VolumeError& error, const volume::GridIndex& index) {
+  const Vector3 a = error.at(grid, 0, index), b = error.at(grid, 1, index);
+  return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
+}
+
+Result<VolumeSlice> slice_of(const volume::CompensatedMachine& machine, const Vector3& through_mm, std::size_t across,
+                             std::size_t up, std::size_t columns, std::size_t rows) {
+  VolumeSlice slice;
+  slice.across = across;
+  slice.up = up;
+  const Vector3 reference_mm = volume::reference_of(machine.parameters);
+  slice.grid = volume::grid_at(machine.travel_mm, through_mm, reference_mm);
+  slice.grid.mm[across] = volume::even_grid(machine.travel_mm, columns, reference_mm).mm[across];
+  slice.grid.mm[up] = volume::even_grid(machine.travel_mm, rows, reference_mm).mm[up];
+  auto errors = errors_over(machine, slice.grid);
+  if (!errors) return tl::unexpected(errors.error());
+  slice.errors = std::move(*errors);
+  return slice;
 }
 
 std::string travels_in_words(const volume::Travels& travel_mm) {
@@ -266,6 +303,8 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   note_missing(work);
   if (!arguments.at.empty())
     if (const auto looked = look_at(arguments.at, work); !looked) return tl::unexpected(looked.error());
+  if (!arguments.plane.empty())
+    if (const auto done = cut(arguments.plane, work); !done) return tl::unexpected(done.error());
   for (const std::string& file : {arguments.map, arguments.params, arguments.errors, arguments.model, machine_file})
     if (!file.empty()) work.inputs.push_back(file);
   return work;

@@ -42,6 +42,7 @@ struct VolumeArguments {
   std::optional<double> tool_length_mm;  ///< along −Z from the point at which the curves were measured
   std::string tool_offset;               ///< "X,Y,Z" [mm]
   std::string at;                        ///< "X,Y,Z" [mm]: one place as well
+  std::string plane;                     ///< "XY", "XZ" or "YZ": a slice as well
   volume::UncertaintySettings settings;
 };
 
@@ -52,6 +53,19 @@ struct PlaceAnswer {
   std::array<Vector3, 2> after_um{};
   Vector3 standard_uncertainty_um{};  ///< along X, Y, Z, from the forward side
 };
+
+/// A plane of the volume through the place of the largest error before compensation.
+struct VolumeSlice {
+  std::size_t across = 0, up = 1;  ///< its axes
+  volume::Grid grid;               ///< one coordinate of the third axis
+  volume::BeforeAfter errors;
+};
+/// Of these two axes.
+[[nodiscard]] Result<VolumeSlice> slice_of(const volume::CompensatedMachine& machine, const Vector3& through_mm,
+                                           std::size_t across, std::size_t up, std::size_t columns, std::size_t rows);
+/// The mean of both sides [um].
+[[nodiscard]] Vector3 mean_error(const volume::Grid& grid, const volume::VolumeError& error,
+                                 const volume::GridIndex& index);
 
 struct ComponentShare {
   Component component = Component::EXX;
@@ -67,6 +81,7 @@ struct VolumeWork {
   volume::VolumeUncertainty uncertainty;
   std::vector<ComponentShare> shares;  ///< of the uncertainty, largest first
   std::optional<PlaceAnswer> at;
+  std::optional<VolumeSlice> slice;
   std::vector<std::string> notes;
   std::vector<std::string> inputs;  ///< files that must not be written over
 };

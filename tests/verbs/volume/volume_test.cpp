@@ -92,6 +92,17 @@ TEST_CASE("the text fits a terminal") {
   for (const auto line : lines) CHECK(line.size() <= 84);  // an ellipsis takes three bytes
 }
 
+TEST_CASE("a slice is shown as numbers") {
+  const OneAxisFiles files;
+  CHECK(ran({"volume", files.map, "--params", files.parameters, "--slice", "XY"}).code == 2);  // there is no Y
+  const Folder folder;
+  const std::string map = folder.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,-24\n");
+  const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--slice", "XZ"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  CHECK(r.out.find("   -600    0(0)    3(0)    6(0)") != std::string::npos);
+  CHECK(lines_of(r.out).size() <= 25);  // the last is empty
+}
+
 TEST_CASE("every value of the map is written with its standard uncertainty") {
   const OneAxisFiles files;
   const std::string values = files / "values.csv";
