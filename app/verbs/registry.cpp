@@ -60,6 +60,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kLaserTable,
       &kLaserCapture,
       &kLaserDevices,
+      // of the standards
       &kTestCircle,
       &kTestDiagonals,
       &kTestDrift,
