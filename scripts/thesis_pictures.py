@@ -84,16 +84,18 @@ def means(path, colour, level):
 
 
 def before_after(rows):
-    """[(name, file before, file after)]: two panels a row, at one scale. Straightness (EYX, EZX_y0, ...) loses its slope."""
+    """[(name, file before, file after)]: two panels a row, at one scale; without a file after, one. Straightness (EYX,
+    EZX_y0, ...) loses its slope."""
     body = ""
     for index, (name, *files) in enumerate(rows):
-        level = name[0] == "E" and name[1] != name[2]
+        level = name[0] == "E" and name[1] in "XYZ" and name[1] != name[2]
+        unit = "µm/m" if name[1] in "ABC" else "µm"
         curves = [means(path, colour, level) for path, colour in zip(files, (BEFORE, AFTER))]
         every = [curve for phase in curves for curve in phase]
         for column, (words, phase) in enumerate(zip(("before", "after"), curves)):
-            body += panel(column * PANEL, index * HEIGHT, f"{name} {words} [µm] over mm", phase, range_of(every, 0),
+            body += panel(column * PANEL, index * HEIGHT, f"{name} {words} [{unit}] over mm", phase, range_of(every, 0),
                           range_of(every, 1))
-    return svg(2 * PANEL, HEIGHT * len(rows), body)
+    return svg(max(len(files) for _, *files in rows) * PANEL, HEIGHT * len(rows), body)
 
 
 def circle(path, centre=(-2000.0, -500.0), radius=125.0, first_turn=8):
@@ -112,7 +114,7 @@ def circle(path, centre=(-2000.0, -500.0), radius=125.0, first_turn=8):
     return [(turn, a, r - mean - shift_x * math.cos(a) - shift_z * math.sin(a)) for turn, a, r in found]
 
 
-def roundness(points):
+def spread(points):
     return max(r for *_, r in points) - min(r for *_, r in points)
 
 
@@ -125,7 +127,7 @@ def polar(files, size=360, inner=80.0, um=2.0):
         for division in range(-3, 5):
             body += (f'<circle cx="{x0:.0f}" cy="{y0:.0f}" r="{inner + um * 10 * division:.0f}" fill="none" '
                      f'stroke="{"#909090" if division == 0 else "#d8d8d8"}"/>')
-        body += text(x0, 14, f"{WORDS[column]}: out of round {roundness(points):.0f} µm")
+        body += text(x0, 14, f"{WORDS[column]}: out of round {spread(points):.0f} µm")
         for turn in (1, 2):
             largest = {}
             for side, angle, r in points:
@@ -151,16 +153,12 @@ def flat(path, first_line=9, x_range=(-2950.0, -1150.0)):
     return [(x, z, e - me - in_x * (x - mx) - in_z * (z - mz)) for x, z, e in points]
 
 
-def flatness(points):
-    return roundness(points)
-
-
 def surface(files, um=0.6):
     """Figure 7.23: the passes one behind the other, heights above the least-squares plane at one scale."""
     body = ""
     for column, (path, colour) in enumerate(zip(files, (BEFORE, AFTER))):
         points = flat(path)
-        body += text(column * PANEL + PANEL / 2, 14, f"{WORDS[column]}: {flatness(points):.0f} µm")
+        body += text(column * PANEL + PANEL / 2, 14, f"{WORDS[column]}: {spread(points):.0f} µm")
         for z in sorted({round(z / 100) for _, z, _ in points}):
             track = sorted((x, e) for x, at, e in points if round(at / 100) == z)[::12]
             left, base = column * PANEL + 20 + 8 * (-z - 1), 250 + 22 * z
