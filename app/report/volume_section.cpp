@@ -74,7 +74,7 @@ std::string volume_sentence(const ReportedVolume& volume) {
   if (volume.from_map())
     return fmt::format(
         "{}. The unit puts out all that the map holds but {}: that is interpolation. What stays after compensation is "
-        "what the map does not hold: as certain as the map is, at most {} anywhere (95 %).",
+        "what the map does not hold: with the uncertainty of the map at most {} anywhere (95 %).",
         before, after, size(volume.uncertainty.largest_95_um));
   return fmt::format("{} and {} after.", before, after);
 }

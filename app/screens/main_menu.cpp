@@ -9,6 +9,7 @@
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "app/screens/verbs/verb_screen.hpp"
+#include "app/screens/volume/screen.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/verbs/registry.hpp"
 
@@ -62,6 +63,7 @@ constexpr Synonyms kSynonyms[] = {
     {"laser stats", "iso 230 accuracy repeatability"},
     {"model diagnose", "cause effect missing why"},
     {"monitor", "live readout dro watch"},
+    {"VOLUME", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
     {"volume", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
 };
 
@@ -121,8 +123,7 @@ const std::vector<TopMenu>& top_menus() {
       {"ECS UTILITY", "positions, outputs, datum sequences, status, faults", utility_choices},
       {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
       {"MODEL", "the error model beside measurements: what is missing", model_choices},
-      {"MORE", "volume, report, tables for other controls, many units, doctor",
-       [](const Connection&) { return Choices{}; }},
+      {"MORE", "report, tables for other controls, many units, doctor", [](const Connection&) { return Choices{}; }},
   };
   return menus;
 }
@@ -170,6 +171,8 @@ Choices all_choices(const Connection& connection) {
     choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
   choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
                                        [connection] { return monitor_screen(connection); }});
+  choices.insert(choices.end() - 1, {"VOLUME", "the error anywhere, before and after, and how certain it is",
+                                     [] { return volume_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,

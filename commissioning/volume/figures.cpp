@@ -109,19 +109,6 @@ PlotPanel cube_panel(const std::string& title, const Grid& grid, const VolumeErr
   return panel;
 }
 
-/// Through the two longest travels.
-Result<VolumeSlice> drawn_slice(const VolumeWork& work) {
-  const volume::CompensatedMachine& machine = work.prepared.machine;
-  const auto length = [&](std::size_t a) {
-    const auto& travel = machine.travel_mm[a];
-    return travel ? (*travel)[1] - (*travel)[0] : 0.0;
-  };
-  std::array<std::size_t, kAxes> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
-  return slice_of(machine, work.answer.before.all.at_mm, std::min(order[0], order[1]), std::max(order[0], order[1]), 17,
-                  11);
-}
-
 PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const VolumeError& error, double larger) {
   const Grid& grid = slice.grid;
   const auto name = [](std::size_t a) { return fmt::format("{} mm", letter_of(static_cast<Axis>(a))); };
@@ -182,7 +169,8 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   figure.panels = {cube_panel(before, wires, on_wires->before, larger),
                    cube_panel(after, wires, on_wires->after, larger)};
   if (wires.axes() < 2) return figure;
-  const auto slice = drawn_slice(work);
+  const auto [across, up] = longest_plane(machine);
+  const auto slice = slice_of(machine, work.answer.before.all.at_mm, across, up, 17, 11);
   if (!slice) return tl::unexpected(slice.error());
   std::string place;
   for (const Axis axis : kAllAxes)

@@ -117,8 +117,8 @@ std::string bound_text(const VolumeWork& work) {
   for (const ComponentShare& one : work.shares)
     if (shares.size() < 3) shares.push_back(fmt::format("{} {:.0f} %", name_of(one.component), 100.0 * one.share));
   return paragraph(
-      fmt::format("As certain as the map is, the unit leaves at most {:.1f} um anywhere and at most {:.1f} um rms "
-                  "(95 %; {:.1f} and {:.1f} um are as likely exceeded as not). Most of it: {}.",
+      fmt::format("With the uncertainty of the map the unit leaves at most {:.1f} um anywhere and {:.1f} um rms (95 %; "
+                  "50 %: {:.1f} and {:.1f} um). Most of it: {}.",
                   u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
 }
 

@@ -173,9 +173,14 @@ Result<void> look_at(const std::string& text, VolumeWork& work) {
 
 Result<void> cut(const std::string& plane, VolumeWork& work) {
   constexpr std::size_t kColumns = 9, kRows = 5;
-  const auto across = plane.size() == 2 ? axis_of(plane[0]) : std::nullopt;
-  const auto up = plane.size() == 2 ? axis_of(plane[1]) : std::nullopt;
   const volume::CompensatedMachine& machine = work.prepared.machine;
+  const bool longest = plane == kLongestPlane;
+  if (longest && work.answer.grid.axes() < 2) return {};
+  const auto named = [&](std::size_t k) {
+    if (longest) return std::optional(static_cast<Axis>(longest_plane(machine)[k]));
+    return plane.size() == 2 ? axis_of(plane[k]) : std::nullopt;
+  };
+  const auto across = named(0), up = named(1);
   const auto exists = [&](const std::optional<Axis>& axis) {
     return axis && machine.travel_mm[index_of(*axis)].has_value();
   };
@@ -220,6 +225,16 @@ PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters&
   out.errors_from = "the error model";
   out.machine.errors = source_of_model(*model, *machine);
   return out;
+}
+
+std::array<std::size_t, 2> longest_plane(const volume::CompensatedMachine& machine) {
+  const auto length = [&](std::size_t a) {
+    const auto& travel = machine.travel_mm[a];
+    return travel ? (*travel)[1] - (*travel)[0] : 0.0;
+  };
+  std::array<std::size_t, kAxes> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  return {std::min(order[0], order[1]), std::max(order[0], order[1])};
 }
 
 Vector3 mean_error(const volume::Grid& grid, const volume::VolumeError& error, const volume::GridIndex& index) {

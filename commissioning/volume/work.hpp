@@ -30,6 +30,9 @@ struct PreparedVolume {
 
 inline constexpr std::size_t kUsualPlaces = 9261;  ///< 21 on each of three axes
 
+/// The plane of the two longest travels; no slice where there is one axis.
+inline constexpr const char* kLongestPlane = "longest";
+
 /// As typed; empty: not given.
 struct VolumeArguments {
   std::string map;
@@ -42,7 +45,7 @@ struct VolumeArguments {
   std::optional<double> tool_length_mm;  ///< along −Z from the point at which the curves were measured
   std::string tool_offset;               ///< "X,Y,Z" [mm]
   std::string at;                        ///< "X,Y,Z" [mm]: one place as well
-  std::string plane;                     ///< "XY", "XZ" or "YZ": a slice as well
+  std::string plane;                     ///< "XY", "XZ", "YZ" or kLongestPlane: a slice as well
   volume::UncertaintySettings settings;
 };
 
@@ -63,6 +66,8 @@ struct VolumeSlice {
 /// Of these two axes.
 [[nodiscard]] Result<VolumeSlice> slice_of(const volume::CompensatedMachine& machine, const Vector3& through_mm,
                                            std::size_t across, std::size_t up, std::size_t columns, std::size_t rows);
+/// The axes of the two longest travels, in the order X, Y, Z.
+[[nodiscard]] std::array<std::size_t, 2> longest_plane(const volume::CompensatedMachine& machine);
 /// The mean of both sides [um].
 [[nodiscard]] Vector3 mean_error(const volume::Grid& grid, const volume::VolumeError& error,
                                  const volume::GridIndex& index);
