@@ -329,6 +329,29 @@ std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit&
   return faults;
 }
 
+/// Faults that stand out of `against`, and what they leave against the noise.
+void explain(CircleDiagnosis& diagnosis, const CircleData& data, const std::array<std::vector<double>, 2>& pitches_mm,
+             const CircleNoise& noise, const CircleNoise& against) {
+  const CircleSearch search(data, circle_faults(data.points, pitches_mm), against);
+  const JointFit best = search.found();
+  VectorXd left = data.deviation;
+  diagnosis.faults.clear();
+  if (!best.faults.empty()) diagnosis.faults = ranked(search, best, against, data.deviation, left);
+  diagnosis.left_um = rms(left);
+  diagnosis.explained = 1.0 - left.squaredNorm() / std::max(data.deviation.squaredNorm(), kLeastDivisor);
+  const double freedom = static_cast<double>(left.size()) - static_cast<double>(best.columns) -
+                         3.0 * static_cast<double>(data.passes.size());
+  diagnosis.lack_of_fit_ln_p =
+      ln_f_tail(left.squaredNorm() / freedom / noise.variance, freedom / noise.inflation, noise.degrees_of_freedom);
+}
+
+/// The pitches that the readings of a circle resolve are those of the faults that can be tried.
+bool tries_pitch(const std::vector<CircleFault>& faults, char axis, double pitch_mm) {
+  return std::any_of(faults.begin(), faults.end(), [&](const CircleFault& fault) {
+    return fault.effect == "cyclic" && fault.where == std::string(1, axis) && fault.nonlinear == pitch_mm;
+  });
+}
+
 std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise& noise,
                                       const CircleDiagnosis& diagnosis,
                                       const std::array<std::vector<double>, 2>& pitches_mm) {
@@ -347,6 +370,14 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
     if (pitches_mm[i].empty())
       notes.push_back(fmt::format("no pitch of {} is known: cyclic errors of it are not tried. Give --machine",
                                   letter_of(data.points.plane[i])));
+  const auto faults = circle_faults(data.points, pitches_mm);
+  for (std::size_t i = 0; i < pitches_mm.size(); ++i)
+    for (const double pitch_mm : pitches_mm[i])
+      if (const char axis = letter_of(data.points.plane[i]); !tries_pitch(faults, axis, pitch_mm))
+        notes.push_back(
+            fmt::format("a wave of {} with the pitch {:g} mm is not tried: the readings are too far apart for "
+                        "it, or the circle is too small",
+                        axis, pitch_mm));
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
     notes.push_back(
         fmt::format("what is left, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the "
@@ -372,21 +403,19 @@ Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
   const auto repeats = noise_of_repeats(data);
   CircleNoise noise = repeats ? *repeats : noise_of_neighbours(data);
   noise.variance = std::max(noise.variance, 1e-12);  // rounded simulations: below any instrument
-  const CircleSearch search(data, circle_faults(data.points, pitches_mm), noise);
-  const JointFit best = search.found();
   CircleDiagnosis diagnosis;
   diagnosis.rms_um = rms(data.deviation);
   diagnosis.noise_um = std::sqrt(noise.variance);
   diagnosis.noise_from_repeats = noise.from_repeats;
   diagnosis.inflation = noise.inflation;
-  VectorXd left = data.deviation;
-  if (!best.faults.empty()) diagnosis.faults = ranked(search, best, noise, data.deviation, left);
-  diagnosis.left_um = rms(left);
-  diagnosis.explained = 1.0 - left.squaredNorm() / std::max(data.deviation.squaredNorm(), kLeastDivisor);
-  const double freedom = static_cast<double>(left.size()) - static_cast<double>(best.columns) -
-                         3.0 * static_cast<double>(data.passes.size());
-  diagnosis.lack_of_fit_ln_p =
-      ln_f_tail(left.squaredNorm() / freedom / noise.variance, freedom / noise.inflation, noise.degrees_of_freedom);
+  explain(diagnosis, data, pitches_mm, noise, noise);
+  if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit)) {
+    // What is left is no noise, and comes again in every pass: a fault has to stand out of it as a whole.
+    const double passes = static_cast<double>(data.passes.size());
+    const double n = static_cast<double>(data.deviation.size());
+    explain(diagnosis, data, pitches_mm, noise,
+            {diagnosis.left_um * diagnosis.left_um, n / passes, passes, noise.from_repeats});
+  }
   diagnosis.notes = circle_notes(data, noise, diagnosis, pitches_mm);
   return diagnosis;
 }

@@ -17,7 +17,7 @@ namespace {
 /// Decay lengths of spikes as shares of the radius: 1.4 to 14 degrees after the reversal; beyond, it is a backlash.
 constexpr std::array<double, 5> kDecays_of_radius{0.0003, 0.001, 0.003, 0.01, 0.03};
 /// A wave needs so many readings a period where the axis moves fastest.
-constexpr double kReadingsAPeriod = 3.0;
+constexpr double kReadingsAPeriod = 2.5;
 
 double sign_of(double value) { return value < 0.0 ? -1.0 : 1.0; }
 

@@ -77,6 +77,19 @@ TEST_CASE("test circle: values, causes and plots") {
   CHECK(contains(*read_file((folder.path / "circle.svg").string()), "<svg"));
 }
 
+TEST_CASE("test circle: what the machine of the sample hides comes back with its sizes") {
+  const auto causes = ran({"test", "circle", "samples/standards/circle.csv", "--machine",
+                           "samples/investigation/machine.toml", "--json"})
+                          .json()["causes"];
+  REQUIRE(causes["faults"].size() >= 4);
+  const std::pair<const char*, double> hidden[] = {
+      {"cyclic:Y", 2.5}, {"backlash:X", 3.0}, {"scale_mismatch:XY", 23.0}, {"backlash:Y", 2.0}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(causes["faults"][i]["name"] == hidden[i].first);
+    CHECK(causes["faults"][i]["value"].get<double>() == Approx(hidden[i].second).epsilon(0.02));
+  }
+}
+
 TEST_CASE("test circle: one direction makes a group; an open circle is refused") {
   const Folder folder;
   const auto json = ran({"test", "circle", folder.with("one.csv", circle_text(false)), "--json"}).json();
