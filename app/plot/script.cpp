@@ -148,7 +148,7 @@ std::string x_names_commands(const PlotPanel& panel, const PlotRanges& ranges) {
 std::string frame_commands(const PlotPanel& panel) {
   if (panel.drawing) return "unset border\nunset tics\nunset grid\nunset xzeroaxis\nset size ratio -1\n";
   return fmt::format(
-      "set border 3 lc rgb '#404040'\nset tics nomirror out\nunset x2tics\nunset y2tics\n"
+      "set border 3 lc rgb '#404040'\nset tics\nset tics nomirror out\n"
       "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size {}\n",
       panel.equal_units ? "ratio -1" : "noratio");
 }

@@ -273,6 +273,11 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
     return problem(ProblemKind::usage, "expected --errors or --model, got both");
   if (!arguments.model.empty() && has_tool)
     return problem(ProblemKind::usage, "--model knows no tool: leave --tool-length and --tool-offset out");
+  if (!arguments.model.empty() && arguments.places > kMostPlacesOfModel)
+    return problem(ProblemKind::usage,
+                   fmt::format("--points: expected at most {} with --model, which predicts place by "
+                               "place",
+                               kMostPlacesOfModel));
   std::string machine_file = machine_file_for(arguments);
   auto machine = machine_in(messages, machine_file);
   if (!machine) return tl::unexpected(machine.error());

@@ -28,7 +28,8 @@ struct PreparedVolume {
 /// "X 0 … 1000, Y 0 … 500 mm"
 [[nodiscard]] std::string travels_in_words(const volume::Travels& travel_mm);
 
-inline constexpr std::size_t kUsualPlaces = 9261;  ///< 21 on each of three axes
+inline constexpr std::size_t kUsualPlaces = 9261;           ///< 21 on each of three axes
+inline constexpr std::size_t kMostPlacesOfModel = 200'000;  ///< a model predicts place by place
 
 /// The plane of the two longest travels; no slice where there is one axis.
 inline constexpr const char* kLongestPlane = "longest";

@@ -66,11 +66,12 @@ class VolumeScreen final : public Screen {
   }
 
   [[nodiscard]] std::string help() const override {
-    return "The length of the error vector over the whole working volume, before compensation and after it, and a "
-           "bound "
-           "that holds with 95 % as certain as the map is. Page 1 has the sizes and a slice as numbers, pages 2 and 3 "
-           "the error along the body diagonals. w writes the wire cube, the slice with arrows and the diagonals as SVG "
-           "and PNG. `ecs volume` does the same with more options: tool, one place, the uncertainty of every value.";
+    return "The length of the error vector over the whole working volume, before compensation and after it, with a 95 "
+           "% "
+           "bound from the uncertainty of the map. Page 1 has the sizes and a slice as numbers, pages 2 and 3 the "
+           "error "
+           "along the body diagonals. w writes the wire cube, the slice with arrows and the diagonals as SVG and PNG. "
+           "`ecs volume` does the same with more options: tool, one place, the uncertainty of every value.";
   }
 
   [[nodiscard]] bool advance() override {

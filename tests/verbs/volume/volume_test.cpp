@@ -58,6 +58,24 @@ TEST_CASE("with an errors file the true errors count, and what the map leaves of
   CHECK(j["errors_from"] == "the errors file");
 }
 
+TEST_CASE("with a fitted model its prediction counts, where it knows all that is compensated") {
+  const Folder folder;
+  const std::string model = folder.with(
+      "m.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { um_per_m = 20.0 }\n");
+  const std::string rows = "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,-20\n";
+  const std::string map = folder.with("map.csv", rows);
+  const std::string parameters = "samples/machining_centre/parameters.toml";
+  const Ran r = ran({"volume", map, "--params", parameters, "--model", model, "--points", "64", "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  CHECK(r.json()["before"]["largest_um"].get<double>() == Approx(24.0));
+  CHECK(r.json()["after"]["largest_um"].get<double>() == Approx(4.0));
+  CHECK(ran({"volume", map, "--params", parameters, "--model", model, "--points", "300000"}).code == 2);
+  const std::string more = folder.with("more.csv", rows + "Y,EY,0,0,0\nY,EY,0,600,-5\n");
+  const Ran lacking = ran({"volume", more, "--params", parameters, "--model", model});
+  CHECK(lacking.code == 1);
+  CHECK(lacking.messages.find("no effect for EYY") != std::string::npos);
+}
+
 TEST_CASE("the true errors are those that the emulator finds when it drives there") {
   const Folder folder;
   const std::string map = folder.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,0\n");
