@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/link/choice.hpp"
+
 namespace ecs::app {
 
 void announce_writing(VerbContext& context) {
@@ -25,8 +27,10 @@ Result<UnitLink> open_unit(VerbContext& context, Access access) {
 
 void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes) {
   context.console.note(fmt::format("reference {} of the machine now: the unit watches", axes));
-  if (!unit.workshop().empty())
-    context.console.note(fmt::format("from another terminal: ecs-emulator workshop {} reference", unit.workshop()));
+  if (unit.workshop().empty()) return;
+  const auto emulator = emulator_program();
+  context.console.note(fmt::format("from another terminal: {} workshop {} reference",
+                                   emulator ? emulator->string() : "ecs-emulator", unit.workshop()));
 }
 
 protocol::ProgressCallback progress_bar(VerbContext& context, std::string label) {

@@ -288,7 +288,12 @@ Request CommandTree::parsed(const std::vector<std::string>& words) {
     return {Request::Kind::wrong, usage_text(*root_, words, error.what())};
   }
   if (root_->get_subcommands().empty()) return {Request::Kind::no_words, menu_text(end_of(*root_, words))};
-  const WordsEnd end = end_of(*root_, words);
+  // What the parser took, not what the words look like: a menu takes a verb's name for its own word by place.
+  WordsEnd end{root_.get(), {}, root_->get_name(), {}};
+  while (!end.app->get_subcommands().empty()) {
+    end.app = end.app->get_subcommands().front();
+    end.path += " " + end.app->get_name();
+  }
   if (!names_of_verbs(*end.app).empty()) return {Request::Kind::wrong, menu_text(end)};
   return {Request::Kind::run, {}};
 }

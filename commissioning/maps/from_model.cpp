@@ -192,6 +192,33 @@ void declare_missing_zero(MapFromModel& built, const std::string& reason) {
   built.missing.clear();
 }
 
+/// A rotation is one table and acts in two directions. Where its value is not determined, the readings of one of them
+/// do not say what it does in the other.
+void find_unmeasured_directions(MapFromModel& built, const Model& model, const params::Machine& machine) {
+  const auto chain = params::chain_of(machine);
+  const auto terms = chain ? terms_of(*chain, Convention::iso, CurveKind::carriage) : std::nullopt;
+  if (!terms) return;
+  const auto is_measured = [&](Axis direction) {
+    return std::any_of(model.effects.begin(), model.effects.end(),
+                       [&](const EffectInstance& effect) { return effect.sense == static_cast<Sense>(direction); });
+  };
+  for (const EffectInstance& effect : model.effects) {
+    if (effect.definition().place != model::Place::rotation || !effect.undetermined || effect.undetermined->empty())
+      continue;
+    std::vector<std::string> directions;
+    for (const Term& term : *terms)
+      if (term.component == *effect.code && term.has_lever && term.uses_coordinate && !is_measured(term.observed) &&
+          machine.axes[index_of(term.observed)])
+        directions.emplace_back(1, letter_of(term.observed));
+    if (!directions.empty())
+      built.findings.push_back(
+          {false,
+           fmt::format("{} moves {} too, where nothing was measured, and the readings do not determine its value: "
+                       "measure there before and after sending it",
+                       to_text(effect), fmt::join(directions, " and "))});
+  }
+}
+
 Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
@@ -222,6 +249,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   take_squareness(built.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
   built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(**machine));
+  find_unmeasured_directions(built, *model, **machine);
   return built;
 }
 

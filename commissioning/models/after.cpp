@@ -15,7 +15,7 @@ using model::Observations;
 std::vector<double> left_over(const model::Fit& fit, const Observations& data) {
   std::vector<double> left = data.reading;
   for (const model::EffectFit& effect : fit.effects) {
-    if (!is_carried(effect.effect)) continue;
+    if (!is_carried(effect.effect, data.machine)) continue;
     for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
   }
   return left;

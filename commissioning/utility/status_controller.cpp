@@ -237,7 +237,8 @@ bool StatusController::advance() {
   if (reference_.advance()) {
     changed = true;
     at_once_ = true;
-    if (!message_.is_problem()) message_.say("The emulated machine has referenced its axes.");
+    if (!message_.is_problem())
+      message_.say("The emulated machine was driven onto its references: the unit's answer is above.");
   }
   const int age = static_cast<int>(age_s().value_or(0.0));
   changed = changed || busy() || age != shown_age_;

@@ -201,9 +201,7 @@ Cell remaining_cell(std::string_view name, const Remaining& one) {
 
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
   const std::string head = paragraph(
-      fmt::format("{}: {} ({})", name_with_alternatives(cost.effect), remedy_text(cost.remedy),
-                  cost.remedy == Remedy::repair ? cost.effect.definition().check : how_compensated(cost.effect)),
-      0, 2);
+      fmt::format("{}: {} ({})", name_with_alternatives(cost.effect), remedy_text(cost.remedy), cost.how), 0, 2);
   Cell circle = remaining_cell("circle G", cost.circle);
   if (!has_circle) circle = null_cell();
   return record_cell("{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n",
@@ -251,14 +249,14 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   for (const model::EffectFit& effect : fit->effects) {
     auto one = contribution_of(effect, work, volume, circle, model_file);
     if (!one) return tl::unexpected(one.error());
-    if (!is_carried(effect.effect)) rest.add(*one, 1.0);
+    if (!is_carried(effect.effect, *work.machine)) rest.add(*one, 1.0);
     each.push_back(std::move(*one));
   }
   bool unseen = false;
   for (std::size_t i = 0; i < each.size(); ++i) {
     CauseCost cost;
     cost.effect = fit->effects[i].effect;
-    const bool carried = is_carried(cost.effect);
+    const bool carried = is_carried(cost.effect, *work.machine);
     Contribution other = rest;
     take(cost, &Remaining::compensated_um, rest, circle);
     other.add(each[i], carried ? 1.0 : -1.0);
@@ -266,6 +264,8 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     for (const auto quantity : kQuantities)
       (carried ? (cost.*quantity).repaired_um : (cost.*quantity).left_um) = (cost.*quantity).compensated_um;
     cost.remedy = remedy_for(cost);
+    cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
+                                             : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();
     answer.causes.push_back(std::move(cost));
   }

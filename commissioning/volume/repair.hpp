@@ -28,6 +28,7 @@ enum class Remedy : std::uint8_t {
 struct CauseCost {
   model::EffectInstance effect;
   Remedy remedy = Remedy::nothing;
+  std::string how;  ///< what to do about it
   Remaining readings_rms;
   Remaining volume_largest;
   Remaining volume_rms;

@@ -42,6 +42,18 @@ EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const
   return settings;
 }
 
+/// A switch stands at the end where the datum is, and the axis comes to it from the other: what a control does unless
+/// the file says otherwise.
+void reference_towards_datum(const toml::table& file, WorkshopMachine& workshop) {
+  for (const Axis a : kAllAxes) {
+    const auto& axis = workshop.machine.axes[index_of(a)];
+    const std::string name(1, letter_of(a));
+    if (!axis || file["emulator"]["axis"][name]["reference_direction"]) continue;
+    const bool at_lower_end = axis->datum_mm < 0.5 * (axis->travel_mm[0] + axis->travel_mm[1]);
+    workshop.settings.axes[index_of(a)].reference_direction = at_lower_end ? Approach::reverse : Approach::forward;
+  }
+}
+
 }  // namespace
 
 Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std::string& file,
@@ -60,6 +72,7 @@ Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std:
                                   letter_of(a), axis->datum_mm));
   }
   if (const auto* own = reader.child(*table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
+  reference_towards_datum(*table, workshop);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return workshop;
 }

@@ -65,6 +65,24 @@ std::vector<NumberColumn> number_columns(std::string_view text, const TableShape
   return columns;
 }
 
+/// What a heading says that its column holds.
+enum class Meaning { none, reading, position, angle, run, approach };
+
+Meaning meaning_of(const std::string& heading) {
+  const std::string words = lower(heading);
+  const auto has = [&](std::initializer_list<std::string_view> any) {
+    return std::any_of(any.begin(), any.end(),
+                       [&](std::string_view word) { return words.find(word) != std::string::npos; });
+  };
+  if (has({"std", "standard", "sigma", "uncertainty"})) return Meaning::none;
+  if (has({"error", "deviation", "reading", "abweichung"})) return Meaning::reading;
+  if (has({"approach", "direction"})) return Meaning::approach;
+  if (words == "run" || has({"run_", "run ", "cycle", "index", "count"})) return Meaning::run;
+  if (has({"angle", "_deg", "[deg", "(deg"})) return Meaning::angle;
+  if (has({"position", "target", "nominal"})) return Meaning::position;
+  return Meaning::none;
+}
+
 /// 0, 1, 2, ... or 1, 2, 3, ...
 bool counts_rows(const NumberColumn& column) {
   if (column.values.front() != 0.0 && column.values.front() != 1.0) return false;
@@ -114,16 +132,46 @@ std::string row_options(const TableShape& shape) {
 }
 
 bool could_be_targets(const NumberColumn& column, const std::vector<NumberColumn>& columns) {
+  const Meaning meaning = meaning_of(column.heading);
+  if (meaning == Meaning::reading || meaning == Meaning::run || meaning == Meaning::approach) return false;
   return are_positions(column) && (columns.size() < 3 || &column != &columns.front() || !counts_rows(column));
 }
 
+/// Whether the headings allow it: a column named so where there is one, no count of runs.
+bool could_be_readings(const NumberColumn& column, const std::vector<NumberColumn>& columns) {
+  const bool named = std::any_of(columns.begin(), columns.end(),
+                                 [](const NumberColumn& one) { return meaning_of(one.heading) == Meaning::reading; });
+  const Meaning meaning = meaning_of(column.heading);
+  return named ? meaning == Meaning::reading
+               : meaning != Meaning::run && meaning != Meaning::approach && !counts_rows(column);
+}
+
+/// ",approach=2,run=3" as headings name them, else the approach from the motion.
+std::string pass_rules(const std::vector<NumberColumn>& columns) {
+  std::string approach = ",approach=motion", run;
+  for (const NumberColumn& column : columns) {
+    const Meaning meaning = meaning_of(column.heading);
+    if (meaning == Meaning::run && run.empty()) run = fmt::format(",run={}", column.number);
+    const bool signs = std::all_of(column.values.begin(), column.values.end(),
+                                   [](double value) { return value == 1.0 || value == -1.0 || value == 0.0; });
+    if (meaning == Meaning::approach && signs) approach = fmt::format(",approach={}", column.number);
+  }
+  return approach + run;
+}
+
 std::string pair_text(const NumberColumn& targets, const NumberColumn& readings, bool actual,
-                      std::optional<std::size_t> time, const TableShape& shape) {
+                      std::optional<std::size_t> time, const TableShape& shape,
+                      const std::vector<NumberColumn>& columns) {
+  const bool turns = meaning_of(targets.heading) == Meaning::angle;
+  const std::string_view unit = turns ? "deg" : "mm";
   return fmt::format(
-      "--columns \"x_mm={}[mm],reading={}[{}]{}\"{}{} reads column {} as targets and column {} as {}, if that is what "
+      "--columns \"{}={}[{}],reading={}[{}]{}\"{}{} reads column {} as targets and column {} as {}, if that is what "
       "they are",
-      targets.number, readings.number, actual ? "mm" : "um",
-      time ? fmt::format(",date_time={}", *time) : ",approach=motion", actual ? " --values actual" : "",
+      turns ? "c_deg" : "x_mm", targets.number, unit, readings.number,
+      actual  ? unit
+      : turns ? "um/m"
+              : "um",
+      time ? fmt::format(",date_time={}", *time) : pass_rules(columns), actual ? " --values actual" : "",
       row_options(shape), targets.number, readings.number, actual ? "the positions reached" : "errors");
 }
 
@@ -134,9 +182,10 @@ std::optional<std::string> pair_advice(const std::vector<NumberColumn>& columns,
     for (const NumberColumn& targets : columns) {
       if (!could_be_targets(targets, columns)) continue;
       for (const NumberColumn& readings : columns)
-        if (&readings != &targets && !counts_rows(readings) &&
-            (actual ? are_actual(readings, targets) : are_errors(readings, targets)))
-          return pair_text(targets, readings, actual, time, shape);
+        if (&readings != &targets && could_be_readings(readings, columns) &&
+            (actual ? are_actual(readings, targets)
+                    : meaning_of(readings.heading) == Meaning::reading || are_errors(readings, targets)))
+          return pair_text(targets, readings, actual, time, shape, columns);
     }
   return std::nullopt;
 }

@@ -197,10 +197,10 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
   std::vector<double> left(data.reading), of_measurement(data.size(), 0.0);
   for (const EffectFit& effect : fitted_model->effects) {
     const EffectDefinition& definition = effect.effect.definition();
-    const bool carried = is_carried(effect.effect);
+    const bool carried = is_carried(effect.effect, data.machine);
     const bool measured = definition.traits.of_measurement;
     what.shares.push_back(
-        {to_text(effect.effect), effect.rms_um, carried, measured, std::string(how_compensated(effect.effect))});
+        {to_text(effect.effect), effect.rms_um, carried, measured, how_compensated(effect.effect, data.machine)});
     for (std::size_t k = 0; k < left.size(); ++k) {
       if (carried) left[k] -= effect.contribution[k];
       if (measured) of_measurement[k] += effect.contribution[k];

@@ -266,10 +266,11 @@ struct EffectDefinition {
 /// The effect at places of this kind. @pre one effect of the library is
 [[nodiscard]] EffectId effect_at(Place place);
 
-/// The unit can compensate it there; on rotary axes nothing: the unit has X, Y and Z.
-[[nodiscard]] bool is_carried(const EffectInstance& effect);
+/// The unit can compensate it on that machine: along an axis that it has; on rotary axes nothing.
+/// @param machine  without axes: not known
+[[nodiscard]] bool is_carried(const EffectInstance& effect, const params::Machine& machine);
 /// How the unit compensates it, or why it cannot.
-[[nodiscard]] std::string_view how_compensated(const EffectInstance& effect);
+[[nodiscard]] std::string how_compensated(const EffectInstance& effect, const params::Machine& machine);
 
 inline const EffectTraits& EffectInstance::traits() const { return definition().traits; }
 inline bool EffectInstance::is_user() const { return definition().place == Place::formulas; }

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include <fmt/format.h>
+
 #include "model/effects/definition.hpp"
 
 // In the order in which lists of effects are printed; the effects of the user last.
@@ -67,11 +69,28 @@ EffectId effect_at(Place place) {
   return &*found;
 }
 
-bool is_carried(const EffectInstance& effect) { return !effect.rotary && effect.definition().is_carried(); }
+namespace {
 
-std::string_view how_compensated(const EffectInstance& effect) {
-  const bool by_control = effect.rotary && effect.definition().carrier == Carrier::error_map;
-  return by_control ? "a table of the control for this axis: the unit has X, Y and Z" : effect.definition().how;
+/// The direction in which the machine has no axis that could correct the effect.
+std::optional<Axis> missing_axis(const EffectInstance& effect, const params::Machine& machine) {
+  const bool known = std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) { return axis; });
+  if (!known || !effect.sense || is_rotation(*effect.sense) || !effect.definition().is_carried()) return std::nullopt;
+  const Axis direction = direction_of(*effect.sense);
+  return machine.axes[index_of(direction)] ? std::nullopt : std::optional(direction);
+}
+
+}  // namespace
+
+bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
+  return !effect.rotary && effect.definition().is_carried() && !missing_axis(effect, machine);
+}
+
+std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
+  if (effect.rotary && effect.definition().is_carried())
+    return "a table of the control for this axis: the unit has X, Y and Z";
+  if (const auto axis = missing_axis(effect, machine))
+    return fmt::format("the machine has no axis {} that could correct it", letter_of(*axis));
+  return std::string(effect.definition().how);
 }
 
 std::string shown_name(std::string_view parameter, bool rotary) {

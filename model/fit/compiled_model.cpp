@@ -125,12 +125,12 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
         continue;
       }
     }
-    if (component && machine.axes[index_of(moving_axis(*component))]) {
+    if (component && machine.axes[index_of(moving_axis(*component))] && is_carried(effect, machine)) {
       tables[*component].push_back(&effect);
       carried.push_back(&effect);
       out.carried.push_back(fmt::format("{}: table {}", to_text(effect), name_of(*component)));
     } else {
-      out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), effect.definition().how));
+      out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), how_compensated(effect, machine)));
     }
   }
   out.map.header.machine = machine.name;

@@ -52,7 +52,13 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
     const auto snapshot = take_snapshot(unit.client(), unit.name());
     if (!snapshot) return tl::unexpected(snapshot.error());
     const UnitMode mode = snapshot->status.mode;
-    if (mode == UnitMode::compensating) return outcome_of(*snapshot, "the unit compensates", kDone);
+    if (mode == UnitMode::compensating) {
+      if (!unit.workshop().empty())
+        context.console.note(
+            "a bundled emulator that this command started ends with it, and forgets the mode; `ecs-emulator serve` or "
+            "the screens keep one running");
+      return outcome_of(*snapshot, "the unit compensates", kDone);
+    }
     if (snapshot->status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
       return problem(ProblemKind::link, snapshot->status.fault == Fault::none
                                             ? std::string("the unit went back to integration mode")

@@ -60,6 +60,9 @@ TEST_CASE("no words and a menu without a verb list the verbs") {
   const Request menu = tool.asked({"shop", "a.sock"});
   CHECK(menu.kind == Request::Kind::wrong);
   CHECK(contains(menu.text, "`tool shop` needs a verb: measure"));
+  const Request by_name = tool.asked({"shop", "measure"});  // taken for the socket
+  CHECK(by_name.kind == Request::Kind::wrong);
+  CHECK(contains(by_name.text, "`tool shop` needs a verb: measure"));
 }
 
 TEST_CASE("help says what a verb takes, with its example") {

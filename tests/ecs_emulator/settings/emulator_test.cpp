@@ -29,6 +29,17 @@ reference_direction = -1
   CHECK(machine.settings.axes[0].dac_um_per_count == 0.1);
 }
 
+TEST_CASE("an axis comes to its reference switch at the end where the datum is, unless the file says otherwise") {
+  const auto direction = [](const std::string& datum, const std::string& more) {
+    const auto machine =
+        machine_of("configuration = \"TX\"\n[axis.X]\ntravel_mm = [0.0, 500.0]\ndatum_mm = " + datum + "\n" + more);
+    return machine.settings.axes[0].reference_direction;
+  };
+  CHECK(direction("0.0", "") == Approach::reverse);
+  CHECK(direction("500.0", "") == Approach::forward);
+  CHECK(direction("0.0", "[emulator.axis.X]\nreference_direction = 1\n") == Approach::forward);
+}
+
 TEST_CASE("every wrong value of the emulator's table is reported at once") {
   const auto machine = parse_workshop_machine(small_machine() + R"(
 [emulator]

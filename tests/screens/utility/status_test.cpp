@@ -76,7 +76,7 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
   REQUIRE(shows(screen, "g lets the emulated machine do it"));
   (void)letter(screen, 'g');
   REQUIRE(shows(screen, "compensating: relays closed"));
-  REQUIRE(shows(screen, "The emulated machine has referenced its axes."));
+  REQUIRE(shows(screen, "The emulated machine was driven onto its references"));
   (void)press(screen, Key::Name::tab);
   const std::string pointers = picture(screen);
   CHECK(contains(pointers, "EXX"));

@@ -109,6 +109,9 @@ TEST_CASE("columns are suggested where they look like targets and errors, and na
                  "expected targets and errors beside them, found the columns 1 (0 to 200), 2 (-500 to 500)"));
   CHECK(contains(coordinates, "x_mm=N[mm],reading=M[um] with their numbers after --columns"));
   CHECK(contains(advice("5;1\n-3;2\n8;1\n-7;3\n2;0\n"), "expected targets and errors"));  // in no order
+  const std::string turned =
+      advice("angle_deg,direction,run,error_um_per_m\n0,1,1,5\n90,1,1,-40\n180,1,1,30\n90,-1,1,-38\n0,-1,1,6\n");
+  CHECK(contains(turned, "--columns \"c_deg=1[deg],reading=4[um/m],approach=2,run=3\" --skip 1 reads column 1 as"));
   CHECK_FALSE(contains(errors + actual + coordinates, "docs/formats.md"));
 }
 

@@ -154,6 +154,17 @@ TEST_CASE("a map takes effects that only collide with one another, and leaves ou
         std::string::npos);
 }
 
+TEST_CASE("a rotation that the readings do not determine is remarked on where it moves what was not measured") {
+  const Folder folder;
+  const std::string of = "samples/hidden/6/", model = folder / "six.toml", map = folder / "six.csv";
+  REQUIRE(ran({"model", "add", of + "model.toml", "angular:Y:ECY", "--data", of + "data.csv", "--machine",
+               of + "machine.toml", "-o", model})
+              .code == 0);
+  const Ran built = ran({"map", "build", "--from-model", model, "--machine", of + "machine.toml", "-o", map,
+                         "--params-out", folder / "six_parameters.toml", "--json"});
+  CHECK(contains(built.out, "angular:Y:ECY moves X too, where nothing was measured"));
+}
+
 TEST_CASE("effects that cancel each other make no map") {
   const ModelWorkspace workspace;
   const std::string model = workspace.folder.with(

@@ -27,5 +27,25 @@ TEST_CASE("what-if predicts the rms after compensation and gives what was achiev
   CHECK(ran({"model", "what-if", full, workspace.data, "--json"}).json()["achieved"].is_null());
 }
 
+TEST_CASE("along an axis that the machine does not have nothing is compensated") {
+  const ModelWorkspace workspace;
+  const std::string machine =
+      workspace.folder.with("x_only.toml", "configuration = \"XT\"\n[axis.X]\ntravel_mm = [-10.0, 1010.0]\n");
+  std::string straightness = measured_x(straight_x);
+  for (std::size_t at = 0; (at = straightness.find("X,EX", at)) != std::string::npos;)
+    straightness.replace(at, 4, "X,EY");
+  const std::string model = workspace.folder.with("ey.toml",
+                                                  "[[effect]]\nid = \"offset\"\naxis = \"X\"\nsense = \"EY\"\n"
+                                                  "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EY\"\n");
+  const nlohmann::json j =
+      ran({"model", "what-if", model, workspace.folder.with("ey.csv", straightness), "--machine", machine, "--json"})
+          .json();
+  for (const nlohmann::json& effect : j["effects"]) {
+    CHECK(effect["carried"] == false);
+    CHECK(effect["how"] == "the machine has no axis Y that could correct it");
+  }
+  CHECK(j["rms_after_um"] == j["rms_now_um"]);
+}
+
 }  // namespace
 }  // namespace ecs::app
