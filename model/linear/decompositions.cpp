@@ -9,9 +9,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-PivotedQr::PivotedQr(const MatrixXd& columns) : qr_(columns), rank_(qr_.rank()) {}
+// Eigen decomposes no matrix without columns: it looks for the greatest norm among none.
+PivotedQr::PivotedQr(const MatrixXd& columns) : rows_(columns.rows()) {
+  if (columns.cols() == 0) return;
+  qr_.compute(columns);
+  rank_ = qr_.rank();
+}
 
-PivotedQr::PivotedQr(const MatrixXd& columns, double threshold) {
+PivotedQr::PivotedQr(const MatrixXd& columns, double threshold) : rows_(columns.rows()) {
+  if (columns.cols() == 0) return;
   qr_.setThreshold(threshold);
   qr_.compute(columns);
   rank_ = qr_.rank();
@@ -20,6 +26,7 @@ PivotedQr::PivotedQr(const MatrixXd& columns, double threshold) {
 MatrixXd PivotedQr::r() const { return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>(); }
 
 VectorXd PivotedQr::independent_sizes(const VectorXd& y) const {
+  if (rank_ == 0) return VectorXd(0);
   const VectorXd turned = (qr_.householderQ().transpose() * y).head(rank_);
   return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>().solve(turned);
 }
@@ -29,14 +36,21 @@ VectorXd PivotedQr::share(Index i) const {
   return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>().solve(column);
 }
 
-VectorXd PivotedQr::solve(const VectorXd& y) const { return qr_.solve(y); }
+VectorXd PivotedQr::solve(const VectorXd& y) const {
+  if (rank_ == 0) return VectorXd::Zero(qr_.cols());
+  return qr_.solve(y);
+}
 
 MatrixXd PivotedQr::inverse_gram() const {
+  if (rank_ == 0) return MatrixXd(0, 0);
   const MatrixXd inverse = r().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank_, rank_));
   return inverse * inverse.transpose();
 }
 
-MatrixXd PivotedQr::basis() const { return MatrixXd(qr_.householderQ()).leftCols(rank_); }
+MatrixXd PivotedQr::basis() const {
+  if (rank_ == 0) return MatrixXd(rows_, 0);
+  return MatrixXd(qr_.householderQ()).leftCols(rank_);
+}
 
 double PivotedQr::condition() const {
   if (rank_ == 0) return 1.0;
@@ -57,10 +71,12 @@ VectorXd beyond_those_before(const MatrixXd& columns) {
 }
 
 VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y) {
+  if (columns.cols() == 0) return VectorXd(0);
   return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(columns).solve(y);
 }
 
 VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y, double threshold) {
+  if (columns.cols() == 0) return VectorXd(0);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
   decomposition.setThreshold(threshold);
   decomposition.compute(columns);

@@ -6,7 +6,8 @@
 
 namespace ecs::model {
 
-/// QR of columns with pivoting (Businger and Golub 1965): the columns that are independent come first.
+/// QR of columns with pivoting (Businger and Golub 1965): the columns that are independent come first. There may be
+/// none: rank 0, answers without entries.
 class PivotedQr {
  public:
   /// @param threshold  pivots below this share of the largest count as 0; Eigen's default without it
@@ -31,6 +32,7 @@ class PivotedQr {
 
  private:
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;
+  Eigen::Index rows_ = 0;
   Eigen::Index rank_ = 0;
 
   [[nodiscard]] Eigen::MatrixXd r() const;
