@@ -168,8 +168,8 @@ class DiagonalReader {
     for (std::size_t i = 0; i < kAxes; ++i)
       if (diagonal.direction[i] != 0) diagonal.while_moving_um[i] = state.moving_um[i] / state.passes;
     state.last_um = reading.error;
-    const auto axes =
-        static_cast<int>(kAxes) - static_cast<int>(std::count(diagonal.direction.begin(), diagonal.direction.end(), 0));
+    const auto still = static_cast<int>(std::count(diagonal.direction.begin(), diagonal.direction.end(), 0));
+    const int axes = std::max(1, static_cast<int>(kAxes) - still);
     if (state.count++ % axes == 0) diagonal.readings.readings.push_back(reading);
   }
 
