@@ -17,6 +17,7 @@ using volume::GridIndex;
 using volume::VolumeError;
 
 constexpr std::size_t kPlacesAlongAWire = 21;
+constexpr double kDrawn_um = 0.01;   ///< below, arrows would show rounding
 constexpr double kDrawnPart = 0.12;  ///< of the longest travel that the largest error is drawn as
 
 double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
@@ -177,7 +178,8 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
     if (wires.exists[index_of(axis)] && index_of(axis) != slice->across && index_of(axis) != slice->up)
       place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice->grid.mm[index_of(axis)].front());
   figure.panels.push_back(slice_panel("before" + place, *slice, slice->errors.before, larger));
-  const double larger_after = enlargement(work.answer.after.all.largest_um, longest_of(machine.travel_mm));
+  const double left_um = work.answer.after.all.largest_um;
+  const double larger_after = left_um > kDrawn_um ? enlargement(left_um, longest_of(machine.travel_mm)) : larger;
   figure.panels.push_back(slice_panel("after" + place, *slice, slice->errors.after, larger_after));
   figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires->before));
   figure.panels.push_back(diagonal_panel("after, body diagonals", wires, on_wires->after));
