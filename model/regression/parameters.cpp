@@ -83,8 +83,10 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
     out.push_back({std::string(parameter.name), std::string(unit), value, sigma, held, false});
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
+    const bool is_whole_fraction = effect.rotary && definition.traits.periodic;  // of a turn: exact
     if (parameter.coding == Coding::searched && searched)
-      add(parameter, *searched, searched_sigma, given(effect, parameter.name).has_value());
+      add(parameter, *searched, is_whole_fraction ? std::nullopt : searched_sigma,
+          given(effect, parameter.name).has_value());
     if (parameter.coding == Coding::fixed) add(parameter, 1.0, {}, false);
   }
   for (const auto& [place, first] : coded(definition)) {
