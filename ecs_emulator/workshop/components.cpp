@@ -17,7 +17,7 @@ class ComponentSurvey {
     state_.feed_mm_min = 0.0;
   }
 
-  /// The components of an axis that stands there, having arrived by that approach.
+  /// The components of an axis at that position, having arrived by that approach.
   [[nodiscard]] ComponentValues at(Axis axis, double position_mm, Approach approach, const Vector3& others_mm) {
     state_.position_mm = others_mm;
     state_.position_mm[index_of(axis)] = position_mm;

@@ -79,8 +79,7 @@ TEST_CASE("a backlash of 4 um in X is named with its size and stands alone") {
   CHECK(diagnosis.faults[0].share > 0.9);
 }
 
-TEST_CASE(
-    "squareness of 40 um/m and servo mismatch are told apart by contouring both ways, and are one group one way") {
+TEST_CASE("squareness of 40 um/m and servo mismatch are separated by contouring both ways, and are one group one way") {
   const CircleMachine crooked = [](const CirclePlace& at) { return CircleErrors{4.0 * at.s, 0.0}; };
   const auto both = causes_of(measured_circle(crooked, 0.2));
   REQUIRE(both.faults.size() == 1);

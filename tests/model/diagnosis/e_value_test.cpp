@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "tests/support/normal_matrix.hpp"
+#include "tests/model/normal_matrix.hpp"
 #include "tests/support/searching.hpp"
 
 using namespace ecs;

@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/model/normal_matrix.hpp"
 #include "tests/support/measured_lines.hpp"
-#include "tests/support/normal_matrix.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "model/fit/gains.hpp"
-#include "tests/support/normal_matrix.hpp"
+#include "tests/model/normal_matrix.hpp"
 #include "tests/support/searching.hpp"
 
 using namespace ecs;
