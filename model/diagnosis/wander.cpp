@@ -106,8 +106,7 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   double ln_determinants = whitener.ln_determinant();
   for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
   const double freedom = counted(left_out) - static_cast<double>(columns.cols());
-  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * std::lgamma(0.5 * freedom) +
-         ln_determinants;
+  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
 std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,

@@ -7,6 +7,12 @@
 #include <cmath>
 
 namespace ecs::model {
+
+double ln_gamma(double x) {
+  int sign = 0;
+  return ::lgamma_r(x, &sign);
+}
+
 namespace {
 
 /// Terms after which a series or fraction ends in any case: arguments met here need less than a hundredth of them.
@@ -24,7 +30,7 @@ constexpr double kLnZero = -kBeyondAll;
 /// Stegun 6.5.29, 6.5.31).
 double ln_gamma_q(double a, double x) {
   if (x <= 0.0) return 0.0;
-  const double front = a * std::log(x) - x - std::lgamma(a);
+  const double front = a * std::log(x) - x - ln_gamma(a);
   if (x < a + 1.0) {
     double term = 1.0 / a, sum = term;
     for (int n = 1; n < kMostTerms && std::abs(term) > kNoDigit * std::abs(sum); ++n) {
@@ -75,7 +81,7 @@ double beta_fraction(double a, double b, double x) {
 double ln_beta_ratio(double a, double b, double x) {
   if (x <= 0.0) return kLnZero;
   if (x >= 1.0) return 0.0;
-  const double front = std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x);
+  const double front = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * std::log(x) + b * std::log1p(-x);
   if (x < (a + 1.0) / (a + b + 2.0)) return front + std::log(beta_fraction(a, b, x)) - std::log(a);
   return std::log1p(-std::min(std::exp(front) * beta_fraction(b, a, 1.0 - x) / b, 1.0 - kNoDigit));
 }

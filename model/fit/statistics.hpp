@@ -14,6 +14,8 @@ inline constexpr double kLeastDivisor = 1e-300;
 /// Larger than any value met: where the search for a least or greatest value begins. Finite, as are differences of it.
 inline constexpr double kBeyondAll = 1e300;
 
+/// ln Γ(x), x > 0; unlike std::lgamma it writes no global sign, so that several threads may diagnose.
+[[nodiscard]] double ln_gamma(double x);
 /// ln of the chance that a χ² variable of k degrees of freedom exceeds x.
 [[nodiscard]] double ln_chi2_tail(double x, double k);
 /// ln of the chance that F(k, v) exceeds f.
