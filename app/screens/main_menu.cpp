@@ -59,6 +59,8 @@ constexpr Synonyms kSynonyms[] = {
     {"map verify", "compare check"},
     {"map build", "compensation error table"},
     {"batch", "many units fleet"},
+    {"fleet diagnose", "many machines batch night slurm parallel"},
+    {"fleet merge", "many machines batch false discovery rate changed"},
     {"laser capture", "measure readings record interferometer"},
     {"laser stats", "iso 230 accuracy repeatability"},
     {"model diagnose", "cause effect missing why"},

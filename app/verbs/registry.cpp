@@ -21,6 +21,7 @@ extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
 /// One for each controller format.
 const std::vector<VerbDefinition>& export_writers();
+extern const VerbDefinition kFleetDiagnose, kFleetMerge;
 extern const VerbDefinition kBatch;
 extern const VerbDefinition kDoctor;
 
@@ -37,6 +38,7 @@ const std::vector<MenuDefinition>& menus() {
       {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
       {"memory", "MEMORY ACCESS"},
       {"model", "MODEL: the error model against measurements"},
+      {"fleet", "MODEL: many machines, on many hosts"},
       {"export", "the error map as compensation tables of other controls, and back"}};
   return all;
 }
@@ -110,7 +112,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kReport,
   };
   for (const VerbDefinition& writer : export_writers()) verbs.push_back(&writer);
-  verbs.insert(verbs.end(), {&kExportRead, &kBatch, &kDoctor});
+  verbs.insert(verbs.end(), {&kExportRead, &kFleetDiagnose, &kFleetMerge, &kBatch, &kDoctor});
   return verbs;
 }
 

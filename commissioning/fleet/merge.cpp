@@ -1,0 +1,221 @@
+#include "commissioning/fleet/merge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <unordered_set>
+#include <utility>
+
+namespace ecs::commissioning {
+namespace {
+
+/// e-value of the machine: the largest of its causes.
+double e_value_of(const FleetResult& result) {
+  double largest = 0.0;
+  for (const FleetCause& cause : result.causes) largest = std::max(largest, cause.e_value.value_or(0.0));
+  return largest;
+}
+
+/// ln n! without lgamma, which writes a global sign: tests of many groups may run beside a diagnosis.
+class LnFactorials {
+ public:
+  explicit LnFactorials(std::size_t most) : ln_(most + 1, 0.0) {
+    for (std::size_t n = 1; n <= most; ++n) ln_[n] = ln_[n - 1] + std::log(static_cast<double>(n));
+  }
+  [[nodiscard]] double ln_choose(std::size_t n, std::size_t k) const { return ln_[n] - ln_[k] - ln_[n - k]; }
+  /// P(X >= hits), X hypergeometric.
+  [[nodiscard]] double tail(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits) const {
+    const std::size_t least = drawn + with_cause > all ? drawn + with_cause - all : 0;
+    if (hits <= least) return 1.0;
+    double sum = 0.0;
+    for (std::size_t k = hits; k <= std::min(drawn, with_cause); ++k)
+      sum += std::exp(ln_choose(with_cause, k) + ln_choose(all - with_cause, drawn - k) - ln_choose(all, drawn));
+    return std::min(1.0, sum);
+  }
+
+ private:
+  std::vector<double> ln_;
+};
+
+/// A label of machines by which a cause may be shared.
+struct Label {
+  const char* by;
+  std::string FleetResult::*of_result;
+  std::string NamedMachine::*of_named;
+};
+constexpr Label kLabels[] = {{"type", &FleetResult::type, &NamedMachine::type},
+                             {"batch", &FleetResult::batch, &NamedMachine::batch}};
+
+/// A cause against all types and batches, without the machines that a listed group explains.
+class CauseCounts {
+ public:
+  CauseCounts(const std::vector<FleetResult>& results, std::unordered_set<std::string> with_cause)
+      : results_(results), with_cause_(std::move(with_cause)), left_out_(results.size()) {}
+
+  void leave_out(const SharedCause& group) {
+    for (std::size_t i = 0; i < results_.size(); ++i)
+      if (results_[i].*label_named(group.by).of_result == group.value) left_out_[i] = true;
+  }
+
+  [[nodiscard]] std::vector<SharedCause> groups(const LnFactorials& factorials) const {
+    std::vector<SharedCause> list;
+    for (const Label& label : kLabels) {
+      std::map<std::string, std::pair<std::size_t, std::size_t>> count;  // all, with the cause
+      std::size_t all = 0, with_cause = 0;
+      for (std::size_t i = 0; i < results_.size(); ++i) {
+        const FleetResult& result = results_[i];
+        if (left_out_[i] || !result.error.empty() || (result.*label.of_result).empty()) continue;
+        const std::size_t hit = with_cause_.contains(result.id) ? 1 : 0;
+        auto& [of_value, hits] = count[result.*label.of_result];
+        ++all, ++of_value;
+        with_cause += hit, hits += hit;
+      }
+      for (const auto& [value, counted] : count)
+        if (counted.second >= kFewestShared)
+          list.push_back({label.by,
+                          value,
+                          {},
+                          counted.second,
+                          counted.first,
+                          factorials.tail(all, with_cause, counted.first, counted.second),
+                          1.0});
+    }
+    return list;
+  }
+
+ private:
+  static constexpr std::size_t kFewestShared = 2;  ///< one machine shares nothing
+  static const Label& label_named(const std::string& by) { return by == kLabels[0].by ? kLabels[0] : kLabels[1]; }
+
+  const std::vector<FleetResult>& results_;
+  std::unordered_set<std::string> with_cause_;
+  std::vector<bool> left_out_;
+};
+
+/// The likeliest group first; its machines are taken out before the others are looked at again, so that a type is not
+/// listed for its one bad batch.
+std::vector<SharedCause> shared_causes(const std::vector<FleetResult>& results,
+                                       const std::vector<NamedMachine>& named) {
+  std::map<std::string, std::unordered_set<std::string>> machines_of;
+  for (const NamedMachine& one : named) machines_of[one.cause].insert(one.id);
+  std::set<std::pair<std::string, std::string>> values;
+  for (const FleetResult& result : results)
+    for (const Label& label : kLabels)
+      if (result.error.empty() && !(result.*label.of_result).empty()) values.emplace(label.by, result.*label.of_result);
+  double tests = static_cast<double>(values.size() * machines_of.size());
+  const LnFactorials factorials(results.size());
+  std::map<std::string, CauseCounts> counts;
+  for (const auto& [cause, ids] : machines_of) counts.emplace(cause, CauseCounts(results, ids));
+  std::map<std::string, std::vector<SharedCause>> open;
+  for (const auto& [cause, count] : counts) open[cause] = count.groups(factorials);
+  std::vector<SharedCause> listed;
+  for (double before = 0.0;;) {
+    SharedCause best;
+    for (const auto& [cause, groups] : open)
+      for (const SharedCause& group : groups)
+        if (best.cause.empty() || group.p_value < best.p_value) {
+          best = group;
+          best.cause = cause;
+        }
+    best.p_holm = std::max(before, std::min(1.0, best.p_value * tests));
+    if (best.cause.empty() || best.p_holm > kSharedLevel) return listed;
+    before = best.p_holm;
+    tests = std::max(1.0, tests - 1.0);
+    CauseCounts& count = counts.at(best.cause);
+    count.leave_out(best);
+    open[best.cause] = count.groups(factorials);
+    listed.push_back(std::move(best));
+  }
+}
+
+}  // namespace
+
+std::vector<double> e_bh_q_values(const std::vector<double>& e_values) {
+  std::vector<std::size_t> order(e_values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return e_values[a] > e_values[b]; });
+  const auto all = static_cast<double>(e_values.size());
+  std::vector<double> q(e_values.size(), 1.0);
+  double least = 1.0;
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const double e = e_values[order[k]];
+    if (e > 0.0) least = std::min(least, all / (static_cast<double>(k + 1) * e));
+    q[order[k]] = least;
+  }
+  return q;
+}
+
+double shared_by_chance(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits) {
+  return LnFactorials(all).tail(all, with_cause, drawn, hits);
+}
+
+FleetNames fleet_names(const std::vector<FleetResult>& results, double rate) {
+  FleetNames names;
+  std::vector<double> e_values;
+  std::vector<const FleetResult*> answered;
+  for (const FleetResult& result : results) {
+    if (!result.error.empty()) continue;
+    answered.push_back(&result);
+    e_values.push_back(e_value_of(result));
+    if (result.verdict == "unexplained_structure") names.unexplained.push_back(result.id);
+  }
+  names.machines = answered.size();
+  const std::vector<double> q = e_bh_q_values(e_values);
+  const auto rejected = static_cast<double>(std::count_if(q.begin(), q.end(), [&](double one) { return one <= rate; }));
+  std::vector<std::pair<double, NamedMachine>> named;
+  for (std::size_t i = 0; i < answered.size(); ++i)
+    for (const FleetCause& cause : answered[i]->causes) {
+      NamedMachine one{answered[i]->id, cause.name, std::nullopt, answered[i]->type, answered[i]->batch};
+      if (cause.e_value) {
+        one.q_value = q[i];
+        if (*cause.e_value < e_values[i]) {  // not the machine's first
+          const double level = std::max(1.0, rejected) * *cause.e_value;
+          one.q_value = std::max(q[i], level > 0.0 ? std::min(1.0, static_cast<double>(answered.size()) / level) : 1.0);
+        }
+      }
+      if (one.q_value && *one.q_value <= rate)
+        named.emplace_back(*cause.e_value, std::move(one));
+      else
+        names.unconfirmed.push_back(std::move(one));
+    }
+  std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto& [e_value, one] : named) names.named.push_back(std::move(one));
+  names.groups = shared_causes(results, names.named);
+  return names;
+}
+
+FleetChanges changes_between(const std::vector<NamedMachine>& before, const std::vector<NamedMachine>& now,
+                             const std::vector<std::string>& absent_now) {
+  using Names = std::set<std::pair<std::string, std::string>>;
+  const std::unordered_set<std::string> absent(absent_now.begin(), absent_now.end());
+  const auto names_of = [&](const std::vector<NamedMachine>& list) {
+    Names names;
+    for (const NamedMachine& one : list)
+      if (!absent.contains(one.id)) names.emplace(one.id, one.cause);
+    return names;
+  };
+  const Names old = names_of(before), fresh = names_of(now);
+  FleetChanges changes;
+  std::map<std::string, FleetChanges::Count> counts;
+  const auto add = [&](const Names& these, const Names& others, bool is_new) {
+    for (const auto& [id, cause] : these) {
+      if (others.contains({id, cause})) continue;
+      changes.machines.push_back({id, cause, is_new});
+      FleetChanges::Count& count = counts[cause];
+      count.cause = cause;
+      ++(is_new ? count.is_new : count.gone);
+    }
+  };
+  add(fresh, old, true);
+  add(old, fresh, false);
+  std::stable_sort(changes.machines.begin(), changes.machines.end(),
+                   [](const FleetChange& a, const FleetChange& b) { return a.id < b.id; });
+  for (const auto& [cause, count] : counts) changes.causes.push_back(count);
+  std::stable_sort(changes.causes.begin(), changes.causes.end(),
+                   [](const auto& a, const auto& b) { return a.is_new + a.gone > b.is_new + b.gone; });
+  return changes;
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,78 @@
+// The answers of many machines together: which names hold with the false-discovery rate controlled over all machines,
+// what changed since last time, and which type or batch shares a cause.
+// Does not live here: reading results files (gathered.hpp), the diagnosis of one machine (run.hpp).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/fleet/result.hpp"
+
+namespace ecs::commissioning {
+
+/// q-values of e-values, one hypothesis each: the smallest rate at which the e-BH procedure rejects it (Wang and Ramdas
+/// 2022, J. R. Statist. Soc. B 84, 822). At most that share of the rejected ones is false on average, however the
+/// e-values depend on one another.
+[[nodiscard]] std::vector<double> e_bh_q_values(const std::vector<double>& e_values);
+
+/// Chance that of `drawn` machines at least `hits` have a cause that `with_cause` of `all` have: the upper tail of the
+/// hypergeometric law (Fisher's exact test, one-sided). @pre drawn, with_cause <= all
+[[nodiscard]] double shared_by_chance(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits);
+
+struct NamedMachine {
+  std::string id;
+  std::string cause;
+  std::optional<double> q_value;  ///< absent: no e-value, so nothing can be said of many machines
+  std::string type, batch;
+};
+
+/// A type or batch that shares a cause.
+struct SharedCause {
+  std::string by;     ///< "type" or "batch"
+  std::string value;  ///< of it
+  std::string cause;
+  std::size_t machines = 0;  ///< of it, with the cause
+  std::size_t of = 0;        ///< of it, all that were diagnosed
+  double p_value = 1.0;      ///< of shared_by_chance()
+  double p_holm = 1.0;       ///< for all types, batches and causes together (Holm 1979)
+};
+/// A group is listed up to this p_holm: a choice, the usual one.
+inline constexpr double kSharedLevel = 0.05;
+
+struct FleetNames {
+  std::size_t machines = 0;               ///< with an answer
+  std::vector<NamedMachine> named;        ///< by falling evidence
+  std::vector<NamedMachine> unconfirmed;  ///< named for themselves; among so many machines that may be chance
+  std::vector<std::string> unexplained;   ///< structure that no effect explains
+  std::vector<SharedCause> groups;        ///< by rising p_holm
+};
+
+/// The hypothesis of a machine: its readings are what its model says, and noise. Its e-value is the largest of its
+/// named causes; each is divided by the number of candidates tried, so that the largest is no larger than their mean. A
+/// machine without names has the e-value 0. A further cause of a named machine counts where its own e-value reaches the
+/// level at which machines are named.
+/// @param results  one a machine; those with errors take no part  @param rate  of false discoveries, 0 … 1
+[[nodiscard]] FleetNames fleet_names(const std::vector<FleetResult>& results, double rate);
+
+struct FleetChange {
+  std::string id;
+  std::string cause;
+  bool is_new = true;  ///< false: gone
+};
+struct FleetChanges {
+  std::vector<FleetChange> machines;  ///< in the order of the ids
+  struct Count {
+    std::string cause;
+    std::size_t is_new = 0, gone = 0;
+  };
+  std::vector<Count> causes;  ///< the most frequent first
+};
+/// Names that are there now and were not, or the other way round.
+/// @param absent_now  ids without an answer now: nothing is said of them
+[[nodiscard]] FleetChanges changes_between(const std::vector<NamedMachine>& before,
+                                           const std::vector<NamedMachine>& now,
+                                           const std::vector<std::string>& absent_now);
+
+}  // namespace ecs::commissioning
