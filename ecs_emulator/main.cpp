@@ -13,9 +13,6 @@ namespace {
 using namespace ecs;
 using namespace ecs::emulator;
 
-constexpr const char* kProgramHelp =
-    "The virtual workshop: a machine tool with its E.C.S. unit and a laser to measure it.";
-
 int failed(const Problem& problem) {
   fmt::print(stderr, "{}\n", to_text(problem));
   return exit_code_of(problem.kind);

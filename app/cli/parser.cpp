@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "app/cli/verb_unit.hpp"
+#include "base/version.hpp"
 
 namespace ecs::app {
 namespace {
@@ -38,6 +39,16 @@ ParsedWords parsed(const VerbRegistry& registry, const std::vector<std::string>&
   }
   answer.request = tree.parsed(words);
   return answer;
+}
+
+cli::ShownProgram shown_program(const VerbRegistry& registry, VerbContext& context) {
+  cli::ShownProgram program{"ecs", program_version(), kProgramHelp, registry.menus, {}};
+  for (const VerbDefinition* definition : registry.verbs) {
+    Verb verb = common_arguments(context);
+    const Action keeps_arguments = definition->declare(verb);
+    program.verbs.push_back({definition->path, definition->help, definition->example, cli::shown(verb.arguments())});
+  }
+  return program;
 }
 
 }  // namespace ecs::app

@@ -7,6 +7,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/cli/command_tree.hpp"
+#include "base/cli/shown_program.hpp"
 
 namespace ecs::app {
 
@@ -19,5 +20,8 @@ struct ParsedWords {
 /// Takes --json, --quiet and --link into `context`. @param words  without the name of the program
 [[nodiscard]] ParsedWords parsed(const VerbRegistry& registry, const std::vector<std::string>& words,
                                  VerbContext& context);
+
+/// The program as its help knows it, for manual pages and completions.
+[[nodiscard]] cli::ShownProgram shown_program(const VerbRegistry& registry, VerbContext& context);
 
 }  // namespace ecs::app

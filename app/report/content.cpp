@@ -120,6 +120,7 @@ Result<void> note_files(const ReportFiles& files, ReportContent& content) {
                                    {"diagnosis", files.diagnosis},
                                    {"unit status", files.status}})
     all.emplace_back(role, path);
+  for (const fs::path& file : files.circles) all.emplace_back("circle", file);
   for (auto& [role, path] : all)
     if (auto noted = note_file(content, role, path); !noted) return noted;
   return {};
@@ -149,6 +150,9 @@ std::vector<Owner> owners_in(const ReportFiles& files, const ReportContent& cont
   for (const TableRow& row : content.rows)
     for (const auto* phase : {&row.before, &row.after})
       if (*phase) owners.push_back(owner_of(**phase));
+  for (const CircleWork& circle : content.circles)
+    owners.push_back({circle.file.string(), laser::metadata_value(circle.test.metadata, "machine").value_or(""),
+                      laser::metadata_value(circle.test.metadata, "serial_number").value_or("")});
   return owners;
 }
 
@@ -199,6 +203,9 @@ Result<void> read_others(VerbContext& context, const ReportFiles& files, ReportC
     }
   if (!files.status.empty())
     if (auto status = read_snapshot(files.status); keep(status)) content.status = std::move(*status);
+  for (const fs::path& file : files.circles)
+    if (auto circle = circle_work(file, content.machine ? &*content.machine : nullptr); keep(circle))
+      content.circles.push_back(std::move(*circle));
   if (problems.empty()) return {};
   return tl::unexpected(folded(std::move(problems)));
 }

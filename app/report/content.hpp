@@ -14,6 +14,7 @@
 #include "app/report/prediction.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "commissioning/models/after.hpp"
+#include "commissioning/standards/circle_work.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/volume/work.hpp"
 #include "laser/map/error_map.hpp"
@@ -78,6 +79,7 @@ struct ReportContent {
   std::string no_prediction;            ///< why not
   std::optional<ReportedVolume> volume;
   std::string no_volume;  ///< why not
+  std::vector<CircleWork> circles;
   std::optional<ReportedModel> model;
   std::optional<ReportedDiagnosis> diagnosis;
   std::optional<StatusSnapshot> status;

@@ -42,6 +42,8 @@ void take_folder(ReportFiles& files, const fs::path& folder) {
     const fs::path path = folder / usual.name;
     if (usual.folder ? is_folder(path) : is_plain_file(path)) files.*(usual.into) = path;
   }
+  for (const std::string& name : measurement_names_in(folder / "circles"))
+    files.circles.push_back(folder / "circles" / (name + ".csv"));
 }
 
 void take_option(fs::path& into, const std::string& given) {
@@ -73,6 +75,7 @@ Result<ReportFiles> report_files(const ReportArguments& arguments) {
   take_option(files.model, arguments.model);
   take_option(files.diagnosis, arguments.diagnosis);
   take_option(files.status, arguments.status);
+  if (!arguments.circle.empty()) files.circles.assign(arguments.circle.begin(), arguments.circle.end());
   if (problems.empty() && files.before.empty() && files.after.empty())
     problems.push_back({ProblemKind::bad_input,
                         "expected measurements: a folder that holds before/ or after/, or --before and --after",

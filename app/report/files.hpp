@@ -17,7 +17,7 @@ struct ReportArguments : VerbArguments {
   const std::vector<std::string>& places =
       texts("PLACE",
             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
-            "model.toml, diagnosis.json, status.json");
+            "model.toml, diagnosis.json, status.json, circles/");
   const std::string& output = output_file("-o,--output", "the page", Need::required);
   const std::string& before = text("--before", "folder of NAME.csv, measured without compensation");
   const std::string& after = text("--after", "folder of NAME.csv, measured with compensation");
@@ -28,6 +28,7 @@ struct ReportArguments : VerbArguments {
   const std::vector<std::string>& data =
       texts("--data", "readings for the model; without: those of its senses in --before");
   const std::string& diagnosis = text("--diagnosis", "answer of `ecs model diagnose --json`; without: diagnosed here");
+  const std::vector<std::string>& circle = texts("--circle", "circular test (.csv), as `ecs test circle` takes it");
   const std::string& status = text("--status", "state of the unit, as `ecs utility status --save` keeps it");
   const std::vector<std::string>& header =
       texts("--header", "key=value of the head of the page, such as customer=…; wins over files");
@@ -47,11 +48,13 @@ struct ReportFiles {
   std::filesystem::path model;
   std::filesystem::path diagnosis;
   std::filesystem::path status;
+  std::vector<std::filesystem::path> circles;
 };
 
 /// In a folder: plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, model.toml, diagnosis.json,
-/// status.json; of several folders the last that has the file. An option wins over what is found. A `bad_input` problem
-/// for a place that is neither a plan nor a folder, and if there is no folder of measurements at all.
+/// status.json, circles/ with *.csv; of several folders the last that has the file. An option wins over what is found.
+/// A `bad_input` problem for a place that is neither a plan nor a folder, and if there is no folder of measurements at
+/// all.
 [[nodiscard]] Result<ReportFiles> report_files(const ReportArguments& arguments);
 
 /// The measurement files of a folder, NAME of each NAME.csv that is a plain file, sorted.

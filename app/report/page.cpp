@@ -86,14 +86,15 @@ std::vector<ReportSection> without_absent(std::vector<ReportSection> all) {
 }  // namespace
 
 std::string report_page(const ReportContent& content, const Judgement& judgement) {
-  std::vector<std::string> used{"summary", "machine",    "conditions", "components", "prediction", "volume",
+  std::vector<std::string> used{"summary", "machine",    "conditions", "components", "prediction", "volume", "circles",
                                 "effects", "parameters", "map",        "unit",       "sources",    "absent"};
   std::vector<std::string> ids;
   for (const TableRow& row : content.rows) ids.push_back(fresh_id("c-" + row.planned.name, used));
   const std::vector<ReportSection> sections = without_absent(
       {summary_section(content, judgement, ids), components_section(content, ids), prediction_section(content),
-       volume_section(content), effects_section(content), machine_section(content), conditions_section(content),
-       map_section(content), parameters_section(content), unit_section(content), sources_section(content)});
+       volume_section(content), circles_section(content), effects_section(content), machine_section(content),
+       conditions_section(content), map_section(content), parameters_section(content), unit_section(content),
+       sources_section(content)});
   Markup body = head_of(content) + contents_of(sections);
   for (const ReportSection& section : sections) body += laid_out(section);
   body += element("footer", fmt::format("{} · {} · {}", program_version(), machine_name(content), map_hash(content)));

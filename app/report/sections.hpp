@@ -27,6 +27,7 @@ struct ReportSection {
 [[nodiscard]] ReportSection components_section(const ReportContent& content, const std::vector<std::string>& ids);
 [[nodiscard]] ReportSection prediction_section(const ReportContent& content);
 [[nodiscard]] ReportSection volume_section(const ReportContent& content);
+[[nodiscard]] ReportSection circles_section(const ReportContent& content);
 [[nodiscard]] ReportSection effects_section(const ReportContent& content);
 [[nodiscard]] ReportSection parameters_section(const ReportContent& content);
 [[nodiscard]] ReportSection map_section(const ReportContent& content);

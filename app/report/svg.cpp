@@ -160,6 +160,40 @@ std::string curves_svg(const PlotFigure& figure) {
                            middle, text(figure.panels.back().y_label).html());
 }
 
+constexpr double kDrawing = 380.0;  ///< side of a figure whose units are as long in x as in y
+
+std::string style_in_drawing(Mark mark) {
+  if (mark == Mark::wire) return "grid";
+  return mark == Mark::level ? "zero" : fmt::format("line {}", style_of(mark));
+}
+
+/// One panel, lines without marks: polar plots.
+std::string drawing_svg(const PlotFigure& figure) {
+  const PlotPanel& panel = figure.panels.front();
+  PlotRanges ranges;
+  ranges.take(panel);
+  const double unit = (kDrawing - 40.0) / std::max(ranges.x.width(), ranges.y.width());
+  const double middle_x = (ranges.x.from + ranges.x.to) / 2.0, middle_y = (ranges.y.from + ranges.y.to) / 2.0;
+  std::string svg = open_svg(kDrawing, figure.title);
+  double key_y = 30.0;
+  for (const PlotSeries& series : panel.series) {
+    std::string d;
+    for (const PlotPoint& p : series.points)
+      d += fmt::format("{}{:.1f} {:.1f}", d.empty() ? "M" : "L", kDrawing / 2.0 + unit * (p.x - middle_x),
+                       kDrawing / 2.0 - unit * (p.y - middle_y) + 8.0);
+    const std::string style = style_in_drawing(series.mark);
+    svg += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", style, d);
+    if (series.name.empty()) continue;
+    svg += fmt::format("<path class=\"{}\" d=\"M{:.1f} {:.1f}h26\"/>\n", style, kDrawing + 6.0, key_y - 3.5);
+    svg += label_svg(kDrawing + 38.0, key_y, "tick", series.name);
+    key_y += 16.0;
+  }
+  return svg + label_svg(0.0, 11.0, "name", panel.title) +
+         label_svg(kDrawing / 2.0 + unit * (ranges.x.to - middle_x) + 4.0, kDrawing / 2.0 + 11.0, "tick",
+                   panel.x_label.substr(0, panel.x_label.find(' ')) + "+") +
+         label_svg(kDrawing / 2.0 + 4.0, 24.0, "tick", panel.y_label.substr(0, panel.y_label.find(' ')) + "+");
+}
+
 constexpr double kBarRow = 19.0, kBarNames = 190.0, kBarValues = 86.0;
 
 /// @param front  in front of another bar of the same row: half as high
@@ -230,7 +264,8 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
 
 Markup inline_svg(const PlotFigure& figure) {
   const bool bars = !figure.panels.empty() && !figure.panels.front().x_names.empty();
-  return Markup::literal((bars ? bars_svg(figure) : curves_svg(figure)) + "</svg>\n");
+  const bool drawing = !bars && figure.panels.size() == 1 && figure.panels.front().equal_units;
+  return Markup::literal((bars ? bars_svg(figure) : drawing ? drawing_svg(figure) : curves_svg(figure)) + "</svg>\n");
 }
 
 }  // namespace ecs::app

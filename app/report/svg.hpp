@@ -13,7 +13,7 @@ namespace ecs::app {
 
 /// Panels one below the other, the same scale in all of them; the axes' labels are those of the last. A figure with
 /// names in place of numbers is drawn as horizontal bars, a second series in front of the first, with a broken line at
-/// its level.
+/// its level. One panel of equal units is drawn square, lines without marks.
 [[nodiscard]] Markup inline_svg(const PlotFigure& figure);
 
 /// Round numbers inside least … most, about `wanted` of them.

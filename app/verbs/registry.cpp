@@ -7,7 +7,7 @@ extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, 
 extern const VerbDefinition kMonitor;
 extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
     kLaserTable, kLaserCapture, kLaserDevices;
-extern const VerbDefinition kTestCircle, kTestDiagonals, kTestDrift, kTestFlatness;
+extern const VerbDefinition kTestCircle, kTestDiagonals, kTestDrift, kTestFlatness, kTestWarmUp;
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
 extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
@@ -24,6 +24,7 @@ const std::vector<VerbDefinition>& export_writers();
 extern const VerbDefinition kFleetDiagnose, kFleetMerge;
 extern const VerbDefinition kBatch;
 extern const VerbDefinition kDoctor;
+extern const VerbDefinition kCompletion, kManual;
 
 namespace {
 
@@ -67,6 +68,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kTestDiagonals,
       &kTestDrift,
       &kTestFlatness,
+      &kTestWarmUp,
       &kMapBuild,
       &kMapShow,
       &kMapHeader,
@@ -112,7 +114,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kReport,
   };
   for (const VerbDefinition& writer : export_writers()) verbs.push_back(&writer);
-  verbs.insert(verbs.end(), {&kExportRead, &kFleetDiagnose, &kFleetMerge, &kBatch, &kDoctor});
+  verbs.insert(verbs.end(), {&kExportRead, &kFleetDiagnose, &kFleetMerge, &kBatch, &kDoctor, &kCompletion, &kManual});
   return verbs;
 }
 

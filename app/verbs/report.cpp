@@ -47,7 +47,8 @@ Json absent_from(const ReportContent& content) {
                                     {content.parameters.has_value(), "parameters"},
                                     {content.model.has_value(), "model"},
                                     {content.diagnosis.has_value(), "diagnosis"},
-                                    {content.status.has_value(), "status"}})
+                                    {content.status.has_value(), "status"},
+                                    {!content.circles.empty(), "circles"}})
     if (!there) absent.push_back(what);
   return absent;
 }
@@ -83,6 +84,22 @@ Json volume_json(const std::optional<ReportedVolume>& volume) {
           {"predicted_after", std::move(after)}};
 }
 
+Json circles_json(const ReportContent& content) {
+  Json circles = Json::array();
+  for (const CircleWork& circle : content.circles) {
+    double worst_um = 0.0;
+    for (const laser::CirclePass& pass : circle.values.passes) worst_um = std::max(worst_um, pass.G_um);
+    Json causes = Json::array();
+    for (const model::CircleFaultFound& fault : circle.diagnosis.faults)
+      causes.push_back({{"name", fault.name}, {"share", number_or_null(fault.share)}});
+    circles.push_back({{"file", circle.file.string()},
+                       {"plane", laser::plane_name(circle.test.plane)},
+                       {"G_um", number_or_null(worst_um)},
+                       {"causes", std::move(causes)}});
+  }
+  return circles;
+}
+
 struct Page {
   std::string html;
   bool replaced = false;  ///< another file of that name was there
@@ -109,6 +126,7 @@ Json report_json(const ReportContent& content, const Judgement& j, const std::st
               {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
               {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
               {"volume", volume_json(content.volume)},
+              {"circles", circles_json(content)},
               {"next", j.next},
               {"absent", absent_from(content)},
               {"rows", std::move(rows)}};
@@ -134,6 +152,7 @@ Result<void> check_page_not_source(const ReportArguments& arguments, const Repor
   for (const TableRow& row : content.rows)
     for (const auto* phase : {&row.before, &row.after})
       if (*phase) inputs.push_back((*phase)->file.string());
+  for (const auto& file : files.circles) inputs.push_back(file.string());
   return check_output_not_input(arguments.output, inputs);
 }
 

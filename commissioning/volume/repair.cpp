@@ -1,5 +1,6 @@
 // Sums of what the effects contribute: readings by the fit, places of a volume and of a circle by prediction. What the
-// unit can compensate is taken as compensated without rest: a map leaves less than its resolution.
+// unit can compensate is compensated by the fitted values while the machine has those of a refit (refits.hpp); between
+// its points a map leaves less than its resolution.
 #include "commissioning/volume/repair.hpp"
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/volume/refits.hpp"
 #include "model/effects/definition.hpp"
 #include "volume/grid.hpp"
 
@@ -25,6 +27,7 @@ constexpr std::size_t kCirclePlaces = 180;
 constexpr double kShareOfTravel = 0.8, kLargestDiameter_mm = 300.0;
 /// Less is no gain: a hundredth of what is left otherwise, or the resolution of a map.
 constexpr double kNoGain = 0.01, kResolution_um = 0.1;
+constexpr std::uint64_t kRefitSeed = 1;
 
 using Vectors = std::vector<Vector3>;
 using Places = std::vector<controllers::MachinePlace>;
@@ -146,35 +149,50 @@ struct Contribution {
 
 Remaining CauseCost::*const kQuantities[] = {&CauseCost::readings_rms, &CauseCost::volume_largest,
                                              &CauseCost::volume_rms, &CauseCost::circle};
+using QuantitySizes = std::array<double, std::size(kQuantities)>;
 
-void take(CauseCost& cost, double Remaining::*which, const Contribution& rest, const Circle& circle) {
+QuantitySizes sizes_left(const Contribution& rest, const Circle& circle) {
   const Sizes volume = sizes_of(rest.volume);
-  cost.readings_rms.*which = rms_of(rest.readings);
-  cost.volume_largest.*which = volume.largest_um;
-  cost.volume_rms.*which = volume.rms_um;
-  cost.circle.*which = circular_deviation_um(circle, rest.circle);
+  return {rms_of(rest.readings), volume.largest_um, volume.rms_um, circular_deviation_um(circle, rest.circle)};
 }
 
-bool is_gain(double before_um, double after_um) {
-  return before_um - after_um > std::max(kNoGain * before_um, kResolution_um);
+/// One draw after the other; `expected` when all are in.
+class Draws {
+ public:
+  void take(const QuantitySizes& sizes) {
+    for (std::size_t q = 0; q < sizes.size(); ++q) drawn_[q].push_back(sizes[q]);
+  }
+  [[nodiscard]] Expected expected(std::size_t quantity) const {
+    std::vector<double> values = drawn_[quantity];
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    return {values[values.size() / 2], values.back()};
+  }
+
+ private:
+  std::array<std::vector<double>, std::size(kQuantities)> drawn_;
+};
+
+bool is_gain(const Expected& before, const Expected& after) {
+  return before.um - after.um > std::max(kNoGain * before.um, kResolution_um);
 }
 
 Remedy remedy_for(const CauseCost& cost) {
-  const auto gains = [&](double Remaining::*from, double Remaining::*to) {
+  const auto gains = [&](Expected Remaining::*from, Expected Remaining::*to) {
     return std::any_of(std::begin(kQuantities), std::end(kQuantities),
                        [&](auto quantity) { return is_gain(cost.*quantity.*from, cost.*quantity.*to); });
   };
   if (cost.effect.traits().of_measurement)
-    return gains(&Remaining::left_um, &Remaining::repaired_um) ? Remedy::set_up : Remedy::nothing;
-  if (gains(&Remaining::compensated_um, &Remaining::repaired_um)) return Remedy::repair;
-  return gains(&Remaining::left_um, &Remaining::compensated_um) ? Remedy::compensate : Remedy::nothing;
+    return gains(&Remaining::left, &Remaining::repaired) ? Remedy::set_up : Remedy::nothing;
+  if (gains(&Remaining::compensated, &Remaining::repaired)) return Remedy::repair;
+  return gains(&Remaining::left, &Remaining::compensated) ? Remedy::compensate : Remedy::nothing;
 }
 
 double largest_cost_um(const CauseCost& cost) {
   double most = 0.0;
   for (const auto quantity : kQuantities)
     most = std::max(most,
-                    (cost.*quantity).left_um - std::min((cost.*quantity).compensated_um, (cost.*quantity).repaired_um));
+                    (cost.*quantity).left.um - std::min((cost.*quantity).compensated.um, (cost.*quantity).repaired.um));
   return most;
 }
 
@@ -193,10 +211,19 @@ std::string_view remedy_text(Remedy remedy) {
 }
 
 Cell remaining_cell(std::string_view name, const Remaining& one) {
-  return record_cell(fmt::format("  {:<18} {{left_um:>9}} {{compensated_um:>12}} {{repaired_um:>9}}\n", name),
-                     {{"left_um", number_cell(one.left_um, 2)},
-                      {"compensated_um", number_cell(one.compensated_um, 2)},
-                      {"repaired_um", number_cell(one.repaired_um, 2)}});
+  const auto shown = [](const Expected& size) {
+    return shown_cell(fmt::format("{:.2f} ({:.2f})", size.um, size.at_most_um));
+  };
+  return record_cell(fmt::format("  {:<16} {{left:>17}} {{compensated:>17}} {{repaired:>17}}\n", name),
+                     {{"left", shown(one.left)},
+                      {"compensated", shown(one.compensated)},
+                      {"repaired", shown(one.repaired)},
+                      {"left_um", {number_or_null(one.left.um), {}}},
+                      {"compensated_um", {number_or_null(one.compensated.um), {}}},
+                      {"repaired_um", {number_or_null(one.repaired.um), {}}},
+                      {"left_at_most_um", {number_or_null(one.left.at_most_um), {}}},
+                      {"compensated_at_most_um", {number_or_null(one.compensated.at_most_um), {}}},
+                      {"repaired_at_most_um", {number_or_null(one.repaired.at_most_um), {}}}});
 }
 
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
@@ -244,25 +271,46 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
       fmt::format("{}{}", letter_of(static_cast<Axis>(circle.first)), letter_of(static_cast<Axis>(circle.second)));
   answer.noise_um = fit->noise.noise_um;
 
-  std::vector<Contribution> each;
-  Contribution rest{fit->residual, Vectors(volume.size()), Vectors(circle.places.size())};
-  for (const model::EffectFit& effect : fit->effects) {
-    auto one = contribution_of(effect, work, volume, circle, model_file);
-    if (!one) return tl::unexpected(one.error());
-    if (!is_carried(effect.effect, *work.machine)) rest.add(*one, 1.0);
-    each.push_back(std::move(*one));
+  const auto contributions = [&](const model::Fit& of) -> Result<std::vector<Contribution>> {
+    std::vector<Contribution> each;
+    for (const model::EffectFit& effect : of.effects) {
+      auto one = contribution_of(effect, work, volume, circle, model_file);
+      if (!one) return tl::unexpected(one.error());
+      each.push_back(std::move(*one));
+    }
+    return each;
+  };
+  const auto fitted = contributions(*fit);
+  if (!fitted) return tl::unexpected(fitted.error());
+  struct CauseDraws {
+    Draws left, compensated, repaired;
+  };
+  std::vector<CauseDraws> draws(fitted->size());
+  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) {
+    const auto machine = contributions(possible);
+    if (!machine) return tl::unexpected(machine.error());
+    Contribution rest{fit->residual, Vectors(volume.size()), Vectors(circle.places.size())};
+    for (std::size_t i = 0; i < machine->size(); ++i) {
+      rest.add((*machine)[i], 1.0);
+      if (is_carried(fit->effects[i].effect, *work.machine)) rest.add((*fitted)[i], -1.0);
+    }
+    for (std::size_t i = 0; i < machine->size(); ++i) {
+      const bool carried = is_carried(fit->effects[i].effect, *work.machine);
+      Contribution other = rest;
+      draws[i].compensated.take(sizes_left(other, circle));
+      if (carried) other.add((*fitted)[i], 1.0);
+      draws[i].left.take(sizes_left(other, circle));
+      other.add((*machine)[i], -1.0);
+      draws[i].repaired.take(sizes_left(other, circle));
+    }
   }
   bool unseen = false;
-  for (std::size_t i = 0; i < each.size(); ++i) {
+  for (std::size_t i = 0; i < fitted->size(); ++i) {
     CauseCost cost;
     cost.effect = fit->effects[i].effect;
-    const bool carried = is_carried(cost.effect, *work.machine);
-    Contribution other = rest;
-    take(cost, &Remaining::compensated_um, rest, circle);
-    other.add(each[i], carried ? 1.0 : -1.0);
-    take(cost, carried ? &Remaining::left_um : &Remaining::repaired_um, other, circle);
-    for (const auto quantity : kQuantities)
-      (carried ? (cost.*quantity).repaired_um : (cost.*quantity).left_um) = (cost.*quantity).compensated_um;
+    for (std::size_t q = 0; q < std::size(kQuantities); ++q)
+      cost.*
+          kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
     cost.remedy = remedy_for(cost);
     cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
                                              : how_compensated(cost.effect, *work.machine);
@@ -284,19 +332,21 @@ Cell repair_cell(const RepairAnswer& answer) {
   for (const CauseCost& cost : answer.causes) causes.add(cause_cell(cost, has_circle));
   std::string head = fmt::format(
       "What is left [um] if one cause is left as it is, compensated or repaired, everything else that the unit can "
-      "compensate being compensated. {} readings (noise of one {:.2f} um), {} places of the volume from both sides",
+      "compensate being compensated; in brackets at most, with 95 %. {} readings (noise of one {:.2f} um), {} places "
+      "of the volume from both sides",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
-  return record_cell("{head}\n                          left  compensated  repaired\n{causes}{notes}",
-                     {{"head", shown_cell(paragraph(head + "."))},
-                      {"readings", count_cell(answer.readings)},
-                      {"points", count_cell(answer.places)},
-                      {"noise_um", {number_or_null(answer.noise_um), ""}},
-                      {"circle_diameter_mm", {has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr), ""}},
-                      {"circle_plane", {has_circle ? Json(answer.plane) : Json(nullptr), ""}},
-                      {"causes", std::move(causes)},
-                      {"notes", {answer.notes, notes_text(answer.notes)}}});
+  return record_cell(
+      "{head}\n                                left       compensated          repaired\n{causes}{notes}",
+      {{"head", shown_cell(paragraph(head + "."))},
+       {"readings", count_cell(answer.readings)},
+       {"points", count_cell(answer.places)},
+       {"noise_um", {number_or_null(answer.noise_um), ""}},
+       {"circle_diameter_mm", {has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr), ""}},
+       {"circle_plane", {has_circle ? Json(answer.plane) : Json(nullptr), ""}},
+       {"causes", std::move(causes)},
+       {"notes", {answer.notes, notes_text(answer.notes)}}});
 }
 
 }  // namespace ecs::commissioning

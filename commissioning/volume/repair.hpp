@@ -11,11 +11,18 @@
 
 namespace ecs::commissioning {
 
-/// One quantity [um], everything that the unit can compensate being compensated but for the cause itself.
+/// Expected: the median over what the fit leaves possible; at most: with 95 %.
+struct Expected {
+  double um = 0.0;
+  double at_most_um = 0.0;
+};
+
+/// One quantity, everything that the unit can compensate being compensated but for the cause itself. The map is that of
+/// the fitted values; the machine has others, as far as the fit leaves them uncertain.
 struct Remaining {
-  double left_um = 0.0;         ///< the cause is as it is
-  double compensated_um = 0.0;  ///< the unit compensates it, if it can
-  double repaired_um = 0.0;     ///< the machine does not have it any more
+  Expected left;         ///< the cause is as it is
+  Expected compensated;  ///< the unit compensates it, if it can
+  Expected repaired;     ///< the machine does not have it any more
 };
 
 enum class Remedy : std::uint8_t {
@@ -46,6 +53,7 @@ struct RepairAnswer {
 };
 
 /// @param places  in the volume, at most
+/// The same input gives the same answer: the draws of refits.hpp have a fixed seed.
 /// Refused: no machine file, an axis without a travel, an effect without a value, rotary axes.
 [[nodiscard]] Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& model_file,
                                                  std::size_t places);

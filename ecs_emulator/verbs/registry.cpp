@@ -12,6 +12,7 @@ const std::vector<VerbDefinition>& verbs_without_unit();
 extern const VerbDefinition kProgram;
 extern const VerbDefinition kRig;
 extern const VerbDefinition kHide;
+extern const VerbDefinition kCompletion, kManual;
 
 cli::VerbRegistry<VerbContext> all_verbs(VerbContext& context) {
   cli::Menu workshop{"workshop", "what a person in the workshop does, at a running server", {}};
@@ -21,7 +22,7 @@ cli::VerbRegistry<VerbContext> all_verbs(VerbContext& context) {
   for (const VerbDefinition& verb : workshop_verbs()) registry.verbs.push_back(&verb);
   registry.verbs.push_back(&kPlan);
   for (const VerbDefinition& verb : verbs_without_unit()) registry.verbs.push_back(&verb);
-  registry.verbs.insert(registry.verbs.end(), {&kProgram, &kRig, &kHide});
+  registry.verbs.insert(registry.verbs.end(), {&kProgram, &kRig, &kHide, &kCompletion, &kManual});
   return registry;
 }
 

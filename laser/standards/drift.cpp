@@ -1,14 +1,14 @@
-// Ranges over time windows: two monotonic queues give largest and smallest of every window in one pass (Lemire 2006).
+// Ranges of the curves of one set of readings (windows.hpp); what is missing is told all at once.
 #include "laser/standards/drift.hpp"
 
 #include <algorithm>
-#include <deque>
 
 #include <fmt/format.h>
 
 #include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/groups.hpp"
+#include "laser/standards/windows.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -19,24 +19,6 @@ struct TimedValue {
   double time_h = 0.0, value = 0.0;
 };
 
-void evaluate_windows(Drift& drift, double window_h) {
-  std::deque<std::size_t> rising, falling;  // candidates for the largest and the smallest
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < drift.value.size(); ++i) {
-    while (!rising.empty() && drift.value[rising.back()] <= drift.value[i]) rising.pop_back();
-    while (!falling.empty() && drift.value[falling.back()] >= drift.value[i]) falling.pop_back();
-    rising.push_back(i);
-    falling.push_back(i);
-    while (drift.time_h[i] - drift.time_h[first] > window_h) ++first;
-    while (rising.front() < first) rising.pop_front();
-    while (falling.front() < first) falling.pop_front();
-    drift.last_window_range = drift.value[rising.front()] - drift.value[falling.front()];
-    if (drift.last_window_range <= drift.window_range) continue;
-    drift.window_range = drift.last_window_range;
-    drift.window_from_h = drift.time_h[first];
-  }
-}
-
 Drift drift_of(Sense sense, std::vector<TimedValue> values, double window_h) {
   std::stable_sort(values.begin(), values.end(),
                    [](const TimedValue& a, const TimedValue& b) { return a.time_h < b.time_h; });
@@ -46,10 +28,12 @@ Drift drift_of(Sense sense, std::vector<TimedValue> values, double window_h) {
     drift.time_h.push_back(one.time_h);
     drift.value.push_back(one.value - values.front().value);
   }
-  const auto [least, most] = std::minmax_element(drift.value.begin(), drift.value.end());
-  drift.range = *most - *least;
   drift.hours = drift.time_h.back() - drift.time_h.front();
-  evaluate_windows(drift, window_h);
+  const WindowRanges ranges = window_ranges(drift.time_h, drift.value, window_h);
+  drift.range = ranges.whole;
+  drift.window_range = ranges.largest;
+  drift.window_from_h = ranges.largest_from_h;
+  drift.last_window_range = ranges.last;
   return drift;
 }
 

@@ -8,12 +8,9 @@
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/test/polar.hpp"
 #include "base/answer_table.hpp"
-#include "base/file.hpp"
-#include "laser/standards/circle_file.hpp"
-#include "model/circle/diagnosis.hpp"
-#include "params/machine.hpp"
+#include "commissioning/standards/circle_work.hpp"
+#include "commissioning/standards/polar.hpp"
 
 namespace ecs::app {
 namespace {
@@ -24,22 +21,6 @@ struct CircleArguments : VerbArguments {
   const bool& draw = flag("--draw", "the polar plot in characters");
   const std::string& plot = output_file("--plot", "the polar plot: OUT.svg or OUT.png");
 };
-
-Result<std::array<std::vector<double>, 2>> pitches_of(const std::string& machine_file,
-                                                      const std::array<Axis, 2>& plane) {
-  std::array<std::vector<double>, 2> pitches_mm;
-  if (machine_file.empty()) return pitches_mm;
-  const auto file = params::read_machine(machine_file);
-  if (!file) return tl::unexpected(file.error());
-  for (std::size_t i = 0; i < plane.size(); ++i) {
-    const auto& axis = file->machine.axes[index_of(plane[i])];
-    if (!axis)
-      return problem(ProblemKind::usage, fmt::format("{}: this machine has no {}", machine_file, letter_of(plane[i])));
-    for (const auto& pitch_mm : {axis->screw_pitch_mm, axis->scale_pitch_mm})
-      if (pitch_mm) pitches_mm[i].push_back(*pitch_mm);
-  }
-  return pitches_mm;
-}
 
 Cell pass_cell(const laser::CirclePass& pass) {
   return record_cell("  {direction:<4} {run:>4} {G_um:>9} {F_max_um:>9} {F_min_um:>9} {mean_um:>9}   {centre_um}\n",
@@ -106,30 +87,31 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
 }
 
 Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
-  const auto text = read_file(arguments.file);
-  if (!text) return tl::unexpected(text.error());
-  const auto test = laser::parse_circle_test(*text, arguments.file);
-  if (!test) return tl::unexpected(test.error());
-  const auto pitches_mm = pitches_of(arguments.machine, test->plane);
-  if (!pitches_mm) return tl::unexpected(pitches_mm.error());
-  const auto diagnosis = model::diagnose_circle(*test, *pitches_mm);
-  if (!diagnosis) return tl::unexpected(diagnosis.error());
-  const laser::CircleValues values = laser::circle_values_of(*test);
+  std::optional<params::Machine> machine;
+  if (!arguments.machine.empty()) {
+    const auto file = params::read_machine(arguments.machine);
+    if (!file) return tl::unexpected(file.error());
+    machine = file->machine;
+  }
+  const auto work = circle_work(arguments.file, machine ? &*machine : nullptr);
+  if (!work) return tl::unexpected(work.error());
+  const laser::CircleTest& test = work->test;
+  const laser::CircleValues& values = work->values;
   if (!arguments.plot.empty())
-    if (auto drawn = write_plot(arguments.plot, polar_figure(*test, values)); !drawn)
+    if (auto drawn = write_plot(arguments.plot, polar_figure(test, values)); !drawn)
       return tl::unexpected(drawn.error());
   return outcome_of(
       record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
                   "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
                   {{"file", word_cell(arguments.file)},
-                   {"plane", word_cell(laser::plane_name(test->plane))},
-                   {"radius_mm", plain_cell(test->radius_mm)},
-                   {"feed_mm_min", {number_or_null(test->feed_mm_min), {}}},
+                   {"plane", word_cell(laser::plane_name(test.plane))},
+                   {"radius_mm", plain_cell(test.radius_mm)},
+                   {"feed_mm_min", {number_or_null(test.feed_mm_min), {}}},
                    {"heading", shown_cell(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]",
                                                       "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]"))},
                    {"passes", list_cell(values.passes, pass_cell)},
                    {"pairs", list_cell(values.pairs, pair_cell)},
-                   {"causes", diagnosis_cell(*diagnosis)},
+                   {"causes", diagnosis_cell(work->diagnosis)},
                    {"drawn", shown_cell(arguments.draw ? polar_text(values) : "")},
                    {"plot", written_cell("plot", arguments.plot)}}));
 }

@@ -128,6 +128,30 @@ TEST_CASE("test drift: ranges as text and as JSON, the figure, and sets without 
   CHECK(contains(refused.messages, "time_s: expected the time of each reading, found none"));
 }
 
+TEST_CASE(
+    "test warm-up: both ends, their growth and their time constant; a line that a plan would measure is refused") {
+  const Folder folder;
+  std::string text = "axis,x_mm,sense,reading,time_s\n";
+  for (int i = 0; i <= 48; ++i)
+    for (const int end : {0, 1})
+      text +=
+          fmt::format("X,{},EX,{:.3f},{}\n", 500 * end,
+                      (2.0 + 10.0 * end) * (1.0 - std::exp(-i / 9.6)) + 0.1 * ((i * 7) % 5 - 2), 300 * i + 30 * end);
+  const std::string file = folder.with("warm_up.csv", text), plot = (folder.path / "warm_up.svg").string();
+  const auto json = ran({"test", "warm-up", file, "--plot", plot, "--json"}).json();
+  CHECK(json["axis"] == "X");
+  REQUIRE(json["curves"].size() == 2);
+  CHECK(json["curves"][1]["position_mm"] == 500.0);
+  CHECK(json["curves"][1]["settled"] == true);
+  CHECK(json["curves"][1]["settling"]["time_constant_h"].get<double>() == Approx(0.8).epsilon(0.1));
+  CHECK(json["differences"][0]["range_um_per_m"].get<double>() == Approx(20.0).epsilon(0.05));
+  CHECK(contains(*read_file(plot), "500 mm"));
+  CHECK(contains(ran({"test", "warm-up", file}).out, "EX at 500 less that at 0 mm"));
+  const Ran refused = ran({"test", "warm-up", folder.with("no.csv", "axis,x_mm,sense,reading\nX,100,EX,1\n")});
+  CHECK(refused.code == 3);
+  CHECK(contains(refused.messages, "no.csv:2: time_s: expected the time of each reading, found none"));
+}
+
 TEST_CASE("laser stats: uncertainty by the options that say what is known; null without them") {
   const Folder folder;
   std::string text = "axis,x_mm,sense,reading,approach,run\n";

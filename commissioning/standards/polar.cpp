@@ -1,4 +1,4 @@
-#include "app/verbs/test/polar.hpp"
+#include "commissioning/standards/polar.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kRad_per_deg = std::numbers::pi / 180.0;
@@ -110,4 +110,4 @@ std::string polar_text(const laser::CircleValues& values) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -3,11 +3,10 @@
 
 #include <string>
 
-#include "app/names/commissioning.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "laser/standards/circle.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The first pass of each direction about its least squares centre, deviations from the least squares circle of the
 /// first magnified, with rings at round deviations.
@@ -16,4 +15,4 @@ namespace ecs::app {
 /// The same in 31 rows of 61 characters: + counter-clockwise, o clockwise, # both, . least squares circle.
 [[nodiscard]] std::string polar_text(const laser::CircleValues& values);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

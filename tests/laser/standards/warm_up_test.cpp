@@ -1,0 +1,110 @@
+// Distortion by a moving axis (ISO 230-3) against exponentials whose ranges a hand can compute.
+#include "laser/standards/warm_up.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+using doctest::Approx;
+
+namespace {
+
+/// Both ends of 1 m every 5 minutes for `hours`: 4 um (1 − e^(−t/0.8 h)) at 0, 24 um at 1000 mm, and a wave of 0.1 um.
+MeasurementSet warming_axis(double hours = 4.0) {
+  MeasurementSet set;
+  set.source = "warm_up.csv";
+  for (int i = 0; i * 5 <= hours * 60.0; ++i)
+    for (const double position_mm : {0.0, 1000.0}) {
+      const double time_h = i / 12.0 + (position_mm > 0.0 ? 1.0 / 120.0 : 0.0);
+      Reading reading;
+      reading.time_s = 500.0 + 3600.0 * time_h;
+      reading.position_mm[0] = position_mm;
+      reading.approach = position_mm > 0.0 ? Approach::forward : Approach::reverse;
+      reading.error = (4.0 + 0.02 * position_mm) * (1.0 - std::exp(-time_h / 0.8)) + 0.1 * ((i * 7) % 5 - 2);
+      set.readings.push_back(reading);
+    }
+  return set;
+}
+
+std::string warm_up_refusal(const MeasurementSet& set) {
+  const auto test = warm_up_test_of(set, 1.0);
+  REQUIRE(!test);
+  return to_text(test.error());
+}
+
+}  // namespace
+
+TEST_CASE("each end of a moving axis has its range, its first and its last hour, and its time constant") {
+  const auto test = warm_up_test_of(warming_axis(), 1.0);
+  REQUIRE(test);
+  REQUIRE(test->curves.size() == 2);
+  const WarmUpCurve& far = test->curves.back();
+  CHECK(far.position_mm == 1000.0);
+  CHECK(far.range == Approx(24.0 * (1.0 - std::exp(-5.0))).epsilon(0.03));
+  CHECK(far.first_range == Approx(24.0 * (1.0 - std::exp(-1.25))).epsilon(0.04));
+  CHECK(far.last_range == Approx(24.0 * (std::exp(-3.75) - std::exp(-5.0))).epsilon(0.9));
+  CHECK(far.settled);
+  REQUIRE(far.settling);
+  CHECK(std::abs(far.settling->time_constant_h - 0.8) < 3.0 * far.settling->time_constant_uncertainty_h);
+  CHECK(std::abs(far.settling->change - 24.0) < 3.0 * far.settling->change_uncertainty + 0.3);
+  CHECK(far.settling->to_come == Approx(std::exp(-5.0)).epsilon(0.1));
+}
+
+TEST_CASE("a test that is too short has not settled and says how much is to come") {
+  const auto test = warm_up_test_of(warming_axis(2.0), 1.0);
+  REQUIRE(test);
+  const WarmUpCurve& far = test->curves.back();
+  CHECK(!far.settled);
+  REQUIRE(far.settling);
+  CHECK(far.settling->to_come == Approx(std::exp(-2.5)).epsilon(0.2));
+}
+
+TEST_CASE("a drift that does not end within the test has no time constant") {
+  MeasurementSet set = warming_axis();
+  for (Reading& reading : set.readings) reading.error = *reading.time_s / 1000.0 + 0.1 * (reading.position_mm[0] > 0.0);
+  const auto test = warm_up_test_of(set, 1.0);
+  REQUIRE(test);
+  for (const WarmUpCurve& curve : test->curves) {
+    CHECK(!curve.settling);
+    CHECK(!curve.settled);
+  }
+}
+
+TEST_CASE("the growth between both ends of one side is told per metre") {
+  MeasurementSet set = warming_axis();
+  for (Reading& reading : set.readings) reading.approach = Approach::forward;
+  const auto test = warm_up_test_of(set, 1.0);
+  REQUIRE(test);
+  REQUIRE(test->differences.size() == 1);
+  const WarmUpDifference& growth = test->differences.front();
+  CHECK(growth.to_mm == 1000.0);
+  CHECK(growth.range_um_per_m == Approx(20.0 * (1.0 - std::exp(-5.0))).epsilon(0.05));
+}
+
+TEST_CASE("what a warm-up test lacks is said in words") {
+  CHECK(contains(warm_up_refusal(warming_axis(1.5)),
+                 "EX at 0 mm: expected a test of 2.00 h or more, twice the window, found 1.50 h"));
+  MeasurementSet set = warming_axis();
+  set.readings[3].time_s.reset();
+  CHECK(contains(warm_up_refusal(set), "time_s: expected the time of each reading, found none"));
+  set = warming_axis();
+  for (Reading& reading : set.readings) reading.position_mm[0] = 0.0;
+  CHECK(contains(warm_up_refusal(set), "EX: expected two places or more, found one"));
+  set = warming_axis();
+  set.readings.back().axis = Axis::Y;
+  CHECK(contains(warm_up_refusal(set), "expected readings of one moving axis, found X and Y"));
+  set = warming_axis();
+  set.readings.resize(8);
+  CHECK(contains(warm_up_refusal(set), "EX at 0 mm: expected 10 readings or more, found 4"));
+  set = warming_axis();
+  set.readings[4].time_s = *set.readings[0].time_s;
+  CHECK(contains(warm_up_refusal(set), "EX at 0 mm: expected rising times, found one that does not rise"));
+  CHECK(contains(warm_up_refusal(
+                     MeasurementSet{.source = "empty.csv", .metadata = {}, .columns = {}, .readings = {}, .notes = {}}),
+                 "expected readings, found none"));
+}
