@@ -126,7 +126,8 @@ Result<void> OutputGuard::check() const {
 
 std::vector<std::string> words_of(const std::string& path) {
   std::vector<std::string> words;
-  for (const std::string_view word : split(path, ' ')) words.emplace_back(word);
+  for (const std::string_view word : split(path, ' '))
+    if (!word.empty()) words.emplace_back(word);
   return words;
 }
 

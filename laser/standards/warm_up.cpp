@@ -102,11 +102,16 @@ std::optional<WarmUpDifference> difference_of(const WarmUpCurve& from, const War
   difference.curve.position_mm = from.position_mm;
   difference.curve.approach = from.approach;
   difference.to_mm = to.position_mm;
-  for (std::size_t i = 0; i < from.value.size(); ++i)
-    if (const auto other = value_at(to, from.time_h[i])) {
-      difference.curve.time_h.push_back(from.time_h[i]);
-      difference.curve.value.push_back(*other - from.value[i]);
-    }
+  std::vector<double> times_h = from.time_h;
+  times_h.insert(times_h.end(), to.time_h.begin(), to.time_h.end());
+  std::sort(times_h.begin(), times_h.end());
+  times_h.erase(std::unique(times_h.begin(), times_h.end()), times_h.end());
+  for (const double time_h : times_h) {
+    const auto near = value_at(from, time_h), far = value_at(to, time_h);
+    if (!near || !far) continue;
+    difference.curve.time_h.push_back(time_h);
+    difference.curve.value.push_back(*far - *near);
+  }
   if (difference.curve.value.size() < kLeastWarmUpReadings) return std::nullopt;
   evaluate_warm_up(difference.curve, window_h);
   if (!is_rotation(from.sense))

@@ -35,7 +35,7 @@ struct WarmUpCurve {
 
 /// The outer places against each other: growth along the axis (its own sense), or a tilt of the line.
 struct WarmUpDifference {
-  WarmUpCurve curve;  ///< value at `to_mm` less that at `position_mm`, at the times of `position_mm`
+  WarmUpCurve curve;  ///< value at `to_mm` less that at `position_mm`, straight between readings
   double to_mm = 0.0;
   double range_um_per_m = 0.0;  ///< range over the distance; 0 for rotations
 };

@@ -51,8 +51,9 @@ TEST_CASE("groff has nothing to say about the pages") {
   SKIP_UNLESS(installed("command -v groff"), "groff is not installed");
   const Folder folder;
   REQUIRE(ran({"manual", "-o", folder / "man"}).code == 0);
-  CHECK(output_of("for page in " + (folder / "man") + "/*.1; do groff -man -Tutf8 -ww \"$page\" >/dev/null; done")
-            .text == "");
+  CHECK(
+      output_of("for page in " + (folder / "man") + "/*.1; do groff -man -Tutf8 -ww \"$page\" >/dev/null; done").text ==
+      "");
 }
 
 TEST_CASE("zsh and fish take their completion where they are installed") {

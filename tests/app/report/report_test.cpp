@@ -24,7 +24,8 @@ TEST_CASE("a report of measurements alone says what it was not given, and holds 
   CHECK(j["rows"][0]["after"] == Approx(8.0));
   CHECK(j["rows"][0]["verdict"] == "within");
   CHECK(j["rows"][1]["verdict"] == "no limit");
-  CHECK(j["absent"] == nlohmann::json::parse(R"(["machine","map","parameters","model","diagnosis","status","circles"])"));
+  CHECK(j["absent"] ==
+        nlohmann::json::parse(R"(["machine","map","parameters","model","diagnosis","status","circles"])"));
   const std::string html = c.html();
   CHECK(html.size() == j["bytes"]);
   CHECK(contains(html, "Machine: no machine file was given"));
