@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unicorn/unicorn.h>
 
+#include "ecs_emulator/unit/processor_library.hpp"
 #include "ecs_emulator/unit/self_test.hpp"
 
 namespace ecs::emulator {
@@ -50,6 +50,7 @@ std::uint64_t big_endian(ByteView bytes) {
 
 struct UserSoftware::Processor {
   UnitMemory& memory;
+  const ProcessorLibrary* library = processor_library();
   uc_engine* engine = nullptr;
   std::vector<uc_hook> hooks = std::vector<uc_hook>(5);
   std::array<std::uint8_t, 20> inputs{};
@@ -65,27 +66,27 @@ struct UserSoftware::Processor {
   Processor(const Processor&) = delete;
   Processor& operator=(const Processor&) = delete;
   ~Processor() {
-    if (engine != nullptr) uc_close(engine);
+    if (engine != nullptr) library->close(engine);
   }
 
   [[nodiscard]] std::uint32_t reg(int which) const {
     std::uint32_t value = 0;
-    uc_reg_read(engine, which, &value);
+    library->reg_read(engine, which, &value);
     return value;
   }
-  void set(int which, std::uint32_t value) { uc_reg_write(engine, which, &value); }
+  void set(int which, std::uint32_t value) { library->reg_write(engine, which, &value); }
 
   void trap(std::string reason) {
     if (end != UserEnd::running) return;
     end = UserEnd::trapped;
     why = std::move(reason);
-    uc_emu_stop(engine);
+    library->emu_stop(engine);
   }
 
   void take_back() {
     if (written_first > written_last) return;
     std::vector<std::uint8_t> bytes(written_last - written_first + 1);
-    uc_mem_read(engine, written_first, bytes.data(), bytes.size());
+    library->mem_read(engine, written_first, bytes.data(), bytes.size());
     memory.write(written_first, bytes);
     load(written_first, static_cast<std::uint32_t>(bytes.size()));  // a stuck bit shows
     written_first = ~Address{0};
@@ -93,7 +94,7 @@ struct UserSoftware::Processor {
   }
   void load(Address first, std::uint32_t size) {
     const ByteView bytes = memory.view(first, size);
-    uc_mem_write(engine, first, bytes.data(), bytes.size());
+    library->mem_write(engine, first, bytes.data(), bytes.size());
   }
 
   // what the processor calls
@@ -105,7 +106,7 @@ struct UserSoftware::Processor {
   /// Between two blocks of instructions the condition codes are in their register: there it may stop and go on.
   static void on_block(uc_engine* engine, std::uint64_t /*address*/, std::uint32_t /*size*/, void* self_) {
     const auto& self = *static_cast<Processor*>(self_);
-    if (self.instructions >= self.allowed) uc_emu_stop(engine);
+    if (self.instructions >= self.allowed) self.library->emu_stop(engine);
   }
   static void on_access(uc_engine* /*engine*/, uc_mem_type type, std::uint64_t address, int size, std::int64_t /*v*/,
                         void* self_) {
@@ -163,17 +164,17 @@ struct UserSoftware::Processor {
   void map_window(std::size_t number, Address first, std::uint32_t size) {
     constexpr std::uint32_t kPage = 0x1000;
     windows[number] = {this, first};
-    uc_mmio_map(engine, first, (size + kPage - 1) / kPage * kPage, on_window_read, &windows[number], on_window_write,
-                &windows[number]);
+    library->mmio_map(engine, first, (size + kPage - 1) / kPage * kPage, on_window_read, &windows[number],
+                      on_window_write, &windows[number]);
   }
   template <class F>
   void hook(std::size_t number, int types, F* function) {
-    uc_hook_add(engine, &hooks[number], types, reinterpret_cast<void*>(function), this, std::uint64_t{1},
-                std::uint64_t{0});
+    library->hook_add(engine, &hooks[number], types, reinterpret_cast<void*>(function), this, std::uint64_t{1},
+                      std::uint64_t{0});
   }
   void map_memory() {
-    uc_mem_map(engine, kEprom.first, kEprom.size, UC_PROT_READ | UC_PROT_EXEC);
-    uc_mem_map(engine, kSystemRam.first, kSystemRam.size, UC_PROT_ALL);
+    library->mem_map(engine, kEprom.first, kEprom.size, UC_PROT_READ | UC_PROT_EXEC);
+    library->mem_map(engine, kSystemRam.first, kSystemRam.size, UC_PROT_ALL);
     load(kEprom.first, kEprom.size);
     load(kSystemRam.first, kSystemRam.size);
     map_window(0, kMachineInputs.first, kMachineInputs.size);
@@ -195,17 +196,22 @@ bool UserSoftware::may_start_at(Address start) {
 UserSoftware::UserSoftware(UnitMemory& memory, Address start, std::uint32_t argument)
     : processor_(std::make_unique<Processor>(memory)) {
   Processor& p = *processor_;
-  if (uc_open(UC_ARCH_M68K, UC_MODE_BIG_ENDIAN, &p.engine) != UC_ERR_OK) {
+  if (p.library == nullptr) {
+    p.end = UserEnd::trapped;
+    p.why = "the processor emulation is not installed (libunicorn2)";
+    return;
+  }
+  if (p.library->open(UC_ARCH_M68K, UC_MODE_BIG_ENDIAN, &p.engine) != UC_ERR_OK) {
     p.end = UserEnd::trapped;
     p.why = "the processor emulation does not start";
     return;
   }
-  uc_ctl_set_cpu_model(p.engine, UC_CPU_M68K_M68000);
+  p.library->ctl(p.engine, UC_CTL_WRITE(UC_CTL_CPU_MODEL, 1), UC_CPU_M68K_M68000);
   p.map_memory();
   const Address stack = kSystemRam.first + kSystemRam.size - 4;
   std::array<std::uint8_t, 4> back{};
   store_big<std::uint32_t>(back, 0, kReturnTo);
-  uc_mem_write(p.engine, stack, back.data(), back.size());
+  p.library->mem_write(p.engine, stack, back.data(), back.size());
   p.set(UC_M68K_REG_SR, kSupervisor);  // before A7: it chooses which stack pointer that is
   p.set(UC_M68K_REG_A7, stack);
   p.set(UC_M68K_REG_D0, argument);
@@ -223,13 +229,13 @@ void UserSoftware::step(const MachineInputs& inputs, double period_s) {
   store_big<std::uint32_t>(p.inputs, 16, inputs.present);
   p.allowed += static_cast<std::uint64_t>(period_s * static_cast<double>(kInstructionsPer_s));
   if (p.allowed <= p.instructions) return;
-  const uc_err error = uc_emu_start(p.engine, p.reg(UC_M68K_REG_PC), kReturnTo, 0, 0);
+  const uc_err error = p.library->emu_start(p.engine, p.reg(UC_M68K_REG_PC), kReturnTo, 0, 0);
   p.take_back();
   if (p.end != UserEnd::running) return;
   if (p.reg(UC_M68K_REG_PC) == kReturnTo) {
     p.end = UserEnd::returned;
   } else if (error != UC_ERR_OK) {
-    p.trap(fmt::format("{} at PC 0x{:06X}", uc_strerror(error), p.pc));
+    p.trap(fmt::format("{} at PC 0x{:06X}", p.library->strerror(error), p.pc));
   } else if (p.instructions < p.allowed) {
     p.trap(fmt::format("STOP at PC 0x{:06X}: no interrupt ever wakes it", p.pc));
   } else if (p.instructions >= kMostInstructions) {
@@ -239,7 +245,7 @@ void UserSoftware::step(const MachineInputs& inputs, double period_s) {
 }
 
 void UserSoftware::host_wrote(Address first, std::uint32_t size) {
-  if (kSystemRam.contains(first)) processor_->load(first, size);
+  if (processor_->engine != nullptr && kSystemRam.contains(first)) processor_->load(first, size);
 }
 
 UserEnd UserSoftware::end() const { return processor_->end; }
