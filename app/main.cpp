@@ -8,6 +8,8 @@
 int main(int argc, char** argv) {
   ecs::catch_signals();
   const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words == std::vector<std::string>{"--linear"})
+    return ecs::app::run_linear_program(std::cin, std::cout, std::cerr);
   if (const auto left = ecs::app::screens_started(words)) return *left;
   ecs::app::ConsoleOptions options = ecs::app::options_of_stderr();
   options.keyboard = ecs::app::keyboard_of_stdin();

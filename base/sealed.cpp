@@ -6,17 +6,13 @@
 #include <nettle/base64.h>
 #include <zlib.h>
 
+#include "base/base64.hpp"
+
 namespace ecs {
 namespace {
 
 constexpr std::size_t kLineLength = 76;
 constexpr std::size_t kMostText = std::size_t{1} << 26;  ///< a truth is a few kilobytes
-
-std::string base64_of(const std::vector<Bytef>& bytes) {
-  std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
-  base64_encode_raw(text.data(), bytes.size(), bytes.data());
-  return text;
-}
 
 }  // namespace
 
@@ -25,7 +21,7 @@ std::string sealed(std::string_view text, std::string_view heading) {
   std::vector<Bytef> packed(length);
   compress2(packed.data(), &length, reinterpret_cast<const Bytef*>(text.data()), text.size(), Z_BEST_COMPRESSION);
   packed.resize(length);
-  const std::string coded = base64_of(packed);
+  const std::string coded = base64_of({reinterpret_cast<const char*>(packed.data()), packed.size()});
   std::string out = fmt::format("# {}\n# {} bytes\n", heading, text.size());
   for (std::size_t k = 0; k < coded.size(); k += kLineLength) out += coded.substr(k, kLineLength) + "\n";
   return out;

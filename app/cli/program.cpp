@@ -82,7 +82,8 @@ std::string whole_help(const VerbRegistry& registry, const std::string& help) {
   return fmt::format(
       "{}\n\n{}\n`ecs` alone opens the screens; `ecs FILE...` opens the files there: a model with its measurements, "
       "an\n"
-      "error map, parameters, a dump. `ecs VERB --help` explains a verb.\n{}",
+      "error map, parameters, a dump; `ecs --linear` asks line by line, for screen readers and teletypes. `ecs VERB\n"
+      "--help` explains a verb.\n{}",
       kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
 }
 

@@ -17,6 +17,7 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
     parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows whole what ends in ... F2"});
   parts_.push_back({"F3", "finds any screen or command by its name, here too"});
+  parts_.push_back({"F4", "copies the selected row, or the screen, to your clipboard (OSC 52)"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "draw everything anew; leave the program"});
   const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
   if (!words.empty()) parts_.push_back({"", ""});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "app/ui/copying.hpp"
 #include "app/ui/key_line.hpp"
 #include "app/ui/overlay.hpp"
 #include "app/ui/talk.hpp"
@@ -68,6 +69,22 @@ void draw_leaving(Canvas& canvas, const std::string& unsaved) {
   draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
 }
 
+void draw_said(Canvas& canvas, const std::string& words) {
+  const Area line = key_area(canvas);
+  canvas.fill(line);
+  canvas.text(line, 0, 1, words, Tone::warning);
+}
+
+/// Letters and tones: a key that only moves a cursor does something.
+std::string seen_of(const Screen& screen, const Terminal& terminal) {
+  const Canvas canvas = picture_of(screen, "", {}, terminal.canvas(), false);
+  std::string seen = canvas.plain_text();
+  for (int row = 0; row < canvas.rows(); ++row)
+    for (int column = 0; column < canvas.columns(); ++column)
+      seen += static_cast<char>('0' + static_cast<int>(canvas.at(row, column).tone));
+  return seen;
+}
+
 /// The screens one behind the other.
 class Stack {
  public:
@@ -122,6 +139,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
   bool changed = true;              ///< since the last picture
   bool urgent = true;               ///< by a key
   bool sure = false;                ///< asked once about unsaved work
+  std::string said;                 ///< in place of the key line, until the next key
   while (!stack.empty() && interrupting_signal() == 0) {
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
@@ -141,6 +159,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
       partly = canvas.whole_texts();
       if (over.shown()) over.draw(canvas);
       if (sure) draw_leaving(canvas, stack.unsaved());
+      if (!said.empty()) draw_said(canvas, said);
       changed = !terminal.show(canvas, over.shown() || sure ? CellPosition{-1, -1} : screen.cursor(screen_area(canvas)),
                                urgent);
     }
@@ -150,9 +169,9 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
                 .value_or(Key{});
     urgent = key.name != Key::Name::none;
     changed = changed || urgent;
-    if (!urgent) {
-      continue;
-    } else if (sure) {
+    if (!urgent) continue;
+    said.clear();
+    if (sure) {
       const Reply reply = reply_to_leaving(key, stack.unsaved().empty());
       if (reply == Reply::yes) return 0;
       sure = reply == Reply::none;
@@ -169,8 +188,16 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
       stack.take(opened(hooks.finder()));
     } else if (key.name == Key::Name::function && key.number == 2 && !partly.empty()) {
       over.show_whole(partly);
+    } else if (key.name == Key::Name::function && key.number == 4) {
+      const Canvas canvas = picture_of(screen, "", {}, terminal.canvas(), false);
+      const std::string text = text_to_copy(canvas, screen_area(canvas));
+      said = terminal.copy(text) ? copied_words(text) : "this terminal takes no copies, or not as much";
     } else {
+      const bool command = key.name == Key::Name::letter && !screen.typing();
+      const std::string before = command ? seen_of(screen, terminal) : std::string();
       Step step = screen.on_key(key);
+      if (command && step.kind == Step::Kind::stay && seen_of(screen, terminal) == before)
+        said = idle_key_words(screen, key.letter);
       if (step.kind == Step::Kind::back && stack.is_last())
         sure = true;
       else

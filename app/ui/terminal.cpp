@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <cwchar>
+#include <string>
 
 #include <langinfo.h>
 #include <sys/ioctl.h>
@@ -16,6 +17,8 @@
 
 #define NCURSES_WIDECHAR 1
 #include <curses.h>
+
+#include "base/base64.hpp"
 
 namespace ecs::app {
 namespace {
@@ -328,6 +331,25 @@ Key Terminal::read(int wait_ms) {
   if (kind == ERR) return {};
   if (kind != KEY_CODE_YES) return key_of_letter(code);
   return code == KEY_MOUSE ? pressed_at() : key_of_code(code);
+}
+
+bool Terminal::copy(std::string_view text) {
+  constexpr std::size_t kMost = 50'000;  // terminals cut more
+  const char* const set = std::getenv("TERM");
+  const std::string_view term = set == nullptr ? "" : set;
+  constexpr std::string_view kKnown[] = {"xterm", "tmux",  "screen",  "rxvt", "alacritty",
+                                         "foot",  "kitty", "wezterm", "st-"};
+  if (text.size() > kMost || std::none_of(std::begin(kKnown), std::end(kKnown),
+                                          [&](std::string_view known) { return term.starts_with(known); }))
+    return false;
+  const std::string sequence = "\033]52;c;" + base64_of(text) + "\a";
+  std::size_t sent = 0;
+  while (sent < sequence.size()) {
+    const ssize_t written = ::write(STDOUT_FILENO, sequence.data() + sent, sequence.size() - sent);
+    if (written <= 0) return false;
+    sent += static_cast<std::size_t>(written);
+  }
+  return true;
 }
 
 void Terminal::redraw() { ::clearok(stdscr, TRUE); }

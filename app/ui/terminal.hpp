@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "app/ui/cells.hpp"
 #include "app/ui/keys.hpp"
@@ -35,6 +36,9 @@ class Terminal {
   [[nodiscard]] bool show(const Canvas& canvas, CellPosition cursor, bool urgent);
   /// The next key; Name::none after `wait_ms` without one.
   [[nodiscard]] Key read(int wait_ms);
+  /// Puts text on the clipboard of the computer at which the user sits (OSC 52, raw; tmux passes it on where its
+  /// `set-clipboard` is on). False where the terminal does not know that: a vt100 would print it.
+  [[nodiscard]] bool copy(std::string_view text);
   /// Everything again, as after something else has written on the terminal.
   void redraw();
 

@@ -1,6 +1,9 @@
 // A verb is defined in a file of its menu's folder, app/verbs/<menu>/; here it gets its row.
 #include "app/verbs/registry.hpp"
 
+#include "app/cli/linear.hpp"
+#include "app/cli/parser.hpp"
+
 namespace ecs::app {
 
 extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, kParamsNew, kParamsSend, kParamsReceive;
@@ -128,6 +131,14 @@ const VerbRegistry& all_verbs() {
 int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
                 ConsoleOptions options) {
   return run_command_line(all_verbs(), words, out, messages, std::move(options));
+}
+
+int run_linear_program(std::istream& in, std::ostream& out, std::ostream& messages) {
+  Console console(out, messages, {});
+  VerbContext context{console, {}, {}, {}};
+  const cli::ShownProgram program = shown_program(all_verbs(), context);
+  return run_linear(
+      program, [&](const std::vector<std::string>& words) { return run_program(words, out, messages); }, in, out);
 }
 
 }  // namespace ecs::app

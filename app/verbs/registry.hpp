@@ -13,4 +13,7 @@ namespace ecs::app {
 [[nodiscard]] int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
                               ConsoleOptions options = {});
 
+/// `ecs --linear`: the same verbs from numbered menus, a line at a time (app/cli/linear.hpp).
+[[nodiscard]] int run_linear_program(std::istream& in, std::ostream& out, std::ostream& messages);
+
 }  // namespace ecs::app
