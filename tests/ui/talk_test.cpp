@@ -126,7 +126,7 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
   Canvas small(8, 30);
   help.draw(small);
   CHECK(contains(small.plain_text(), "It tells one thing."));
-  for (int k = 0; k < 20; ++k) help.on_key({Key::Name::down});
+  for (int k = 0; k < 40; ++k) help.on_key({Key::Name::down});
   help.draw(small);
   CHECK(contains(small.plain_text(), "leave"));
   CHECK(help.shown());
