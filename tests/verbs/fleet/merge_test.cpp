@@ -5,7 +5,7 @@
 namespace ecs::app {
 namespace {
 
-std::string line(const std::string& id, const std::string& hash, const std::string& batch, double e_value) {
+std::string fleet_line(const std::string& id, const std::string& hash, const std::string& batch, double e_value) {
   const std::string cause =
       e_value > 0.0
           ? fmt::format(R"({{"name":"cyclic:X:EX","probability":0.99,"e_value":{},"false_naming":0.005}})", e_value)
@@ -17,16 +17,16 @@ std::string line(const std::string& id, const std::string& hash, const std::stri
 }
 
 /// Ten batches of ten; batch 7 has a periodic error.
-std::string night(double e_value) {
+std::string fleet_night(double e_value) {
   std::string text;
   for (int i = 0; i < 100; ++i)
-    text += line(fmt::format("m{}", i), "aa", fmt::format("b{}", i / 10), i / 10 == 7 ? e_value : 0.0);
+    text += fleet_line(fmt::format("m{}", i), "aa", fmt::format("b{}", i / 10), i / 10 == 7 ? e_value : 0.0);
   return text;
 }
 
 TEST_CASE("results of many hosts become one answer that names the machines and their batch") {
   const Folder folder;
-  const std::string all = night(1e12);
+  const std::string all = fleet_night(1e12);
   const std::string a = folder.with("a.jsonl", all.substr(0, all.size() / 2));  // a line is cut
   const std::string b = folder.with("b.jsonl", all);
   const Ran r = ran({"fleet", "merge", a, b, "--fdr", "0.05", "-o", folder / "all.jsonl", "--json"});
@@ -46,7 +46,8 @@ TEST_CASE("results of many hosts become one answer that names the machines and t
 
 TEST_CASE("what changed since last time is told from its results or its answer") {
   const Folder folder;
-  const std::string before = folder.with("before.jsonl", night(0.0)), now = folder.with("now.jsonl", night(1e12));
+  const std::string before = folder.with("before.jsonl", fleet_night(0.0)),
+                    now = folder.with("now.jsonl", fleet_night(1e12));
   const std::string answer = folder.with("now.json", ran({"fleet", "merge", now, "--json"}).out);
   const auto appeared = ran({"fleet", "merge", now, "--previous", before, "--json"}).json();
   CHECK(appeared["changed"].size() == 10);
@@ -59,8 +60,8 @@ TEST_CASE("what changed since last time is told from its results or its answer")
 
 TEST_CASE("one id with two contents is a conflict, exit code 1") {
   const Folder folder;
-  const std::string a = folder.with("a.jsonl", line("m", "aa", "b", 0.0)),
-                    b = folder.with("b.jsonl", line("m", "bb", "b", 0.0));
+  const std::string a = folder.with("a.jsonl", fleet_line("m", "aa", "b", 0.0)),
+                    b = folder.with("b.jsonl", fleet_line("m", "bb", "b", 0.0));
   const Ran r = ran({"fleet", "merge", a, b});
   CHECK(r.code == 1);
   CHECK(contains(r.messages, "b.jsonl: m has other contents"));
