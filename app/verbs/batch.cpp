@@ -5,15 +5,19 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "commissioning/batch/run.hpp"
 
 namespace ecs::app {
 namespace {
 
 struct BatchArguments : VerbArguments {
-  const std::string& plan = text("PLAN", "plan file (TOML)", Need::required);
+  const std::string& plan = text(
+      "PLAN", "plan file (TOML), or a table (.csv) with the columns id, link, params, serial_number, map, arm_code",
+      Need::required);
   const bool& dry_run = flag("--dry-run", "check everything, write nothing");
   const int& lines = integer("--lines", "lines that are served at the same time", kUsualLines, 1, kMostLines);
+  const std::string& output = output_file("-o,--output", "the report, a line of JSON a unit");
 };
 
 Cell report_cell(const BatchReport& r) {
@@ -36,6 +40,23 @@ Cell reports_cell(const std::vector<BatchReport>& reports) {
   return list_cell(reports, report_cell, fmt::format("{:<20} {:<14} {:<14} link\n", "unit", "serial number", "result"));
 }
 
+/// A line as that of a machine in the results of `ecs fleet diagnose`: {"id", "state", …} or {"id", "error"}.
+std::string report_line(const BatchReport& r) {
+  if (r.problem) return one_line({{"id", r.name}, {"error", to_text(*r.problem)}});
+  return one_line({{"id", r.name},
+                   {"state", name_of(r.state)},
+                   {"serial_number", text_or_null(r.serial_number)},
+                   {"link", r.link},
+                   {"bytes", r.bytes}});
+}
+
+Result<void> write_report(const std::string& path, const std::vector<BatchReport>& reports) {
+  if (path.empty()) return {};
+  std::string text;
+  for (const BatchReport& report : reports) text += report_line(report) + '\n';
+  return write_file(path, text);
+}
+
 Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   if (!context.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
@@ -53,6 +74,7 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   const auto reports =
       run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, arguments.lines, watch);
   context.console.end_progress();
+  if (const auto written = write_report(arguments.output, reports); !written) return tl::unexpected(written.error());
   const int exit_code = exit_code_of(reports);
   const Cell units = reports_cell(reports);
   Json object{

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "commissioning/manifest/manifest.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -71,7 +73,40 @@ Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const s
   return units;
 }
 
+Result<std::vector<PlannedUnit>> batch_plan_of(const Manifest& manifest) {
+  std::vector<PlannedUnit> units;
+  std::vector<Problem> problems;
+  for (std::size_t i = 0; i < manifest.size(); ++i) {
+    const auto row = manifest.row(i);
+    if (!row) {
+      problems.push_back(row.error());
+      continue;
+    }
+    const auto complain = [&](std::string message) {
+      problems.push_back({ProblemKind::bad_input, std::move(message), manifest.name(), row->line, 1, {}});
+    };
+    if (const auto first = manifest.doubles_line(i))
+      complain(fmt::format("the id {} is that of line {}: give each unit one of its own", row->id(), *first));
+    auto link = parsed_link(link_from_folder(manifest.from_folder("."), row->cells[1]), "plan");
+    if (!link) {
+      complain(link.error().message);
+      continue;
+    }
+    link->arm_code = row->cells[5];
+    units.push_back({row->id(), std::move(*link), row->cells[3], manifest.from_folder(row->cells[2]),
+                     manifest.from_folder(row->cells[4])});
+  }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return units;
+}
+
 Result<std::vector<PlannedUnit>> read_batch_plan(const fs::path& path) {
+  if (lower(path.extension().string()) == ".csv") {
+    static const ManifestColumns kColumns{{"id", "link", "params"}, {"serial_number", "map", "arm_code"}};
+    const auto manifest = Manifest::read(path, kColumns);
+    if (!manifest) return tl::unexpected(manifest.error());
+    return batch_plan_of(*manifest);
+  }
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
   return parse_batch_plan(*text, path.string(), path.parent_path());

@@ -1,6 +1,7 @@
 // Plans of many units, and the doctor, as far as they go without a unit.
 #include <doctest/doctest.h>
 
+#include "base/text.hpp"
 #include "commissioning/batch/plan.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/port_survey.hpp"
@@ -73,6 +74,28 @@ TEST_CASE("one unit that fails does not stop the others, and a lost link makes e
   CHECK(units[0]["state"] == "failed");
   CHECK(units[0]["error"]["file"].get<std::string>().find("gone.toml") != std::string::npos);
   CHECK(units[1]["error"]["message"].get<std::string>().find("no such port") != std::string::npos);
+}
+
+TEST_CASE("a batch takes its units from a table, and writes a line of JSON for each") {
+  const Folder folder;
+  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  const std::string plan = folder.with(
+      "units.csv",
+      "id,link,params,map\na,rtu:/dev/no-such-port:9600,p.toml,\nb,rtu:/dev/no-such-port:9600,gone.toml,\n");
+  const Ran r = ran({"batch", plan, "--dry-run", "-o", folder / "report.jsonl", "--json"});
+  CHECK(r.code == 4);
+  CHECK(r.json()["units"][1]["name"] == "b");
+  const auto lines = owned_lines_of(content_of(folder / "report.jsonl"));
+  REQUIRE(lines.size() == 2);
+  CHECK(contains(nlohmann::json::parse(lines[0])["error"].get<std::string>(), "no such port"));
+  CHECK(contains(nlohmann::json::parse(lines[1])["error"].get<std::string>(), "gone.toml"));
+  CHECK(ran({"batch", plan, "--dry-run", "-o", folder / "report.jsonl"}).code == 2);
+  const Ran wrong =
+      ran({"batch", folder.with("bad.csv", "id,link,params\na,nonsense,p.toml\na,tcp:h:1,p.toml\n,x,y\n")});
+  CHECK(wrong.code == 3);
+  CHECK(contains(wrong.messages, "bad.csv:2"));
+  CHECK(contains(wrong.messages, "that of line 2"));
+  CHECK(contains(wrong.messages, "bad.csv:4"));
 }
 
 TEST_CASE("the doctor says that a port does not exist, or is not a port") {
