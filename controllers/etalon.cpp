@@ -187,6 +187,11 @@ bool has_functions(std::string_view text) {
 
 }  // namespace
 
+std::optional<ControlCurve> curve_at_machine_zero(const ExportSource& source, const TermTable& terms,
+                                                  Component component) {
+  return curve_for(source, terms, component, true);
+}
+
 Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options) {
   if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
   if (source.parameters.convention != Convention::iso)
@@ -229,10 +234,15 @@ laser::ErrorMap at_measurement_lines(const laser::ErrorMap& read, const UnitPara
                            ? curve_of(read, component)
                            : moved_curve(read, parameters.measurement_lines_mm, terms, component, 1.0, 1.0);
     if (!curve) continue;
-    laser::MapTable table{component, Approach::unknown, curve->position_mm, curve->forward};
-    if (angular && parameters.angular_scale != 0.0)
-      for (double& value : table.compensation) value /= parameters.angular_scale;
-    out.tables.push_back(std::move(table));
+    const bool same = curve->forward == curve->reverse;
+    for (const Approach approach : {Approach::forward, Approach::reverse}) {
+      laser::MapTable table{component, same ? Approach::unknown : approach, curve->position_mm,
+                            approach == Approach::forward ? curve->forward : curve->reverse};
+      if (angular && parameters.angular_scale != 0.0)
+        for (double& value : table.compensation) value /= parameters.angular_scale;
+      out.tables.push_back(std::move(table));
+      if (same) break;
+    }
   }
   return out;
 }

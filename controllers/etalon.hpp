@@ -3,9 +3,11 @@
 // 230-1.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "controllers/curve.hpp"
 #include "controllers/tables.hpp"
 
 namespace ecs::controllers {
@@ -23,6 +25,11 @@ struct EtalonOptions {
   bool levers_from_zero = true;
   std::size_t most_points = 0;  ///< of one function; 0: as many as the map has
 };
+
+/// The curve of a component for a control that levers rotations from the machine zero: a translation is brought there
+/// from its measurement line. Nothing where the machine lacks the axis or the map has nothing to write.
+[[nodiscard]] std::optional<ControlCurve> curve_at_machine_zero(const ExportSource& source, const TermTable& terms,
+                                                                Component component);
 
 /// One file with the errors (not the compensations): every curve of the map as grid points, C0Y, B0Z, A0Z as values.
 /// The format has one function for both approaches: the mean. Refused: squareness and terms in the printed signs.

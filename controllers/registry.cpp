@@ -7,11 +7,11 @@
 
 namespace ecs::controllers {
 
-extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kAerotech;
+extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kHeidenhain, kAerotech;
 
 std::span<const ControllerFormat* const> controller_formats() {
-  static constexpr std::array<const ControllerFormat*, 5> kFormats{
-      &kLinuxCnc, &kSiemens, &kEtalon, &kTwinCat, &kAerotech,
+  static constexpr std::array<const ControllerFormat*, 6> kFormats{
+      &kLinuxCnc, &kSiemens, &kEtalon, &kTwinCat, &kHeidenhain, &kAerotech,
   };
   return kFormats;
 }

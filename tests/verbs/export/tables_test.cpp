@@ -166,7 +166,7 @@ TEST_CASE("what a control cannot hold is reported for the map, not for a file th
   const ExportWorkspace workspace;
   const std::string close = workspace.folder.with(
       "close.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,1\nX,EX,0,1e-9,50\nX,EX,0,100,2\n");
-  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat"}) {
+  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat", "heidenhain"}) {
     CAPTURE(control);
     const Ran r = ran({"export", control, close, "--json"});
     REQUIRE(r.code == 0);
@@ -174,7 +174,7 @@ TEST_CASE("what a control cannot hold is reported for the map, not for a file th
   }
   const std::string far =
       workspace.folder.with("far.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,-1e308,1\nX,EX,0,1e308,2\n");
-  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat"}) {
+  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat", "heidenhain"}) {
     CAPTURE(control);
     const Ran r = ran({"export", control, far, "--json"});
     CHECK(r.code == 1);

@@ -1,0 +1,378 @@
+// HEIDENHAIN, writing.
+#include "controllers/heidenhain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "controllers/curve.hpp"
+#include "controllers/etalon.hpp"
+#include "controllers/format.hpp"
+
+namespace ecs::controllers {
+namespace {
+
+/// Entries of COMPTAB that the control takes, MachAxis entries of the kinematics included (manual p. 686).
+constexpr int kMostComptab = 100;
+constexpr double kDegPerUmPerM = 1e-6 * 180.0 / std::numbers::pi;
+
+/// One column of a table of an axis.
+struct ComColumn {
+  Component component = Component::EXX;
+  std::string heading;
+  ControlCurve curve;  ///< compensation, on the positions of the table
+};
+
+std::string table_name(Axis axis) { return fmt::format("{}.com", static_cast<char>(letter_of(axis) - 'X' + 'x')); }
+
+double unit_in_file(Component component, double angular_scale) {
+  return is_angular(component) ? kDegPerUmPerM * angular_scale : 1.0 / kUmPerMm;
+}
+
+/// The squareness that tilts the motion of `axis` in direction `to`: error um at 1 m of the axis; 0 where none does.
+double slope_um_per_m(const UnitParameters& p, Component straightness) {
+  switch (straightness) {
+    case Component::EXY:
+      return -squareness_um_per_m(p, Component::C0Y);
+    case Component::EXZ:
+      return squareness_um_per_m(p, Component::B0Z);
+    case Component::EYZ:
+      return -squareness_um_per_m(p, Component::A0Z);
+    default:
+      return 0.0;
+  }
+}
+
+/// With the tilt of a squareness in a straightness, over the whole travel of the axis.
+std::optional<ControlCurve> with_slope(const ExportSource& source, Component component,
+                                       std::optional<ControlCurve> curve) {
+  const double slope = is_angular(component) ? 0.0 : slope_um_per_m(source.parameters, component);
+  const Axis axis = moving_axis(component);
+  if (slope == 0.0 || !source.parameters.axis_present[index_of(axis)] ||
+      !source.parameters.axis_present[index_of(direction_of(sense_of(component)))])
+    return curve;
+  std::set<double> positions;
+  if (curve) positions.insert(curve->position_mm.begin(), curve->position_mm.end());
+  if (const auto& travel = source.travel_mm[index_of(axis)]) positions.insert(travel->begin(), travel->end());
+  if (positions.size() < 2) return curve;
+  const ControlCurve level{{0.0}, {0.0}, {0.0}};
+  ControlCurve tilted = resampled(curve.value_or(level), {positions.begin(), positions.end()});
+  for (std::size_t i = 0; i < tilted.position_mm.size(); ++i) {
+    const double compensation_um = -slope * tilted.position_mm[i] / 1000.0;
+    tilted.forward[i] += compensation_um;
+    tilted.reverse[i] += compensation_um;
+  }
+  return tilted;
+}
+
+std::vector<ComColumn> columns_for(const ExportSource& source, const TermTable& terms, Axis axis,
+                                   const HeidenhainOptions& options) {
+  std::vector<ComColumn> columns;
+  for (std::size_t i = 0; i < kHeidenhainColumns; ++i) {
+    const Component component = curve_of(static_cast<Sense>(i), axis);
+    const bool rotation = is_angular(component);
+    if (rotation && !options.kinematics) continue;
+    auto curve = options.kinematics && options.levers_from_zero ? curve_at_machine_zero(source, terms, component)
+                                                                : curve_of(source.map, component);
+    curve = with_slope(source, component, std::move(curve));
+    if (!curve || (largest_in(*curve) == 0.0 && !is_positioning(component))) continue;
+    const bool in_axis_column = !options.kinematics || is_positioning(component);
+    if (!is_positioning(component))
+      for (std::size_t k = 0; k < curve->position_mm.size(); ++k)
+        curve->forward[k] = curve->reverse[k] = 0.5 * (curve->forward[k] + curve->reverse[k]);
+    columns.push_back(
+        {component,
+         in_axis_column ? std::string(1, letter_of(direction_of(sense_of(component)))) : fmt::format("C{}", i + 1),
+         std::move(*curve)});
+  }
+  return columns;
+}
+
+/// Largest miss of any column between the points, in parts of the largest value of that column.
+double largest_miss(const std::vector<ComColumn>& columns, const std::vector<double>& position_mm) {
+  double worst = 0.0;
+  for (const ComColumn& column : columns) {
+    const ControlCurve coarse = resampled(column.curve, position_mm);
+    const double largest = std::max(largest_in(column.curve), 1e-9);
+    for (std::size_t i = 0; i < column.curve.position_mm.size(); ++i) {
+      const double p = column.curve.position_mm[i];
+      worst = std::max({worst, std::abs(value_at(coarse, Approach::forward, p) - column.curve.forward[i]) / largest,
+                        std::abs(value_at(coarse, Approach::reverse, p) - column.curve.reverse[i]) / largest});
+    }
+  }
+  return worst;
+}
+
+/// One set of positions for all columns: all of them, or of the sets that suit one column best the one that suits all.
+std::vector<double> common_positions(const std::vector<ComColumn>& columns, std::size_t most) {
+  std::set<double> all;
+  for (const ComColumn& column : columns) all.insert(column.curve.position_mm.begin(), column.curve.position_mm.end());
+  std::vector<double> best(all.begin(), all.end());
+  if (best.size() <= most) return best;
+  double least = 0.0;
+  bool found = false;
+  for (const ComColumn& column : columns) {
+    const std::vector<double> chosen = thinned(resampled(column.curve, {all.begin(), all.end()}), most).position_mm;
+    const double miss = largest_miss(columns, chosen);
+    if (found && miss >= least) continue;
+    best = chosen;
+    least = miss;
+    found = true;
+  }
+  return best;
+}
+
+std::string com_number(double value, int digits) {
+  const std::string text = fmt::format("{:+.{}f}", value, digits);
+  return text.find_first_not_of("+-0.") == std::string::npos ? fmt::format("+{:.{}f}", 0.0, digits) : text;
+}
+
+constexpr int kPositionInFile = 6;  ///< digits of mm: one nanometre
+
+/// In the digits of the file; of positions that fall together the first.
+std::vector<double> as_in_file(const std::vector<double>& position_mm) {
+  std::vector<double> kept;
+  for (const double p : position_mm) {
+    const double written = number_in(com_number(p, kPositionInFile)).value_or(p);
+    if (kept.empty() || written > kept.back()) kept.push_back(written);
+  }
+  return kept;
+}
+
+constexpr int kCell = 14;
+
+std::string com_text(Axis axis, const std::vector<ComColumn>& columns, const HeidenhainOptions& options,
+                     double angular_scale) {
+  std::string name = table_name(axis);
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char c) { return c >= 'a' ? static_cast<char>(c - 32) : c; });
+  std::string text = fmt::format("BEGIN {} MM\n{:<5}{:<{}}{:<{}}", name, "NR", "AXISPOS", kCell, "BACKLASH", kCell);
+  for (const ComColumn& column : columns) text += fmt::format("{:<{}}", column.heading, kCell);
+  text += '\n';
+  const double sign = options.holds_errors ? -1.0 : 1.0;
+  for (std::size_t i = 0; i < columns.front().curve.position_mm.size(); ++i) {
+    std::string backlash, values;
+    for (const ComColumn& column : columns) {
+      const double unit = sign * unit_in_file(column.component, angular_scale);
+      const int digits = is_angular(column.component) ? kHeidenhainAngleDigits : kHeidenhainLengthDigits;
+      const std::string forward = com_number(column.curve.forward[i] * unit, digits);
+      if (is_positioning(column.component) && column.curve.forward != column.curve.reverse)
+        backlash = com_number(column.curve.reverse[i] * unit, digits);
+      values += fmt::format("{:<{}}", forward, kCell);
+    }
+    text += fmt::format("{:<5}{:<{}}{:<{}}{}\n", i, com_number(columns.front().curve.position_mm[i], kPositionInFile),
+                        kCell, backlash, kCell, values);
+  }
+  return text + "[END]\n";
+}
+
+std::string cma_text(const std::vector<Axis>& axes) {
+  std::string heading = fmt::format("{:<5}{:<8}", "NR", "ACTIVE"), row = fmt::format("{:<5}{:<8}", 0, "*");
+  for (const Axis axis : axes) {
+    heading += fmt::format("{:<{}}", letter_of(axis), kCell);
+    row += fmt::format("{:<{}}", table_name(axis), kCell);
+  }
+  return fmt::format("BEGIN CONFIG.CMA MM\n{}\n{}\n[END]\n", heading, row);
+}
+
+/// The entries of the kinematics table for the columns C2 … of an axis. @return how many
+int add_kinematics_entries(Axis axis, const std::vector<ComColumn>& columns, ControllerExport& made) {
+  std::vector<std::string> entries;
+  for (const ComColumn& column : columns)
+    if (column.heading.starts_with('C'))
+      entries.push_back(fmt::format("Trans {} with {} ({}) in COMPTAB",
+                                    "XYZABC"[static_cast<std::size_t>(sense_of(column.component))], column.heading,
+                                    name_of(column.component)));
+  if (!entries.empty())
+    made.settings.push_back(
+        fmt::format("kinematics table, on the lines above MachAxis {}: {}; {} is the table they name", letter_of(axis),
+                    fmt::join(entries, ", "), table_name(axis)));
+  return static_cast<int>(entries.size());
+}
+
+void report_columns(const ExportSource& source, const std::vector<ComColumn>& whole,
+                    const std::vector<ComColumn>& columns, const ControllerTables& again, const std::string& file,
+                    ControllerExport& made) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const Component component = columns[c].component;
+    laser::ErrorMap written_map;
+    for (const laser::MapTable& table : again.tables)
+      if (table.component == component) written_map.tables.push_back(table);
+    const auto written = curve_of(written_map, component);
+    if (!written) continue;
+    const double scale =
+        is_angular(component) && source.parameters.angular_scale != 0.0 ? source.parameters.angular_scale : 1.0;
+    double deviation = 0.0;
+    for (std::size_t i = 0; i < whole[c].curve.position_mm.size(); ++i) {
+      const double p = whole[c].curve.position_mm[i];
+      for (const Approach approach : {Approach::forward, Approach::reverse})
+        deviation = std::max(deviation,
+                             std::abs(value_at(*written, approach, p) / scale - value_at(whole[c].curve, approach, p)));
+    }
+    made.tables.push_back({std::string(name_of(component)), fmt::format("{}, column {}", file, columns[c].heading),
+                           whole[c].curve.position_mm.size(), written->position_mm.size(), largest_in(*written),
+                           deviation, 0.0, std::string(unit_of(component))});
+  }
+}
+
+/// What a mean of both approaches loses, of all but positioning.
+double lost_reversal(const ExportSource& source, const std::vector<Component>& carried, bool rotations) {
+  double lost = 0.0;
+  for (const Component component : carried) {
+    if (is_squareness(component) || is_positioning(component) || is_angular(component) != rotations) continue;
+    if (const auto curve = curve_of(source.map, component))
+      for (std::size_t i = 0; i < curve->position_mm.size(); ++i)
+        lost = std::max(lost, 0.5 * std::abs(curve->forward[i] - curve->reverse[i]));
+  }
+  return lost;
+}
+
+std::vector<Component> with_squareness(const UnitParameters& p, std::vector<Component> carried) {
+  constexpr std::array<std::pair<Component, Component>, 3> kTilted{
+      {{Component::EXY, Component::C0Y}, {Component::EXZ, Component::B0Z}, {Component::EYZ, Component::A0Z}}};
+  for (const auto& [straightness, square] : kTilted)
+    if (slope_um_per_m(p, straightness) != 0.0 &&
+        std::find(carried.begin(), carried.end(), straightness) != carried.end())
+      carried.push_back(square);
+  return carried;
+}
+
+Result<ControllerExport> write_heidenhain(const ExportSource& source, const OptionValues& options) {
+  return heidenhain_export(
+      source, {options.text("tables") != "plain", options.text("com-sign") != "adds", options.text("levers") != "lines",
+               static_cast<std::size_t>(options.integer("points")), std::nullopt});
+}
+
+Result<ControllerTables> read_heidenhain(const ReadRequest& request) {
+  const auto axis = axis_option(request);
+  if (!axis) return tl::unexpected(axis.error());
+  HeidenhainOptions options;
+  options.holds_errors = request.options.text("com-sign") != "adds";
+  options.axis = *axis;
+  return parse_heidenhain(request.text, request.file_name, options);
+}
+
+bool is_heidenhain_file(std::string_view name) {
+  return name == "config.cma" ||
+         std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == table_name(axis); });
+}
+
+/// BEGIN, then a name that ends in .COM or .CMA.
+bool begins_as_table(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    const std::string content = lower(trimmed(line));
+    if (content.empty()) continue;
+    return content.starts_with("begin ") &&
+           (content.find(".com") != std::string::npos || content.find(".cma") != std::string::npos);
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<ControllerExport> heidenhain_export(const ExportSource& source, const HeidenhainOptions& options) {
+  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  if (source.parameters.convention != Convention::iso)
+    return problem(ProblemKind::refused,
+                   "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "
+                   "tables are named after ISO 230-1: convert map and squareness first");
+  const auto chain = chain_of(source.parameters);
+  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
+  const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
+  ControllerExport made;
+  std::vector<Component> carried;
+  std::vector<Axis> axes;
+  int entries = 0, machine_axes = 0;
+  for (const Axis axis : kAllAxes) {
+    if (!source.parameters.axis_present[index_of(axis)]) continue;
+    ++machine_axes;
+    const std::vector<ComColumn> whole = columns_for(source, terms, axis, options);
+    if (whole.empty()) continue;
+    std::vector<ComColumn> columns = whole;
+    const std::vector<double> positions = as_in_file(common_positions(whole, options.most_points));
+    for (ComColumn& column : columns) column.curve = resampled(column.curve, positions);
+    const std::string name = table_name(axis);
+    made.files.push_back({name, com_text(axis, columns, options, source.parameters.angular_scale)});
+    HeidenhainOptions reading = options;
+    reading.axis = axis;
+    auto again = parse_heidenhain(made.files.back().content, name, reading);
+    if (!again) return unwritable(again.error());
+    report_columns(source, whole, columns, *again, name, made);
+    for (const ComColumn& column : columns) carried.push_back(column.component);
+    entries += add_kinematics_entries(axis, columns, made);
+    if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
+    axes.push_back(axis);
+  }
+  if (axes.empty()) return problem(ProblemKind::refused, "the map has no curve of an axis of the machine");
+  made.files.push_back({"config.cma", cma_text(axes)});
+  if (entries > 0)
+    made.settings.push_back(fmt::format("{} entries in COMPTAB; the control takes {}, the {} MachAxis entries included",
+                                        entries, kMostComptab, machine_axes));
+  const std::string mean = "a column has one value, the mean";
+  if (const double lost = lost_reversal(source, carried, false); lost > 0.0005)
+    made.not_carried.push_back({"half the reversal of straightness", lost, "um", mean});
+  if (const double lost = lost_reversal(source, carried, true); lost > 0.0005)
+    made.not_carried.push_back({"half the reversal of rotations", lost, "um/m", mean});
+  leave_behind(made, source, with_squareness(source.parameters, carried), "axis columns have no lever arm",
+               "of an axis that the machine does not have");
+  made.notes = {
+      "values are errors in mm and degrees (the positive sign: moved too far); the sign and the unit of C4 to C6 are "
+      "not "
+      "printed in the pages at hand: try one table first (docs/controllers.md)",
+      "squareness is a slope of the straightness columns",
+      "the columns of the tables must be those of the axis list of the control"};
+  if (source.parameters.tool_offset_mm != Vector3{})
+    made.notes.push_back("the tool offset of the parameters is not in the files: the control adds that of its tool");
+  return made;
+}
+
+extern const ControllerFormat kHeidenhain{
+    .id = "heidenhain",
+    .title = "HEIDENHAIN compensation tables",
+    .name = "HEIDENHAIN",
+    .summary = "compensation-value tables of each axis (.com, .cma), with the columns of KinematicsComp or plain",
+    .example = "ecs export heidenhain map.csv --params mill.toml -o heidenhain/",
+    .output_help = "folder for x.com, y.com, z.com and config.cma",
+    .marks = "a first line BEGIN NAME.COM",
+    .holds = {"yes", "yes, by position", "yes, the mean", "yes, as a slope", "yes (KinematicsComp)",
+              "256 a table, anywhere"},
+    .resolution_um = 0.1,
+    .tables_add_up = false,
+    .write_options =
+        {{.name = "tables",
+          .help = "kinematics: straightness and rotations in C2 to C6 (default); plain: axis columns only, "
+                  "without rotations",
+          .fallback = "kinematics",
+          .words = {"kinematics", "plain"}},
+         {.name = "com-sign",
+          .help = "what the control does with a value: subtracts (default: values are errors), or adds",
+          .fallback = "subtracts",
+          .words = {"subtracts", "adds"}},
+         {.name = "levers",
+          .help = "where the control counts lever arms from: the machine zero (default), or the "
+                  "measurement lines",
+          .fallback = "zero",
+          .words = {"zero", "lines"}},
+         {.name = "points", .help = "most points of a table", .fallback = "256", .range = IntegerRange{2, 100'000}}},
+    .read_options = {{.name = "axis", .help = "the axis; default from the name of the table"},
+                     {.name = "com-sign",
+                      .help = "what the control does with a value; default subtracts",
+                      .fallback = "subtracts",
+                      .words = {"subtracts", "adds"}},
+                     {.name = "levers",
+                      .help = "where its lever arms count from; default zero",
+                      .words = {"zero", "lines"}}},
+    .is_file = is_heidenhain_file,
+    .recognises = begins_as_table,
+    .write = write_heidenhain,
+    .read = read_heidenhain,
+    .at_measurement_lines = at_measurement_lines,
+};
+
+}  // namespace ecs::controllers
