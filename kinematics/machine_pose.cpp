@@ -1,0 +1,136 @@
+#include "kinematics/machine_pose.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace ecs::kinematics {
+namespace {
+
+using Frame = std::array<Vector3, kAxes>;  ///< by column: where X, Y, Z of a joint point in the frame of the workpiece
+
+constexpr Frame kStraight{{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+constexpr double kMmOfMetre = 1000.0;
+
+Vector3 sum_of(const Vector3& a, double factor, const Vector3& b) {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+
+const RotaryGeometry& geometry_of(const JointMachine& machine, Joint joint) {
+  return machine.rotary[index_of(joint) - kAxes];
+}
+
+/// N_j in front of a point that follows it.
+AffineVector moved(const JointMachine& machine, Joint joint, const Angles& angles_deg, AffineVector point) {
+  if (!is_rotary(joint)) {
+    point.slope[index_of(joint)][index_of(joint)] += 1.0;
+    return point;
+  }
+  const RotaryGeometry& axis = geometry_of(machine, joint);
+  const double angle_deg = angles_deg[index_of(joint) - kAxes];
+  point.at_0 = sum_of(turned(sum_of(point.at_0, -1.0, axis.pivot_mm), axis.direction, angle_deg), 1.0, axis.pivot_mm);
+  for (Vector3& slope : point.slope) slope = turned(slope, axis.direction, angle_deg);
+  return point;
+}
+
+/// r_b: the measurement line in the directions of its levers, or the pivot.
+Vector3 referred_to(const JointMachine& machine, Joint b) {
+  if (is_rotary(b)) return geometry_of(machine, b).pivot_mm;
+  Vector3 line_mm{};
+  for (const Axis lever : kAllAxes)
+    if (is_beyond(machine.chain, b, joint_of(lever), machine.curves))
+      line_mm[ecs::index_of(lever)] = machine.lines_mm[index_of(b)][ecs::index_of(lever)];
+  return line_mm;
+}
+
+void add_row(MachinePose& pose, const JointTerm& row, const Frame& frame, const AffineVector& lever) {
+  Gain& gain = pose.gain[index_of(row.moving)][static_cast<std::size_t>(row.sense)];
+  const Vector3& along = frame[ecs::index_of(row.observed)];
+  if (!row.has_lever) {
+    gain.at_0 = sum_of(gain.at_0, row.sign, along);
+    return;
+  }
+  const std::size_t l = ecs::index_of(row.lever);
+  const double sign = row.sign / kMmOfMetre;
+  gain.at_0 = sum_of(gain.at_0, sign * lever.at_0[l], along);
+  for (std::size_t p = 0; p < kAxes; ++p) gain.slope[p] = sum_of(gain.slope[p], sign * lever.slope[p][l], along);
+}
+
+}  // namespace
+
+Vector3 turned(const Vector3& v, const Vector3& n, double angle_deg) {
+  const double angle = angle_deg * std::numbers::pi / 180.0, c = std::cos(angle), s = std::sin(angle);
+  const double along = (1.0 - c) * (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
+  return {c * v[0] + s * (n[1] * v[2] - n[2] * v[1]) + along * n[0],
+          c * v[1] + s * (n[2] * v[0] - n[0] * v[2]) + along * n[1],
+          c * v[2] + s * (n[0] * v[1] - n[1] * v[0]) + along * n[2]};
+}
+
+Vector3 AffineVector::at(const Vector3& position_mm) const {
+  Vector3 sum = at_0;
+  for (std::size_t l = 0; l < kAxes; ++l) sum = sum_of(sum, position_mm[l], slope[l]);
+  return sum;
+}
+
+MachinePose pose_at(const JointMachine& machine, const Angles& angles_deg) {
+  MachinePose pose;
+  PerJoint<Frame> frame{};
+  PerJoint<AffineVector> lever{};
+  Frame before = kStraight;
+  for (const ChainJoint& one : machine.chain) {
+    Frame after = before;
+    if (is_rotary(one.joint)) {
+      const RotaryGeometry& axis = geometry_of(machine, one.joint);
+      for (std::size_t d = 0; d < kAxes; ++d) {
+        const Vector3 column = turned(kStraight[d], axis.direction, angles_deg[index_of(one.joint) - kAxes]);
+        after[d] = {};
+        for (std::size_t i = 0; i < kAxes; ++i) after[d] = sum_of(after[d], column[i], before[i]);
+      }
+    }
+    frame[index_of(one.joint)] = is_rotary(one.joint) && one.carries_workpiece ? after : before;
+    before = after;
+  }
+  AffineVector point{machine.tool_offset_mm, {}};
+  for (std::size_t i = machine.chain.count; i-- > 0;) {
+    const Joint joint = machine.chain.joints[i].joint;
+    AffineVector with_own = moved(machine, joint, angles_deg, point);
+    AffineVector& arm = lever[index_of(joint)];
+    arm = is_beyond(machine.chain, joint, joint, machine.curves) ? with_own : point;
+    arm.at_0 = sum_of(arm.at_0, -1.0, referred_to(machine, joint));
+    point = with_own;
+  }
+  pose.tool_mm = point;
+  for (std::size_t i = 0; i < machine.terms.count; ++i) {
+    const JointTerm& row = machine.terms.rows[i];
+    add_row(pose, row, frame[index_of(row.moving)], lever[index_of(row.moving)]);
+  }
+  for (std::size_t i = 0; i < machine.terms.squareness_count; ++i) {
+    const SquarenessTerm& row = machine.terms.squareness[i];
+    const std::size_t l = ecs::index_of(row.lever);
+    Vector3& slope = pose.squareness[ecs::index_of(row.component) - kCurves].slope[l];
+    slope = sum_of(slope, row.sign / kMmOfMetre, frame[l][ecs::index_of(row.observed)]);
+  }
+  for (const ChainJoint& one : machine.chain) {
+    const std::size_t j = index_of(one.joint);
+    pose.about[j] = frame[j];
+    if (!is_rotary(one.joint)) pose.along[j] = frame[j][j];
+  }
+  return pose;
+}
+
+ToolError tool_error(const MachinePose& pose, const JointValues& values, const Vector3& position_mm) {
+  ToolError out;
+  const auto add = [&](const Gain& gain, double value) {
+    out.error_um = sum_of(out.error_um, value, gain.at_0);
+    for (std::size_t l = 0; l < kAxes; ++l) out.error_um = sum_of(out.error_um, value * position_mm[l], gain.slope[l]);
+  };
+  for (std::size_t j = 0; j < kJoints; ++j)
+    for (std::size_t s = 0; s < values.curve[j].size(); ++s) {
+      add(pose.gain[j][s], values.curve[j][s]);
+      if (s >= kAxes)
+        out.orientation_um_per_m = sum_of(out.orientation_um_per_m, values.curve[j][s], pose.about[j][s - kAxes]);
+    }
+  for (std::size_t q = 0; q < pose.squareness.size(); ++q) add(pose.squareness[q], values.squareness[kCurves + q]);
+  return out;
+}
+
+}  // namespace ecs::kinematics

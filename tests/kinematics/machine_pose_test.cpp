@@ -1,0 +1,148 @@
+// First-order errors against exact homogeneous matrices, written from the definition alone.
+#include "kinematics/machine_pose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <tuple>
+
+#include "tests/support/exact_joints.hpp"
+#include "tests/support/test.hpp"
+
+namespace ecs::kinematics {
+namespace {
+
+struct Case {
+  test::ExactMachine exact;
+  JointMachine machine;
+  JointValues values;
+  Vector3 position_mm{};
+  Angles angles_deg{};
+};
+
+/// @param size  1: straightness to 40 um, angles to 60 um/m, squareness and location to 50
+Case case_of(const std::string& configuration, double size, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const auto vector = [&](double most) { return Vector3{most * any(random), most * any(random), most * any(random)}; };
+  Case made;
+  made.machine.chain = *joint_chain_of(configuration);
+  made.machine.terms = terms_of(made.machine.chain);
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    RotaryGeometry& axis = made.machine.rotary[r];
+    axis.pivot_mm = vector(300.0);
+    axis.direction = {};
+    axis.direction[r] = 1.0;
+    if (any(random) > 0.0) {  // an oblique axis, as of a nutating head
+      axis.direction = vector(1.0);
+      const double length = std::hypot(axis.direction[0], axis.direction[1], axis.direction[2]);
+      for (double& part : axis.direction) part /= length;
+    }
+  }
+  for (Vector3& line : made.machine.lines_mm) line = vector(300.0);
+  for (std::size_t l = 0; l < kAxes; ++l) made.machine.lines_mm[l][l] = 0.0;
+  made.machine.tool_offset_mm = vector(150.0);
+  made.exact = {configuration, made.machine.rotary, made.machine.lines_mm, made.machine.tool_offset_mm, {}, {}};
+  for (const ChainJoint& one : made.machine.chain) {
+    const std::size_t j = index_of(one.joint);
+    for (std::size_t s = 0; s < 6; ++s) {
+      made.exact.values.curve[j][s] = (s < kAxes ? 40.0 : 60.0) * size * any(random);
+      if (is_rotary(one.joint)) made.exact.location[j - kAxes][s] = 50.0 * size * any(random);
+    }
+  }
+  for (const auto& [component, first, second] :
+       {std::tuple{Component::C0Y, Joint::X, Joint::Y}, std::tuple{Component::B0Z, Joint::X, Joint::Z},
+        std::tuple{Component::A0Z, Joint::Y, Joint::Z}}) {
+    const double value = 50.0 * size * any(random);
+    if (made.machine.chain.has(first) && made.machine.chain.has(second))
+      made.exact.values.squareness[ecs::index_of(component)] = value;
+  }
+  made.values = made.exact.values;
+  for (std::size_t r = 0; r < kAxes; ++r)
+    for (std::size_t s = 0; s < 6; ++s) made.values.curve[kAxes + r][s] += made.exact.location[r][s];
+  for (std::size_t l = 0; l < kAxes; ++l)
+    made.position_mm[l] = made.machine.chain.has(static_cast<Joint>(l)) ? 900.0 * any(random) : 0.0;
+  for (double& angle : made.angles_deg) angle = 180.0 * any(random);
+  return made;
+}
+
+struct Difference {
+  double position_um = 0.0, orientation_um_per_m = 0.0, largest_um = 0.0;
+};
+
+/// Over some places of a machine.
+Difference difference_of(const std::string& configuration, double size) {
+  std::mt19937_64 random(std::hash<std::string>{}(configuration));
+  Difference most;
+  for (int place = 0; place < 3; ++place) {
+    const Case made = case_of(configuration, size, random);
+    const ToolError found = tool_error(pose_at(made.machine, made.angles_deg), made.values, made.position_mm);
+    const ToolError exact = test::exact_tool_error(made.exact, made.position_mm, made.angles_deg);
+    for (std::size_t d = 0; d < kAxes; ++d) {
+      most.position_um = std::max(most.position_um, std::abs(found.error_um[d] - exact.error_um[d]));
+      most.orientation_um_per_m =
+          std::max(most.orientation_um_per_m, std::abs(found.orientation_um_per_m[d] - exact.orientation_um_per_m[d]));
+      most.largest_um = std::max(most.largest_um, std::abs(exact.error_um[d]));
+    }
+  }
+  return most;
+}
+
+TEST_CASE("error and orientation agree with exact matrices to second order on every chain with rotary axes") {
+  double largest_um = 0.0, difference_um = 0.0, worst_ratio = 0.0;
+  std::size_t chains = 0;
+  for (const std::string& configuration : test::every_rotary_chain()) {
+    CAPTURE(configuration);
+    const Difference whole = difference_of(configuration, 1.0), half = difference_of(configuration, 0.5);
+    CHECK(whole.position_um < 0.3);
+    CHECK(half.position_um < whole.position_um / 3.5 + 1e-6);  // a quarter, were it of second order alone
+    CHECK(whole.orientation_um_per_m < 0.1);
+    CHECK(half.orientation_um_per_m < whole.orientation_um_per_m / 3.5 + 1e-6);
+    largest_um = std::max(largest_um, whole.largest_um);
+    difference_um = std::max(difference_um, whole.position_um);
+    worst_ratio = std::max(worst_ratio, half.position_um / whole.position_um);
+    ++chains;
+  }
+  MESSAGE(chains << " chains, errors to " << largest_um << " um, difference to " << difference_um
+                 << " um, of half the errors at most " << worst_ratio << " of it");
+  CHECK(chains > 3000);
+}
+
+TEST_CASE("the nominal tool point is that of the exact matrices") {
+  for (const char* configuration : {"XYACTZ", "TXYZCB", "XYCTZB", "CXTYBZ"}) {
+    std::mt19937_64 random(5);
+    Case made = case_of(configuration, 0.0, random);
+    const Eigen::Isometry3d exact = exact_pose(made.exact, made.position_mm, made.angles_deg);
+    const Vector3 found = pose_at(made.machine, made.angles_deg).tool_mm.at(made.position_mm);
+    for (std::size_t d = 0; d < kAxes; ++d)
+      CHECK(found[d] == doctest::Approx(exact.translation()[static_cast<Eigen::Index>(d)]).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("a table whose axis lies 10 um aside errs as it turns") {
+  JointMachine machine;
+  machine.chain = *joint_chain_of("XYCTZ");
+  machine.terms = terms_of(machine.chain);
+  JointValues values;
+  values.curve[index_of(Joint::C)][0] = 10.0;  // XOC
+  const auto at = [&](double angle_deg) {
+    return tool_error(pose_at(machine, {0.0, 0.0, angle_deg}), values, {100.0, 0.0, 0.0}).error_um;
+  };
+  CHECK(at(0.0)[0] == doctest::Approx(10.0));
+  CHECK(at(90.0)[1] == doctest::Approx(10.0));  // the workpiece has turned: its Y is along the machine's X
+  CHECK(at(180.0)[0] == doctest::Approx(-10.0));
+}
+
+TEST_CASE("an error of angular position moves the tool by its distance from the axis") {
+  JointMachine machine;
+  machine.chain = *joint_chain_of("XYCTZ");
+  machine.terms = terms_of(machine.chain);
+  machine.rotary[2].pivot_mm = {300.0, 200.0, 0.0};
+  JointValues values;
+  values.curve[index_of(Joint::C)][5] = 20.0;  // ECC, um/m
+  const ToolError error = tool_error(pose_at(machine, {}), values, {800.0, 200.0, 0.0});
+  CHECK(error.error_um[1] == doctest::Approx(10.0));
+  CHECK(error.orientation_um_per_m[2] == doctest::Approx(20.0));
+}
+
+}  // namespace
+}  // namespace ecs::kinematics
