@@ -16,6 +16,8 @@ namespace {
 constexpr double kFurthest_mm = 1e6;      ///< no machine is longer than a kilometre
 constexpr double kCoarsest_um = 1e4;      ///< position count
 constexpr double kLongestPitch_mm = 1e4;  ///< of a screw or a scale
+constexpr double kFurthest_deg = 3600.0;  ///< ten turns: a cable or a hose ends before
+constexpr double kShortest = 1e-6;        ///< direction that is none
 
 const std::vector<std::string>& axis_keys() {
   static const std::vector<std::string> keys{"travel_mm",
@@ -29,11 +31,23 @@ const std::vector<std::string>& axis_keys() {
   return keys;
 }
 
+const std::vector<std::string>& rotary_keys() {
+  static const std::vector<std::string> keys{"travel_deg", "direction", "pivot_mm"};
+  return keys;
+}
+
+/// 0, 1, 2 → A, B, C.
+char rotary_letter(std::size_t rotary) { return static_cast<char>('A' + static_cast<char>(rotary)); }
+
 std::vector<std::string> known_keys() {
   std::vector<std::string> keys{"name", "configuration", "emulator"};
   for (const Axis a : kAllAxes) {
     keys.push_back(fmt::format("axis.{}", letter_of(a)));
     for (const std::string& key : axis_keys()) keys.push_back(fmt::format("axis.{}.{}", letter_of(a), key));
+  }
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    keys.push_back(fmt::format("axis.{}", rotary_letter(r)));
+    for (const std::string& key : rotary_keys()) keys.push_back(fmt::format("axis.{}.{}", rotary_letter(r), key));
   }
   return keys;
 }
@@ -61,6 +75,7 @@ class MachineReader {
     if (entry.key == "name") return take_text(entry, file_.machine.name);
     if (entry.key == "configuration") return take_configuration(entry);
     if (entry.key == "axis" && table) return;
+    if (const auto rotary = rotary_in(entry.key)) return take_rotary(*rotary, entry, table);
     const auto axis = axis_in(entry.key);
     if (!axis) return warn_unknown(entry);
     if (entry.key.size() == std::string_view("axis.X").size())
@@ -107,6 +122,55 @@ class MachineReader {
     return axis_of(key[5]);
   }
 
+  /// "axis.A…" → 0.
+  static std::optional<std::size_t> rotary_in(std::string_view key) {
+    if (!key.starts_with("axis.") || key.size() < 6 || (key.size() > 6 && key[6] != '.')) return std::nullopt;
+    if (key[5] < 'A' || key[5] > 'C') return std::nullopt;
+    return static_cast<std::size_t>(key[5] - 'A');
+  }
+
+  void take_rotary(std::size_t rotary, const TomlEntry& entry, bool table) {
+    auto& axis = file_.machine.rotary[rotary];
+    if (entry.key.size() == std::string_view("axis.A").size()) {
+      if (!table) return refuse(entry, "a table");
+      axis.emplace().direction[rotary] = 1.0;
+      rotary_places_[rotary] = entry;
+    } else if (axis) {
+      take_rotary_entry(rotary, *axis, entry, std::string_view(entry.key).substr(std::string_view("axis.A.").size()));
+    }
+  }
+
+  void take_rotary_entry(std::size_t rotary, MachineRotaryAxis& axis, const TomlEntry& entry, std::string_view key) {
+    if (key == "travel_deg") {
+      rotary_travel_given_[rotary] = true;
+      const auto* ends = std::get_if<std::vector<double>>(&entry.value);
+      const bool sound = ends != nullptr && ends->size() == 2 && std::abs((*ends)[0]) <= kFurthest_deg &&
+                         std::abs((*ends)[1]) <= kFurthest_deg && (*ends)[0] < (*ends)[1];
+      if (!sound) return refuse(entry, "two ends in deg, the lower first, such as [-120.0, 30.0], within 3600 of 0");
+      axis.travel_deg = {(*ends)[0], (*ends)[1]};
+    } else if (key == "pivot_mm") {
+      pivot_given_[rotary] = true;
+      const auto pivot = vector_in(entry, kFurthest_mm);
+      if (!pivot) return refuse(entry, "a point x, y, z within 1000000 mm of 0, such as [300.0, 250.0, -410.0]");
+      axis.pivot_mm = *pivot;
+    } else if (key == "direction") {
+      const auto direction = vector_in(entry, kFurthest_mm);
+      const double length = direction ? std::hypot((*direction)[0], (*direction)[1], (*direction)[2]) : 0.0;
+      if (length < kShortest) return refuse(entry, "a direction x, y, z that is not 0, such as [0.0, 1.0, 1.0]");
+      for (std::size_t d = 0; d < kAxes; ++d) axis.direction[d] = (*direction)[d] / length;
+    } else {
+      warn_unknown(entry);
+    }
+  }
+
+  static std::optional<Vector3> vector_in(const TomlEntry& entry, double most) {
+    const auto* parts = std::get_if<std::vector<double>>(&entry.value);
+    if (parts == nullptr || parts->size() != kAxes) return std::nullopt;
+    for (const double part : *parts)
+      if (!(std::abs(part) <= most)) return std::nullopt;
+    return Vector3{(*parts)[0], (*parts)[1], (*parts)[2]};
+  }
+
   void take_text(const TomlEntry& entry, std::string& text) {
     if (const auto* found = std::get_if<std::string>(&entry.value))
       text = *found;
@@ -117,10 +181,16 @@ class MachineReader {
   void take_configuration(const TomlEntry& entry) {
     configuration_given_ = true;
     const auto* text = std::get_if<std::string>(&entry.value);
-    if (text == nullptr || !ecs::chain_of(*text))
-      refuse(entry, "one T and different letters of XYZ, such as \"TXYZ\"");
-    else
-      file_.machine.configuration = *text;
+    if (text == nullptr) return refuse(entry, kAnyChain);
+    if (ecs::chain_of(*text)) {
+      file_.machine.configuration = file_.machine.whole_configuration = *text;
+      return;
+    }
+    if (const auto fault = kinematics::fault_of(*text))
+      return refuse(entry, text->find_first_of("ABC") == std::string::npos ? kAnyChain : *fault);
+    file_.machine.whole_configuration = *text;
+    file_.machine.configuration = kinematics::linear_configuration(*text);
+    configuration_ = entry;
   }
 
   void take_axis_table(Axis axis, const TomlEntry& entry, bool table) {
@@ -201,6 +271,7 @@ class MachineReader {
       any = true;
       judge_axis(a, *axis, chain);
     }
+    judge_rotary_axes();
     if (!any) refuse_file("axis: expected at least one table such as [axis.X] with travel_mm = [-4100.0, 0.0]");
   }
 
@@ -217,9 +288,39 @@ class MachineReader {
                               shortest(axis.travel_mm[0]), shortest(axis.travel_mm[1])));
   }
 
+  static constexpr const char* kAnyChain = "one T and different letters of XYZ, such as \"TXYZ\"";
+
+  /// Each letter has its table with a pivot and a travel, each table its letter.
+  void judge_rotary_axes() {
+    const std::string& letters = file_.machine.whole_configuration;
+    for (std::size_t r = 0; r < kAxes; ++r) {
+      const bool named = letters.find(rotary_letter(r)) != std::string::npos;
+      const TomlEntry& place = rotary_places_[r];
+      if (!file_.machine.rotary[r]) {
+        if (named)
+          problems_.push_back(at(configuration_, fmt::format("letter {0}: expected a table [axis.{0}] with travel_deg "
+                                                             "and pivot_mm, found none",
+                                                             rotary_letter(r))));
+        continue;
+      }
+      if (!named && !letters.empty())
+        problems_.push_back(at(place, fmt::format("configuration \"{}\" has no letter {}; add it or remove the table",
+                                                  letters, rotary_letter(r))));
+      if (!rotary_travel_given_[r])
+        problems_.push_back(at(place, "expected travel_deg = [lower end, upper end], found none"));
+      if (!pivot_given_[r])
+        problems_.push_back(at(place,
+                               "expected pivot_mm = [x, y, z], a point on its axis with all axes at 0, found "
+                               "none"));
+    }
+  }
+
   std::string name_;
   MachineFile file_{};
   bool configuration_given_ = false;
+  TomlEntry configuration_{};           ///< where rotary axes are named
+  PerAxis<TomlEntry> rotary_places_{};  ///< heads of the tables of A, B, C
+  PerAxis<bool> rotary_travel_given_{}, pivot_given_{};
   PerAxis<TomlEntry> places_{};  ///< heads of the axis tables
   PerAxis<bool> travel_given_{};
   std::vector<std::string> unknown_tables_;
@@ -258,6 +359,19 @@ std::optional<Chain> chain_of(const Machine& machine) {
   PerAxis<bool> present{};
   for (const Axis a : kAllAxes) present[index_of(a)] = machine.axes[index_of(a)].has_value();
   return restricted_to(*whole, present);
+}
+
+bool has_rotary_axes(const Machine& machine) {
+  return std::any_of(machine.rotary.begin(), machine.rotary.end(), [](const auto& axis) { return axis.has_value(); });
+}
+
+std::optional<kinematics::JointChain> joint_chain_of(const Machine& machine) {
+  std::string letters;
+  for (const char letter : machine.whole_configuration) {
+    const auto axis = axis_of(letter);
+    if (!axis || machine.axes[index_of(*axis)]) letters += letter;
+  }
+  return kinematics::joint_chain_of(letters);
 }
 
 MeasurementLines measurement_lines_of(const Machine& machine) {

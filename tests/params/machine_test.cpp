@@ -1,6 +1,7 @@
 #include "params/machine.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <doctest/doctest.h>
 
@@ -141,4 +142,53 @@ TEST_CASE("axis keys may be dotted and come before their table's other parts") {
       "configuration = \"TX\"\n[axis.X.measurement_line_mm]\ny = 4\n[axis.X]\ntravel_mm = [0, 1]\n", "m.toml");
   REQUIRE(other.has_value());
   CHECK(other->machine.axes[0]->measurement_line_mm[1] == 4.0);
+}
+
+namespace {
+
+std::string five_axes(std::string_view configuration, std::string_view tables) {
+  return "configuration = \"" + std::string(configuration) +
+         "\"\n[axis.X]\ntravel_mm = [0, 500]\n[axis.Y]\ntravel_mm = [0, 400]\n[axis.Z]\ntravel_mm = [-300, 0]\n" +
+         std::string(tables);
+}
+constexpr const char* kTableC = "[axis.C]\ntravel_deg = [0, 360]\npivot_mm = [250, 200, -300]\n";
+
+}  // namespace
+
+TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain does without them") {
+  const auto file = parse_machine(
+      five_axes("XYBCTZ",
+                std::string(kTableC) +
+                    "[axis.B]\ntravel_deg = [-110, 30.5]\npivot_mm = [250, 200, -250]\ndirection = [0, 1, 1]\n"),
+      "machine.toml");
+  REQUIRE(file.has_value());
+  CHECK(file->warnings.empty());
+  const Machine& machine = file->machine;
+  CHECK(machine.configuration == "XYTZ");
+  CHECK(machine.whole_configuration == "XYBCTZ");
+  CHECK(has_rotary_axes(machine));
+  CHECK(joint_chain_of(machine)->count == 5);
+  CHECK(machine.rotary[2]->pivot_mm == Vector3{250.0, 200.0, -300.0});
+  CHECK(machine.rotary[2]->direction == Vector3{0.0, 0.0, 1.0});
+  CHECK(machine.rotary[1]->travel_deg == std::array{-110.0, 30.5});
+  CHECK(machine.rotary[1]->direction[2] == doctest::Approx(std::sqrt(0.5)));
+  CHECK(configuration_of(default_parameters_for(machine)) == "XYTZ");
+  CHECK_FALSE(has_rotary_axes(sample("samples/params/mill_machine.toml")));
+}
+
+TEST_CASE("rotary axes that no machine can have are refused with their line and what was expected") {
+  CHECK(contains(failure(five_axes("XYUCTZ", kTableC)),
+                 "machine.toml:1:17: configuration: expected one T and different"));
+  CHECK(contains(failure(five_axes("XYABCTZ", kTableC)), "configuration: expected at most two rotary axes of A, B, C"));
+  CHECK(contains(failure(five_axes("XYACTZ", kTableC)),
+                 "machine.toml:1:17: configuration: letter A: expected a table [axis.A] with travel_deg and pivot_mm"));
+  CHECK(contains(failure(five_axes("XYTZ", kTableC)), "configuration \"XYTZ\" has no letter C"));
+  const std::string empty = failure(five_axes("XYCTZ", "[axis.C]\n"));
+  CHECK(contains(empty, "machine.toml:8:1: axis.C: expected pivot_mm = [x, y, z], a point on its axis"));
+  CHECK(contains(empty, "axis.C: expected travel_deg = [lower end, upper end], found none"));
+  const std::string wrong =
+      failure(five_axes("XYCTZ", "[axis.C]\ntravel_deg = [0, 4000]\npivot_mm = [1, 2]\ndirection = [0, 0, 0]\n"));
+  CHECK(contains(wrong, "machine.toml:9:14: axis.C.travel_deg: expected two ends in deg"));
+  CHECK(contains(wrong, "machine.toml:10:12: axis.C.pivot_mm: expected a point x, y, z"));
+  CHECK(contains(wrong, "machine.toml:11:13: axis.C.direction: expected a direction x, y, z that is not 0"));
 }
