@@ -37,6 +37,16 @@ bool time_volume(std::size_t places) {
                settings.draws, bound_s);
     all = all && found > places / 2;
   }
+  for (const char* chain : {"TXYZCB", "XYACTZ", "XYCTZB"}) {
+    const volume::CompensatedMachine machine = volume::stated_rotary_machine(chain);
+    std::size_t found = 0;
+    const double whole_s = seconds_of([&] {
+      const auto answer = evaluated(machine, places);
+      found = answer->before.all.places;
+    });
+    fmt::print("{}: {} places with angles, both sides, before and after {:.3f} s\n", chain, found, whole_s);
+    all = all && found > places / 2;
+  }
   return all;
 }
 

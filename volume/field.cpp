@@ -3,10 +3,77 @@
 #include "base/units.hpp"
 
 namespace ecs::volume {
+namespace {
+
+constexpr std::size_t kSenses = kSenseNames.size();
+
+Vector3 turned_along(const std::array<Vector3, kAxes>& directions, const Vector3& v) {
+  Vector3 out{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    out[d] = directions[0][d] * v[0] + directions[1][d] * v[1] + directions[2][d] * v[2];
+  return out;
+}
+
+}  // namespace
+
 Field::Field(const Grid& grid, const Components& components, const Kinematics& kinematics) : grid_(grid) {
-  for (auto& side : part_)
-    for (std::size_t a = 0; a < kAxes; ++a) side[a].resize(grid.mm[a].size() + 1);
+  reserve();
   for (const Term& term : kinematics.terms) put(term, components, kinematics);
+}
+
+Field::Field(const Grid& grid, const Components& components, const kinematics::MachinePose& pose,
+             const std::array<kinematics::JointValues, 2>& rotary)
+    : grid_(grid) {
+  reserve();
+  put(pose, components);
+  for (std::size_t side = 0; side < rotary.size(); ++side) put(pose, side, rotary[side]);
+}
+
+void Field::reserve() {
+  for (auto& side : part_)
+    for (std::size_t a = 0; a < kAxes; ++a) side[a].resize(grid_.mm[a].size() + 1);
+}
+
+void Field::put(const kinematics::MachinePose& pose, const Components& components) {
+  for (std::size_t c = 0; c < kCurves; ++c) {
+    const std::size_t b = c / kSenses;
+    const kinematics::Gain& gain = pose.gain[b][c % kSenses];
+    const std::vector<double> own_mm = coordinates_of(grid_, static_cast<Axis>(b));
+    for (std::size_t side = 0; side < part_.size(); ++side) {
+      const std::vector<double>& values = components.curve[side][c];
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        Part& part = part_[side][b][i];
+        for (std::size_t d = 0; d < kAxes; ++d) {
+          part.constant[d] += values[i] * (gain.at_0[d] + gain.slope[b][d] * own_mm[i]);
+          for (std::size_t l = 0; l < kAxes; ++l)
+            if (l != b) part.slope[l][d] += values[i] * gain.slope[l][d];
+        }
+      }
+    }
+  }
+  for (std::size_t q = 0; q < pose.squareness.size(); ++q)
+    for (std::size_t l = 0; l < kAxes; ++l)
+      for (std::size_t d = 0; d < kAxes; ++d)
+        squareness_[l][d] += components.squareness[kCurves + q] * pose.squareness[q].slope[l][d];
+}
+
+void Field::put(const kinematics::MachinePose& pose, std::size_t side, const kinematics::JointValues& rotary) {
+  kinematics::Gain sum;
+  for (std::size_t j = kAxes; j < kinematics::kJoints; ++j)
+    for (std::size_t s = 0; s < kSenses; ++s)
+      for (std::size_t d = 0; d < kAxes; ++d) {
+        sum.at_0[d] += rotary.curve[j][s] * pose.gain[j][s].at_0[d];
+        for (std::size_t l = 0; l < kAxes; ++l) sum.slope[l][d] += rotary.curve[j][s] * pose.gain[j][s].slope[l][d];
+      }
+  // The same at every coordinate of X, which stands for all: X itself is its coordinate there, Y and Z are levers.
+  const std::vector<double> x_mm = coordinates_of(grid_, Axis::X);
+  for (std::size_t i = 0; i < x_mm.size(); ++i) {
+    Part& part = part_[side][0][i];
+    for (std::size_t d = 0; d < kAxes; ++d) {
+      part.constant[d] += sum.at_0[d] + sum.slope[0][d] * x_mm[i];
+      for (std::size_t l = 1; l < kAxes; ++l) part.slope[l][d] += sum.slope[l][d];
+    }
+  }
 }
 
 void Field::put(const Term& term, const Components& components, const Kinematics& kinematics) {
@@ -54,9 +121,27 @@ void Field::add(const Field& other) {
 
 void Field::count_from_reference() {
   const Vector3 reverse = at_reference(0), forward = at_reference(1);
+  Vector3 back{};
+  for (std::size_t d = 0; d < kAxes; ++d) back[d] = -0.5 * (reverse[d] + forward[d]);
+  shift(back);
+}
+
+void Field::shift(const Vector3& by_um) {
   for (auto& side : part_)
     for (Part& part : side[0])
-      for (std::size_t d = 0; d < kAxes; ++d) part.constant[d] -= 0.5 * (reverse[d] + forward[d]);
+      for (std::size_t d = 0; d < kAxes; ++d) part.constant[d] += by_um[d];
+}
+
+Field Field::along(const std::array<Vector3, kAxes>& directions) const {
+  Field out = *this;
+  for (auto& side : out.part_)
+    for (auto& axis : side)
+      for (Part& part : axis) {
+        part.constant = turned_along(directions, part.constant);
+        for (Vector3& slope : part.slope) slope = turned_along(directions, slope);
+      }
+  for (Vector3& slope : out.squareness_) slope = turned_along(directions, slope);
+  return out;
 }
 
 Vector3 Field::sum(const PerAxis<const Part*>& parts, const Vector3& place_mm) const {

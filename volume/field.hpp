@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "kinematics/machine_pose.hpp"
 #include "volume/components.hpp"
 
 namespace ecs::volume {
@@ -26,10 +27,19 @@ class Field {
   /// @param components  made for this grid
   Field(const Grid& grid, const Components& components, const Kinematics& kinematics);
 
+  /// With the rotary axes of a machine at the angles of `pose`, in the frame of the workpiece.
+  /// @param rotary  by side: values of the rotary axes there
+  Field(const Grid& grid, const Components& components, const kinematics::MachinePose& pose,
+        const std::array<kinematics::JointValues, 2>& rotary);
+
   /// Another field of the same grid beside this one: what compensation adds.
   void add(const Field& other);
   /// From now on the error is zero at the reference of the grid, mean of both approaches.
   void count_from_reference();
+  /// Adds the same vector everywhere.
+  void shift(const Vector3& by_um);
+  /// The same vectors with their X, Y, Z along these directions.
+  [[nodiscard]] Field along(const std::array<Vector3, kAxes>& directions) const;
 
   /// Error vector [um], all axes having arrived by that side.
   [[nodiscard]] Vector3 at(std::size_t side, const GridIndex& index) const;
@@ -47,6 +57,9 @@ class Field {
     std::array<Vector3, kAxes> slope{};  ///< by lever [um/mm]
   };
   [[nodiscard]] Vector3 sum(const PerAxis<const Part*>& parts, const Vector3& place_mm) const;
+  void reserve();
+  void put(const kinematics::MachinePose& pose, const Components& components);
+  void put(const kinematics::MachinePose& pose, std::size_t side, const kinematics::JointValues& rotary);
   void put(const Term& term, const Components& components, const Kinematics& kinematics);
 
   Grid grid_;

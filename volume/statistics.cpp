@@ -8,43 +8,6 @@ namespace {
 
 double length_of(const Vector3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/// Takes error vectors one by one.
-class SizeCounter {
- public:
-  explicit SizeCounter(std::size_t expected) { lengths_.reserve(expected); }
-
-  void take(const Vector3& error_um, const Vector3& place_mm, std::size_t side) {
-    const double length = length_of(error_um);
-    lengths_.push_back(static_cast<float>(length));
-    for (std::size_t d = 0; d < kAxes; ++d) {
-      size_.largest_along_um[d] = std::max(size_.largest_along_um[d], std::abs(error_um[d]));
-      squares_[d] += error_um[d] * error_um[d];
-    }
-    if (length <= size_.largest_um && lengths_.size() > 1) return;
-    size_.largest_um = length;
-    size_.at_mm = place_mm;
-    size_.approach = kSides[side];
-    size_.error_um = error_um;
-  }
-
-  ErrorSize finish() {
-    if (lengths_.empty()) return size_;
-    const auto count = static_cast<double>(lengths_.size());
-    for (std::size_t d = 0; d < kAxes; ++d) size_.rms_along_um[d] = std::sqrt(squares_[d] / count);
-    size_.rms_um = std::sqrt((squares_[0] + squares_[1] + squares_[2]) / count);
-    const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.95 * count)) - 1;
-    std::nth_element(lengths_.begin(), lengths_.begin() + rank, lengths_.end());
-    size_.p95_um = static_cast<double>(lengths_[static_cast<std::size_t>(rank)]);
-    size_.places = lengths_.size() / kSides.size();
-    return size_;
-  }
-
- private:
-  ErrorSize size_;
-  Vector3 squares_{};
-  std::vector<float> lengths_;
-};
-
 /// Number of a place among those of its side, Z fastest.
 std::size_t place_number(const Grid& grid, const GridIndex& index) {
   return (index[0] * grid.mm[1].size() + index[1]) * grid.mm[2].size() + index[2];
@@ -70,6 +33,33 @@ void for_each_place(const Grid& grid, const VolumeError& error, const Each& each
 
 }  // namespace
 
+void SizeCounter::take(const Vector3& error_um, const Vector3& place_mm, std::size_t side, std::size_t setting) {
+  const double length = length_of(error_um);
+  lengths_.push_back(static_cast<float>(length));
+  for (std::size_t d = 0; d < kAxes; ++d) {
+    size_.largest_along_um[d] = std::max(size_.largest_along_um[d], std::abs(error_um[d]));
+    squares_[d] += error_um[d] * error_um[d];
+  }
+  if (length <= size_.largest_um && lengths_.size() > 1) return;
+  size_.largest_um = length;
+  size_.at_mm = place_mm;
+  size_.approach = kSides[side];
+  size_.error_um = error_um;
+  size_.setting = setting;
+}
+
+ErrorSize SizeCounter::finish() {
+  if (lengths_.empty()) return size_;
+  const auto count = static_cast<double>(lengths_.size());
+  for (std::size_t d = 0; d < kAxes; ++d) size_.rms_along_um[d] = std::sqrt(squares_[d] / count);
+  size_.rms_um = std::sqrt((squares_[0] + squares_[1] + squares_[2]) / count);
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.95 * count)) - 1;
+  std::nth_element(lengths_.begin(), lengths_.begin() + rank, lengths_.end());
+  size_.p95_um = static_cast<double>(lengths_[static_cast<std::size_t>(rank)]);
+  size_.places = lengths_.size() / kSides.size();
+  return size_;
+}
+
 Vector3 VolumeError::at(const Grid& grid, std::size_t side, const GridIndex& index) const {
   Vector3 error = field ? field->at(side, index) : Vector3{};
   if (!vectors.empty())
@@ -80,7 +70,7 @@ Vector3 VolumeError::at(const Grid& grid, std::size_t side, const GridIndex& ind
 ErrorSize size_of(const Grid& grid, const VolumeError& error) {
   SizeCounter all(kSides.size() * grid.places());
   for_each_place(grid, error, [&](std::size_t side, const GridIndex& index, const Vector3& error_um) {
-    all.take(error_um, grid.at(index), side);
+    all.take(error_um, grid.at(index), side, 0);
   });
   return all.finish();
 }
@@ -99,16 +89,15 @@ void for_each_diagonal_place(const Grid& diagonals, const std::function<void(std
     }
 }
 
-VolumeSize size_of(const Grid& grid, const VolumeError& error, const Grid& diagonals,
-                   const VolumeError& error_on_diagonals) {
-  SizeCounter all(kSides.size() * grid.places()), faces(0), edges(0), on_diagonals(0);
-  const std::size_t axes = grid.axes();
+void VolumeCounter::take(const Grid& grid, const VolumeError& error, const Grid& diagonals,
+                         const VolumeError& error_on_diagonals) {
+  const std::size_t axes = grid.axes(), setting = settings_++;
   for_each_place(grid, error, [&](std::size_t side, const GridIndex& index, const Vector3& error_um) {
     const Vector3 place_mm = grid.at(index);
-    all.take(error_um, place_mm, side);
+    all_.take(error_um, place_mm, side, setting);
     const std::size_t ends = grid.axes_at_an_end(index);
-    if (ends > 0) faces.take(error_um, place_mm, side);
-    if (ends + 1 >= axes) edges.take(error_um, place_mm, side);
+    if (ends > 0) faces_.take(error_um, place_mm, side, setting);
+    if (ends + 1 >= axes) edges_.take(error_um, place_mm, side, setting);
   });
   std::size_t places = 0;
   for_each_diagonal_place(diagonals, [&](std::size_t, const GridIndex&) { ++places; });
@@ -117,9 +106,17 @@ VolumeSize size_of(const Grid& grid, const VolumeError& error, const Grid& diago
       Vector3 error_um = error_on_diagonals.field ? error_on_diagonals.field->at(side, index) : Vector3{};
       if (!error_on_diagonals.vectors.empty())
         for (std::size_t d = 0; d < kAxes; ++d) error_um[d] += error_on_diagonals.vectors[side * places + number][d];
-      on_diagonals.take(error_um, diagonals.at(index), side);
+      on_diagonals_.take(error_um, diagonals.at(index), side, setting);
     });
-  return {all.finish(), faces.finish(), edges.finish(), on_diagonals.finish()};
+}
+
+VolumeSize VolumeCounter::finish() { return {all_.finish(), faces_.finish(), edges_.finish(), on_diagonals_.finish()}; }
+
+VolumeSize size_of(const Grid& grid, const VolumeError& error, const Grid& diagonals,
+                   const VolumeError& error_on_diagonals) {
+  VolumeCounter counter(grid.places());
+  counter.take(grid, error, diagonals, error_on_diagonals);
+  return counter.finish();
 }
 
 }  // namespace ecs::volume

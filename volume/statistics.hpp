@@ -24,6 +24,7 @@ struct VolumeError {
 /// Sizes of error vectors at a set of places, each reached from both sides [um].
 struct ErrorSize {
   std::size_t places = 0;
+  std::size_t setting = 0;  ///< of rotary axes, in which the largest is: number of the field that was counted
   double largest_um = 0.0;
   double p95_um = 0.0;                    ///< 95 of 100 vectors are no longer
   double rms_um = 0.0;                    ///< √(mean length²)
@@ -42,6 +43,32 @@ struct VolumeSize {
 };
 
 inline constexpr std::size_t kDiagonalPlaces = 101;
+
+/// Takes error vectors one by one.
+class SizeCounter {
+ public:
+  explicit SizeCounter(std::size_t vectors) { lengths_.reserve(vectors); }
+  void take(const Vector3& error_um, const Vector3& place_mm, std::size_t side, std::size_t setting);
+  [[nodiscard]] ErrorSize finish();
+
+ private:
+  ErrorSize size_;
+  Vector3 squares_{};
+  std::vector<float> lengths_;
+};
+
+/// Sizes over one field after the other, each of the same grid: the settings of rotary axes.
+class VolumeCounter {
+ public:
+  explicit VolumeCounter(std::size_t places) : all_(2 * places) {}
+  /// Parameters as of size_of().
+  void take(const Grid& grid, const VolumeError& error, const Grid& diagonals, const VolumeError& error_on_diagonals);
+  [[nodiscard]] VolumeSize finish();
+
+ private:
+  SizeCounter all_, faces_{0}, edges_{0}, on_diagonals_{0};
+  std::size_t settings_ = 0;
+};
 
 /// @param diagonals  even_grid() of kDiagonalPlaces over the same travels
 /// @param error_on_diagonals  at its places, see for_each_diagonal_place()

@@ -1,9 +1,9 @@
 #include "volume/volume.hpp"
 
-namespace ecs::volume {
-namespace {
+#include "volume/joint_volume.hpp"
 
-/// What the unit adds over a grid, by its scope and its tool offset.
+namespace ecs::volume {
+
 Field compensation_over(const CompensatedMachine& machine, const Grid& grid) {
   const UnitParameters& p = machine.parameters;
   const auto terms = terms_of(p);
@@ -11,6 +11,8 @@ Field compensation_over(const CompensatedMachine& machine, const Grid& grid) {
           compensation_in(machine.map, p, grid),
           {terms ? *terms : TermTable{}, p.measurement_lines_mm, p.tool_offset_mm}};
 }
+
+namespace {
 
 std::vector<Place> all_places(const Grid& grid) {
   std::vector<Place> places;
@@ -95,10 +97,16 @@ Vector3 reference_of(const UnitParameters& parameters) {
 }
 
 Result<BeforeAfter> errors_over(const CompensatedMachine& machine, const Grid& grid) {
+  if (machine.rotary) {
+    const auto over = JointVolume::over(machine, grid);
+    if (!over) return tl::unexpected(over.error());
+    return over->at(machine.rotary->angles_deg);
+  }
   return errors_at(machine, grid, all_places);
 }
 
 Result<VolumeAnswer> evaluated(const CompensatedMachine& machine, std::size_t places) {
+  if (machine.rotary) return evaluated_with_rotary(machine, places);
   const Vector3 reference_mm = reference_of(machine.parameters);
   VolumeAnswer answer;
   answer.grid = grid_over(machine.travel_mm, places, reference_mm);

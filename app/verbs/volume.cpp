@@ -31,7 +31,9 @@ struct VolumeOptions : VerbArguments {
                       "along -Z from the point at which the curves were measured [mm]; the unit "
                       "compensates for the tool of its parameters");
   const std::string& tool_offset = text("--tool-offset", "the same along X, Y, Z: 0,0,-250");
-  const std::string& at = text("--at", "one place as well: -1000,-200,-350");
+  const std::string& rotary =
+      text("--rotary", "errors of the rotary axes of the machine file (.csv: component, approach, p_deg, error)");
+  const std::string& at = text("--at", "one place as well: -1000,-200,-350; with rotary axes angles behind it");
   const std::string& slice =
       choice("--slice", {"XY", "XZ", "YZ"}, "the error in a plane through the place of the largest, as numbers");
   const std::string& output = output_file("-o,--output", "picture (.svg or .png)");
@@ -54,8 +56,9 @@ struct VolumeOptions : VerbArguments {
   const int& seed = integer("--seed", "of the draws", static_cast<int>(kUsual.seed), 0, 1'000'000'000);
 
   [[nodiscard]] VolumeArguments arguments() const {
-    VolumeArguments a{map,         params,      errors, model, machine, other_machine, static_cast<std::size_t>(points),
-                      tool_length, tool_offset, at,     slice, {}};
+    VolumeArguments a{
+        map,         params, errors, model, machine, other_machine, static_cast<std::size_t>(points), tool_length,
+        tool_offset, rotary, at,     slice, {}};
     a.settings = {repeatability,
                   instrument,
                   temperature,
@@ -90,7 +93,8 @@ Result<Outcome> volume_verb(VerbContext& context, const VolumeOptions& options) 
 extern const VerbDefinition kVolume = verb<VolumeOptions>(
     "volume", "the error anywhere in the working volume, before and after compensation, and how certain it is",
     "ecs volume map.csv --params parameters.toml -o volume.svg\n"
-    "  ecs volume map.csv --params parameters.toml --at -1000,-200,-350 --tool-length 250",
+    "  ecs volume map.csv --params parameters.toml --at -1000,-200,-350 --tool-length 250\n"
+    "  ecs volume map.csv --params parameters.toml --machine five_axes.toml --rotary rotary.csv",
     volume_verb);
 
 }  // namespace ecs::app

@@ -165,8 +165,11 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   figure.columns = 2;
   figure.same_scale = false;
   const std::string before = "before: " + size_words(work.answer.before.all);
-  const std::string after = fmt::format("after: {}; at most {:.0f} um (95 %)", size_words(work.answer.after.all),
-                                        work.uncertainty.largest_95_um);
+  std::string after = "after: " + size_words(work.answer.after.all);
+  if (const std::string rotary = rotary_in_words(work); !rotary.empty())
+    figure.title += "; " + rotary;
+  else
+    after += fmt::format("; at most {:.0f} um (95 %)", work.uncertainty.largest_95_um);
   figure.panels = {cube_panel(before, wires, on_wires->before, larger),
                    cube_panel(after, wires, on_wires->after, larger)};
   if (wires.axes() < 2) return figure;

@@ -132,6 +132,7 @@ Result<volume::ErrorSource> true_errors(const std::string& errors_file, const st
   volume::ErrorSource source;
   source.kinematics = {volume::terms_of_machine(machine.parameters, Convention::iso, CurveKind::carriage),
                        lines_in(*first), machine.tool_offset_mm};
+  source.curves = CurveKind::carriage;
   source.components = [ask](const volume::Grid& grid) -> Result<volume::Components> {
     const auto answer = ask(grid);
     if (!answer) return tl::unexpected(answer.error());

@@ -29,27 +29,40 @@ std::string_view word_for(volume::RepeatabilityFrom from) {
 
 Json vector_json(const Vector3& v) { return {number_or_null(v[0]), number_or_null(v[1]), number_or_null(v[2])}; }
 
-Json size_json(const volume::ErrorSize& size, const PerAxis<bool>& exists) {
+/// Angles of the rotary axes by letter; null where there is none.
+Json angles_json(const std::optional<volume::RotaryAxes>& rotary, const kinematics::Angles& angles_deg) {
+  if (!rotary) return nullptr;
+  Json angles = Json::object();
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (rotary->travel_deg[r]) angles[std::string(1, "ABC"[r])] = number_or_null(angles_deg[r]);
+  return angles;
+}
+
+Json size_json(const volume::ErrorSize& size, const VolumeWork& work) {
+  const PerAxis<bool>& exists = work.answer.grid.exists;
   Json along = Json::object();
   for (const Axis axis : kAllAxes)
     if (exists[index_of(axis)])
       along[std::string(1, letter_of(axis))] = {{"largest_um", number_or_null(size.largest_along_um[index_of(axis)])},
                                                 {"rms_um", number_or_null(size.rms_along_um[index_of(axis)])}};
-  return {{"largest_um", number_or_null(size.largest_um)},
-          {"p95_um", number_or_null(size.p95_um)},
-          {"rms_um", number_or_null(size.rms_um)},
-          {"at", vector_json(size.at_mm)},
-          {"approach", static_cast<int>(size.approach)},
-          {"error_um", vector_json(size.error_um)},
-          {"points", size.places},
-          {"along", std::move(along)}};
+  const auto& settings = work.answer.settings;
+  return {
+      {"largest_um", number_or_null(size.largest_um)},
+      {"at_deg", settings.empty() ? Json(nullptr) : angles_json(work.prepared.machine.rotary, settings[size.setting])},
+      {"p95_um", number_or_null(size.p95_um)},
+      {"rms_um", number_or_null(size.rms_um)},
+      {"at", vector_json(size.at_mm)},
+      {"approach", static_cast<int>(size.approach)},
+      {"error_um", vector_json(size.error_um)},
+      {"points", size.places},
+      {"along", std::move(along)}};
 }
 
-Json size_json(const volume::VolumeSize& size, const PerAxis<bool>& exists) {
-  Json all = size_json(size.all, exists);
-  all["edges"] = size_json(size.edges, exists);
-  all["faces"] = size_json(size.faces, exists);
-  all["diagonals"] = size_json(size.diagonals, exists);
+Json size_json(const volume::VolumeSize& size, const VolumeWork& work) {
+  Json all = size_json(size.all, work);
+  all["edges"] = size_json(size.edges, work);
+  all["faces"] = size_json(size.faces, work);
+  all["diagonals"] = size_json(size.diagonals, work);
   return all;
 }
 
@@ -60,14 +73,19 @@ std::string place_text(const Vector3& mm, const PerAxis<bool>& exists) {
   return fmt::format("{}", fmt::join(words, "  "));
 }
 
-std::string size_text(std::string_view name, const volume::ErrorSize& size, const PerAxis<bool>& exists) {
-  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
-                     place_text(size.at_mm, exists), size.approach == Approach::forward ? "forward" : "reverse");
+std::string size_text(std::string_view name, const volume::ErrorSize& size, const VolumeWork& work) {
+  std::string angles;
+  const auto& rotary = work.prepared.machine.rotary;
+  for (std::size_t r = 0; rotary && r < kAxes; ++r)
+    if (rotary->travel_deg[r]) angles += fmt::format("  {} {:.0f}", "ABC"[r], work.answer.settings[size.setting][r]);
+  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}{}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
+                     place_text(size.at_mm, work.answer.grid.exists), angles,
+                     size.approach == Approach::forward ? "forward" : "reverse");
 }
 
-std::string size_text(std::string_view name, const volume::VolumeSize& size, const PerAxis<bool>& exists) {
-  return size_text(name, size.all, exists) + size_text("  faces", size.faces, exists) +
-         size_text("  edges", size.edges, exists) + size_text("  body diagonals", size.diagonals, exists);
+std::string size_text(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
+  return size_text(name, size.all, work) + size_text("  faces", size.faces, work) +
+         size_text("  edges", size.edges, work) + size_text("  body diagonals", size.diagonals, work);
 }
 
 Json budget_json(const VolumeWork& work) {
@@ -112,6 +130,7 @@ Json uncertainty_json(const VolumeWork& work) {
 }
 
 std::string bound_text(const VolumeWork& work) {
+  if (work.prepared.machine.rotary) return "";
   const volume::VolumeUncertainty& u = work.uncertainty;
   std::vector<std::string> shares;
   for (const ComponentShare& one : work.shares)
@@ -122,27 +141,38 @@ std::string bound_text(const VolumeWork& work) {
                   u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
 }
 
-Cell at_cell(const std::optional<PlaceAnswer>& at) {
+Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::RotaryAxes>& rotary) {
   if (!at) return null_cell();
   Json sides = Json::array();
-  std::string text =
-      fmt::format("at {:g}, {:g}, {:g} mm:\n", at->position_mm[0], at->position_mm[1], at->position_mm[2]);
+  std::string text = fmt::format("at {:g}, {:g}, {:g} mm", at->position_mm[0], at->position_mm[1], at->position_mm[2]);
+  for (std::size_t r = 0; rotary && r < kAxes; ++r)
+    if (rotary->travel_deg[r]) text += fmt::format(", {} {:g} deg", "ABC"[r], at -> angles_deg[r]);
+  text += ":\n";
   for (const std::size_t side : {std::size_t{1}, std::size_t{0}}) {
     const Vector3 &before = at->before_um[side], &after = at->after_um[side];
     sides.push_back({{"approach", static_cast<int>(volume::kSides[side])},
                      {"before_um", vector_json(before)},
                      {"after_um", vector_json(after)}});
     text +=
-        fmt::format("  {}  before {:.1f} {:.1f} {:.1f}  after {:.1f} {:.1f} {:.1f} um\n",
+        fmt::format("  {}  before {:.1f} {:.1f} {:.1f}  after {:.1f} {:.1f} {:.1f} um",
                     side == 1 ? "forward" : "reverse", before[0], before[1], before[2], after[0], after[1], after[2]);
+    if (at->orientation_um_per_m) {
+      const Vector3& turned = (*at->orientation_um_per_m)[side];
+      sides.back()["orientation_um_per_m"] = vector_json(turned);
+      text += fmt::format("\n           tool turned by {:.1f} {:.1f} {:.1f} um/m about X, Y, Z", turned[0], turned[1],
+                          turned[2]);
+    }
+    text += "\n";
   }
   const Vector3& u = at->standard_uncertainty_um;
-  text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
-  return {{{"position_mm", vector_json(at->position_mm)},
-           {"sides", std::move(sides)},
-           {"expanded_uncertainty_um",
-            {number_or_null(2.0 * u[0]), number_or_null(2.0 * u[1]), number_or_null(2.0 * u[2])}}},
-          std::move(text)};
+  if (!rotary)
+    text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
+  Json json{{"position_mm", vector_json(at->position_mm)},
+            {"sides", std::move(sides)},
+            {"expanded_uncertainty_um",
+             {number_or_null(2.0 * u[0]), number_or_null(2.0 * u[1]), number_or_null(2.0 * u[2])}}};
+  if (rotary) json["position_deg"] = angles_json(rotary, at->angles_deg);
+  return {std::move(json), std::move(text)};
 }
 
 Json slice_json(const VolumeSlice& slice, const volume::VolumeError& error) {
@@ -205,26 +235,48 @@ Json travel_json(const volume::Travels& travel_mm) {
   return travels;
 }
 
+/// Chain, settings and what the unit compensates; null: no rotary axes.
+Json rotary_json(const VolumeWork& work) {
+  const auto& rotary = work.prepared.machine.rotary;
+  if (!rotary) return nullptr;
+  Json travels = Json::object();
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (const auto& travel = rotary->travel_deg[r])
+      travels[std::string(1, "ABC"[r])] = {number_or_null((*travel)[0]), number_or_null((*travel)[1])};
+  Json compensated = Json::array();
+  for (const Axis axis : kAllAxes)
+    if (work.answer.grid.exists[index_of(axis)]) compensated.push_back(std::string(1, letter_of(axis)));
+  return {{"chain", kinematics::iso_notation(rotary->machine.chain)},
+          {"travel_deg", std::move(travels)},
+          {"settings", work.answer.settings.size()},
+          {"shown_at_deg", angles_json(rotary, rotary->angles_deg)},
+          {"compensated", std::move(compensated)}};
+}
+
 std::string heading_of(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
-  return paragraph(fmt::format(
-             "{} ({}): {}{}, {} places from both sides", work.machine_name.empty() ? "machine" : work.machine_name,
-             configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
-             work.prepared.travels_of_machine ? "" : " (as far as the map reaches)", work.answer.grid.places())) +
-         fmt::format("errors from {}\n", work.prepared.errors_from) +
-         fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "95 %", "rms", "largest at, mm");
+  const std::string rotary = rotary_in_words(work);
+  const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
+  return paragraph(fmt::format("{} ({}): {}{}, {} places from both sides",
+                               work.machine_name.empty() ? "machine" : work.machine_name,
+                               configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
+                               work.prepared.travels_of_machine ? "" : " (as far as the map reaches)",
+                               settings * work.answer.grid.places())) +
+         (rotary.empty() ? "" : paragraph(rotary)) + fmt::format("errors from {}\n", work.prepared.errors_from) +
+         fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "95 %", "rms",
+                     rotary.empty() ? "largest at, mm" : "largest at, mm and deg");
 }
 
 }  // namespace
 
 Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::string& values) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
-  const PerAxis<bool>& exists = work.answer.grid.exists;
+  const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
   const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
-    return Cell{size_json(size, exists), size_text(name, size, exists)};
+    return Cell{size_json(size, work), size_text(name, size, work)};
   };
   return record_cell("{heading}{before}{after}{bound}{slice}{at}{notes}{picture}{values}",
-                     {{"points", count_cell(work.answer.grid.places())},
+                     {{"points", count_cell(settings * work.answer.grid.places())},
                       {"heading", shown_cell(heading_of(work))},
                       {"before", sizes("before", work.answer.before)},
                       {"after", sizes("after", work.answer.after)},
@@ -239,7 +291,8 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
                       {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
                       {"uncertainty", {uncertainty_json(work), {}}},
                       {"slice", slice_cell(work.slice)},
-                      {"at", at_cell(work.at)},
+                      {"at", at_cell(work.at, machine.rotary)},
+                      {"rotary", {rotary_json(work), {}}},
                       {"notes", paragraphs_cell(work.notes, "note: ")},
                       {"picture", written_cell("picture", picture)},
                       {"values", written_cell("values", values)}});

@@ -45,7 +45,8 @@ struct VolumeArguments {
   std::size_t places = kUsualPlaces;
   std::optional<double> tool_length_mm;  ///< along −Z from the point at which the curves were measured
   std::string tool_offset;               ///< "X,Y,Z" [mm]
-  std::string at;                        ///< "X,Y,Z" [mm]: one place as well
+  std::string rotary;                    ///< errors of the rotary axes of the machine
+  std::string at;                        ///< "X,Y,Z" [mm]: one place as well; behind it angles of A, B, C [deg]
   std::string plane;                     ///< "XY", "XZ", "YZ" or kLongestPlane: a slice as well
   volume::UncertaintySettings settings;
 };
@@ -55,7 +56,9 @@ struct PlaceAnswer {
   Vector3 position_mm{};
   std::array<Vector3, 2> before_um{};  ///< by side
   std::array<Vector3, 2> after_um{};
-  Vector3 standard_uncertainty_um{};  ///< along X, Y, Z, from the forward side
+  Vector3 standard_uncertainty_um{};                           ///< along X, Y, Z, from the forward side; NaN: not known
+  kinematics::Angles angles_deg{};                             ///< of rotary axes
+  std::optional<std::array<Vector3, 2>> orientation_um_per_m;  ///< by side; of machines with rotary axes
 };
 
 /// A plane of the volume through the place of the largest error before compensation.
@@ -92,8 +95,11 @@ struct VolumeWork {
   std::vector<std::string> inputs;  ///< files that must not be written over
 };
 
+/// "C' A' …" and what the unit does about them; empty: the machine has no rotary axes.
+[[nodiscard]] std::string rotary_in_words(const VolumeWork& work);
+
 /// Refused: a map of another configuration or machine than the parameters, an axis whose travel nobody states, a place
-/// outside the travels, a model that cannot be used, an errors file that the emulator refuses.
+/// or an angle outside the travels, a model that cannot be used, an errors file that the emulator refuses.
 [[nodiscard]] Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arguments);
 
 }  // namespace ecs::commissioning

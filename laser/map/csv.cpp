@@ -43,6 +43,12 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
   for (std::size_t i = 0; i < row.fields.size(); ++i) {
     const CsvField& field = row.fields[i];
     const auto known = std::find(kColumns.begin(), kColumns.end(), field.text);
+    if (field.text == "p_deg") {
+      findings.add(line, field.column,
+                   "header: expected p_mm, found p_deg: a table of rotary axes; the unit compensates X, Y, Z (`ecs "
+                   "volume --rotary` takes it)");
+      return std::nullopt;
+    }
     if (known == kColumns.end()) {
       findings.add(
           line, field.column,

@@ -41,4 +41,33 @@ inline CompensatedMachine stated_machine(const std::string& configuration = "TXY
   return machine;
 }
 
+/// The same with rotary axes, each from −100 to 200 deg and with every error of its own, 25 deg apart, from both sides.
+inline CompensatedMachine stated_rotary_machine(const std::string& configuration) {
+  CompensatedMachine machine = stated_machine(kinematics::linear_configuration(configuration));
+  RotaryAxes rotary;
+  rotary.machine.chain = *kinematics::joint_chain_of(configuration);
+  rotary.machine.terms = kinematics::terms_of(rotary.machine.chain);
+  for (const kinematics::ChainJoint& one : rotary.machine.chain) {
+    if (!is_rotary(one.joint)) continue;
+    const std::size_t r = index_of(one.joint) - kAxes;
+    rotary.machine.rotary[r].direction = {};
+    rotary.machine.rotary[r].direction[r] = 1.0;
+    rotary.machine.rotary[r].pivot_mm = {400.0 - 30.0 * static_cast<double>(r), 250.0, 100.0};
+    rotary.travel_deg[r] = {-100.0, 200.0};
+    for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
+      rotary.errors.location[r][s] = 10.0 + static_cast<double>(s);
+      for (const Approach side : {Approach::forward, Approach::reverse}) {
+        RotaryTable table{one.joint, static_cast<Sense>(s), side, {}, {}};
+        for (double p = -100.0; p <= 200.0; p += 25.0) {
+          table.p_deg.push_back(p);
+          table.error.push_back(12.0 * std::sin(0.02 * p + static_cast<double>(s)) + static_cast<double>(side));
+        }
+        rotary.errors.tables.push_back(table);
+      }
+    }
+  }
+  machine.rotary = rotary;
+  return machine;
+}
+
 }  // namespace ecs::volume

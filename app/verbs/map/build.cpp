@@ -8,6 +8,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
+#include "app/verbs/map/rotary.hpp"
 #include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
@@ -246,6 +247,11 @@ Result<void> enough_given(const BuildArguments& arguments) {
 Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!arguments.from_model.empty()) return from_model(context, arguments);
+  if (measures_rotary_axes(arguments.files, arguments.import)) {
+    if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
+      return tl::unexpected(distinct.error());
+    return rotary_errors_built(context, arguments.files, arguments.import, arguments.output);
+  }
   if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto distinct = check_output_not_input(output, arguments.files); !distinct)
@@ -263,7 +269,8 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
 extern const VerbDefinition kMapBuild =
     verb<BuildArguments>("map build", "the error map from measured files, by a recipe or as the files suggest",
                          "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
-                         "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv",
+                         "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
+                         "  ecs map build EXC.csv ECC.csv -o rotary.csv",
                          build);
 
 }  // namespace ecs::app

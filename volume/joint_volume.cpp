@@ -1,0 +1,145 @@
+#include "volume/joint_volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecs::volume {
+namespace {
+
+using kinematics::Angles;
+
+constexpr double kWholeTurn_deg = 360.0;
+
+Vector3 along_axes(const std::array<Vector3, kAxes>& along, const Vector3& v) {
+  Vector3 out{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    for (std::size_t l = 0; l < kAxes; ++l) out[d] += along[l][d] * v[l];
+  return out;
+}
+
+Vector3 mean_at_reference(const Field& field) {
+  const Vector3 a = field.at_reference(0), b = field.at_reference(1);
+  return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
+}
+
+Vector3 minus(const Vector3& v) { return {-v[0], -v[1], -v[2]}; }
+
+std::vector<double> angles_over(const std::array<double, 2>& travel_deg, std::size_t count) {
+  const double span = travel_deg[1] - travel_deg[0];
+  const bool turns = span >= kWholeTurn_deg;
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(turns ? count : count - 1);
+    angles.push_back(travel_deg[0] + part * (turns ? kWholeTurn_deg : span));
+  }
+  return angles;
+}
+
+}  // namespace
+
+std::vector<Angles> settings_over(const RotaryAxes& rotary, std::size_t on_each) {
+  std::vector<Angles> settings{reference_angles(rotary)};
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    if (!rotary.travel_deg[r]) continue;
+    std::vector<Angles> more;
+    for (const double angle : angles_over(*rotary.travel_deg[r], std::max<std::size_t>(2, on_each)))
+      for (Angles setting : settings) {
+        setting[r] = angle;
+        more.push_back(setting);
+      }
+    settings = std::move(more);
+  }
+  return settings;
+}
+
+Angles reference_angles(const RotaryAxes& rotary) {
+  Angles angles{};
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (const auto& travel = rotary.travel_deg[r]) angles[r] = std::clamp(0.0, (*travel)[0], (*travel)[1]);
+  return angles;
+}
+
+JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components)
+    : grid_(grid),
+      machine_(machine.rotary->machine),
+      rotary_(machine.rotary->errors),
+      components_(std::move(components)),
+      compensation_(compensation_over(machine, grid)) {
+  machine_.lines_mm = machine.errors.kinematics.lines_mm;
+  machine_.tool_offset_mm = machine.errors.kinematics.tool_offset_mm;
+  machine_.curves = machine.errors.curves;
+  compensation_.count_from_reference();
+  at_reference_ = mean_at_reference({grid, components_, machine.errors.kinematics});
+  const Angles zero = reference_angles(*machine.rotary);
+  at_zero_ = mean_at_reference(errors_at(pose_at(machine_, zero), zero));
+}
+
+Result<JointVolume> JointVolume::over(const CompensatedMachine& machine, const Grid& grid) {
+  auto components = machine.errors.components(grid);
+  if (!components) return tl::unexpected(components.error());
+  return JointVolume(machine, grid, std::move(*components));
+}
+
+Field JointVolume::errors_at(const kinematics::MachinePose& pose, const Angles& angles_deg) const {
+  std::array<kinematics::JointValues, 2> rotary;
+  for (std::size_t side = 0; side < kSides.size(); ++side)
+    rotary[side] = rotary_values(rotary_, angles_deg, kSides[side]);
+  Field errors(grid_, components_, pose, rotary);
+  errors.shift(minus(along_axes(pose.along, at_reference_)));
+  return errors;
+}
+
+BeforeAfter JointVolume::at(const Angles& angles_deg) const {
+  const kinematics::MachinePose pose = pose_at(machine_, angles_deg);
+  BeforeAfter out;
+  out.before.field.emplace(errors_at(pose, angles_deg));
+  out.before.field->shift(minus(at_zero_));
+  out.after.field.emplace(compensation_.along(pose.along));
+  out.after.field->add(*out.before.field);
+  return out;
+}
+
+std::array<Vector3, 2> JointVolume::orientation_at(const Angles& angles_deg) const {
+  const kinematics::MachinePose pose = pose_at(machine_, angles_deg);
+  std::array<Vector3, 2> out{};
+  for (std::size_t side = 0; side < kSides.size(); ++side) {
+    kinematics::JointValues values = rotary_values(rotary_, angles_deg, kSides[side]);
+    for (std::size_t c = 0; c < kCurves; ++c)
+      if (const auto& curve = components_.curve[side][c]; !curve.empty())
+        values.curve[c / kSenseNames.size()][c % kSenseNames.size()] = curve.front();
+    out[side] = tool_error(pose, values, grid_.at({})).orientation_um_per_m;
+  }
+  return out;
+}
+
+Result<VolumeAnswer> evaluated_with_rotary(const CompensatedMachine& machine, std::size_t places) {
+  const RotaryAxes& rotary = *machine.rotary;
+  const auto axes_of = [](const auto& list) {
+    return static_cast<std::size_t>(
+        std::count_if(list.begin(), list.end(), [](const auto& one) { return one.has_value(); }));
+  };
+  const std::size_t axes = axes_of(machine.travel_mm) + axes_of(rotary.travel_deg);
+  const double root = std::pow(static_cast<double>(places), 1.0 / static_cast<double>(axes));
+  const Vector3 reference_mm = reference_of(machine.parameters);
+  VolumeAnswer answer;
+  answer.settings = settings_over(rotary, static_cast<std::size_t>(root + 1e-9));
+  answer.grid = grid_over(machine.travel_mm, std::max<std::size_t>(1, places / answer.settings.size()), reference_mm);
+  const auto over = JointVolume::over(machine, answer.grid);
+  if (!over) return tl::unexpected(over.error());
+  const Grid diagonals = even_grid(machine.travel_mm, kDiagonalPlaces, reference_mm);
+  const auto on_diagonals = JointVolume::over(machine, diagonals);
+  if (!on_diagonals) return tl::unexpected(on_diagonals.error());
+  VolumeCounter before(answer.settings.size() * answer.grid.places()),
+      after(answer.settings.size() * answer.grid.places());
+  for (const Angles& setting : answer.settings) {
+    const BeforeAfter here = over->at(setting), along = on_diagonals->at(setting);
+    before.take(answer.grid, here.before, diagonals, along.before);
+    after.take(answer.grid, here.after, diagonals, along.after);
+  }
+  answer.before = before.finish();
+  answer.after = after.finish();
+  answer.errors = over->at(answer.settings[answer.before.all.setting]);
+  return answer;
+}
+
+}  // namespace ecs::volume

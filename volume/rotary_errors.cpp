@@ -1,0 +1,198 @@
+#include "volume/rotary_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/numbers.hpp"
+#include "base/text.hpp"
+#include "laser/csv_table.hpp"
+
+namespace ecs::volume {
+namespace {
+
+using kinematics::Joint;
+using kinematics::JointChain;
+
+constexpr double kTurn_deg = 360.0;
+constexpr double kFurthestAngle_deg = 3600.0;
+constexpr double kLargestError = 32'000.0;  ///< as in a map: more is a wrong unit
+constexpr std::array<std::string_view, 4> kRotaryColumns{"component", "approach", "p_deg", "error"};
+
+/// True where a table goes round: what is missing to a turn is no longer than twice its mean step.
+bool closes(const RotaryTable& table) {
+  if (table.p_deg.size() < 3) return false;
+  const double span = table.p_deg.back() - table.p_deg.front();
+  return span >= kTurn_deg - 2.0 * span / static_cast<double>(table.p_deg.size() - 1);
+}
+
+double between(double angle, double a, double b, double at_a, double at_b) {
+  return b > a ? std::lerp(at_a, at_b, (angle - a) / (b - a)) : at_a;
+}
+
+struct RotaryComponent {
+  Joint joint = Joint::C;
+  bool is_location = false;
+  std::size_t sense = 0;  ///< X, Y, Z, A, B, C
+};
+
+std::optional<RotaryComponent> component_in(std::string_view name) {
+  if (name.size() != 3) return std::nullopt;
+  const auto joint = kinematics::joint_of(name[2]);
+  if (!joint || !kinematics::is_rotary(*joint)) return std::nullopt;
+  if (const auto sense = sense_named(name.substr(0, 2)))
+    return RotaryComponent{*joint, false, static_cast<std::size_t>(*sense)};
+  const std::size_t sense = std::string_view("XYZABC").find(name[0]);
+  if (name[1] != 'O' || sense == std::string_view::npos) return std::nullopt;
+  return RotaryComponent{*joint, true, sense};
+}
+
+/// The rows of one file.
+class RotaryReader {
+ public:
+  RotaryReader(const laser::CsvTable& table, const JointChain& chain, laser::Findings& findings)
+      : chain_(chain), findings_(findings) {
+    for (std::size_t k = 0; k < kRotaryColumns.size(); ++k) place_[k] = *laser::place_of(table, kRotaryColumns[k]);
+  }
+
+  void take(const laser::CsvRow& row) {
+    const auto field = [&](std::size_t k) -> const laser::CsvField& { return row.fields[place_[k]]; };
+    const auto component = component_in(field(0).text);
+    if (!component)
+      return refuse(row, field(0), "component: expected an error of a rotary axis, such as EXC, EAB or XOC");
+    if (!chain_.has(component->joint))
+      return refuse(row, field(0),
+                    fmt::format("component: expected an axis of the machine ({}), which has no {}",
+                                kinematics::iso_notation(chain_), letter_of(component->joint)));
+    const auto error = number_in(field(3).text);
+    if (!error || std::abs(*error) > kLargestError)
+      return refuse(row, field(3), "error: expected a number of um or um/m within 32000");
+    if (component->is_location)
+      take_location(row, field(1), field(2), *component, *error);
+    else
+      take_motion(row, field(1), field(2), *component, *error);
+  }
+
+  RotaryErrors finish() {
+    for (RotaryTable& table : errors_.tables) sort_by_angle(table);
+    return std::move(errors_);
+  }
+
+ private:
+  void refuse(const laser::CsvRow& row, const laser::CsvField& field, const std::string& expected) {
+    findings_.add(row.line, field.column, fmt::format("{}, found {}", expected, laser::in_quotes(field.text)));
+  }
+
+  void take_location(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
+                     const RotaryComponent& component, double error) {
+    if (!angle.text.empty())
+      return refuse(row, angle, "p_deg: expected nothing: a location error is a constant of the axis line");
+    if (!approach.text.empty() && approach.text != "0")
+      return refuse(row, approach, "approach: expected 0 or nothing: a location error has no approach");
+    const std::size_t rotary = index_of(component.joint) - kAxes;
+    if (const std::pair key{rotary, component.sense}; std::find(given_.begin(), given_.end(), key) == given_.end())
+      given_.push_back(key);
+    else
+      return refuse(
+          row, angle,
+          fmt::format("component: {}O{} occurs twice", "XYZABC"[component.sense], letter_of(component.joint)));
+    errors_.location[rotary][component.sense] = error;
+  }
+
+  void take_motion(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
+                   const RotaryComponent& component, double error) {
+    const auto p_deg = number_in(angle.text);
+    if (!p_deg || std::abs(*p_deg) > kFurthestAngle_deg)
+      return refuse(row, angle, "p_deg: expected an angle within 3600 deg of 0");
+    const auto side = approach.text.empty() ? std::optional(0.0) : number_in(approach.text);
+    if (!side || (*side != 0.0 && *side != 1.0 && *side != -1.0))
+      return refuse(row, approach, "approach: expected 1, -1 or 0");
+    RotaryTable& table = table_for(component, static_cast<Approach>(static_cast<int>(*side)));
+    if (std::find(table.p_deg.begin(), table.p_deg.end(), *p_deg) != table.p_deg.end())
+      return refuse(row, angle, "p_deg: expected each angle once in a component and approach");
+    table.p_deg.push_back(*p_deg);
+    table.error.push_back(error);
+  }
+
+  RotaryTable& table_for(const RotaryComponent& component, Approach approach) {
+    const auto sense = static_cast<Sense>(component.sense);
+    for (RotaryTable& table : errors_.tables)
+      if (table.joint == component.joint && table.sense == sense && table.approach == approach) return table;
+    return errors_.tables.emplace_back(RotaryTable{component.joint, sense, approach, {}, {}});
+  }
+
+  static void sort_by_angle(RotaryTable& table) {
+    std::vector<std::pair<double, double>> points;
+    for (std::size_t i = 0; i < table.p_deg.size(); ++i) points.emplace_back(table.p_deg[i], table.error[i]);
+    std::sort(points.begin(), points.end());
+    for (std::size_t i = 0; i < points.size(); ++i) std::tie(table.p_deg[i], table.error[i]) = points[i];
+  }
+
+  const JointChain& chain_;
+  laser::Findings& findings_;
+  std::array<std::size_t, kRotaryColumns.size()> place_{};
+  std::vector<std::pair<std::size_t, std::size_t>> given_;
+  RotaryErrors errors_;
+};
+
+}  // namespace
+
+double value_at(const RotaryTable& table, double angle_deg) {
+  const auto& p = table.p_deg;
+  if (p.empty()) return 0.0;
+  double angle = angle_deg;
+  if (closes(table)) {
+    angle = p.front() + std::fmod(angle_deg - p.front(), kTurn_deg);
+    if (angle < p.front()) angle += kTurn_deg;
+    if (angle > p.back())
+      return between(angle, p.back(), p.front() + kTurn_deg, table.error.back(), table.error.front());
+  }
+  if (angle <= p.front()) return table.error.front();
+  if (angle >= p.back()) return table.error.back();
+  const auto next = static_cast<std::size_t>(std::upper_bound(p.begin(), p.end(), angle) - p.begin());
+  return between(angle, p[next - 1], p[next], table.error[next - 1], table.error[next]);
+}
+
+const RotaryTable* table_of(const RotaryErrors& errors, Joint joint, Sense sense, Approach side) {
+  for (const RotaryTable& table : errors.tables)
+    if (table.joint == joint && table.sense == sense && (table.approach == side || table.approach == Approach::unknown))
+      return &table;
+  return nullptr;
+}
+
+kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinematics::Angles& angles_deg, Approach side) {
+  kinematics::JointValues values;
+  for (std::size_t r = 0; r < kAxes; ++r) values.curve[kAxes + r] = errors.location[r];
+  for (const RotaryTable& table : errors.tables) {
+    const std::size_t joint = index_of(table.joint);
+    if (&table == table_of(errors, table.joint, table.sense, side))
+      values.curve[joint][static_cast<std::size_t>(table.sense)] += value_at(table, angles_deg[joint - kAxes]);
+  }
+  return values;
+}
+
+std::string rotary_name(Joint joint, Sense sense) {
+  return fmt::format("{}{}", name_of(sense), kinematics::letter_of(joint));
+}
+
+Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name, const JointChain& chain) {
+  laser::Findings findings(file_name);
+  const auto table = laser::parse_csv_table(text, file_name, kRotaryColumns, findings);
+  if (!table) return tl::unexpected(table.error());
+  RotaryReader reader(*table, chain, findings);
+  for (const laser::CsvRow& row : table->rows) reader.take(row);
+  RotaryErrors errors = reader.finish();
+  if (table->rows.empty() && findings.empty()) findings.add(table->header_line, 0, "expected rows below the header");
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  return errors;
+}
+
+Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file, const JointChain& chain) {
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  return parse_rotary_errors(*text, file.string(), chain);
+}
+
+}  // namespace ecs::volume

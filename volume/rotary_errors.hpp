@@ -1,0 +1,54 @@
+// The errors of rotary axes: error motions over the angle (EXC … ECC) and location errors (XOC, YOC, AOC, BOC, COC) by
+// the names of ISO 230-7 and ISO 230-1, and the file that holds them. Does not live here: how they act at the tool
+// (kinematics/).
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "kinematics/machine_pose.hpp"
+
+namespace ecs::volume {
+
+/// One error motion: straight between its points. Where the points go round a whole turn they close, else the end
+/// values hold beyond the ends.
+struct RotaryTable {
+  kinematics::Joint joint = kinematics::Joint::C;
+  Sense sense = Sense::EX;
+  Approach approach = Approach::unknown;  ///< unknown: both
+  std::vector<double> p_deg;              ///< ascending
+  std::vector<double> error;              ///< actual − target, tool against workpiece [um, um/m]
+};
+
+struct RotaryErrors {
+  std::vector<RotaryTable> tables;
+  /// Of A, B, C: place (XO., YO., ZO.) and direction (AO., BO., CO.) of its axis line at its pivot [um, um/m].
+  std::array<std::array<double, 6>, kAxes> location{};
+};
+
+[[nodiscard]] double value_at(const RotaryTable& table, double angle_deg);
+
+/// Error motions and location errors of every rotary axis by one side, at these angles; linear axes are left at 0.
+[[nodiscard]] kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinematics::Angles& angles_deg,
+                                                    Approach side);
+
+/// The table of a component by that side; null: none.
+[[nodiscard]] const RotaryTable* table_of(const RotaryErrors& errors, kinematics::Joint joint, Sense sense,
+                                          Approach side);
+
+/// "EXC", "EAB"
+[[nodiscard]] std::string rotary_name(kinematics::Joint joint, Sense sense);
+
+/// CSV with the columns component, approach (1|-1|0 = both), p_deg, error [um, um/m]; location errors with an empty
+/// p_deg. Every bad row is reported: a name that is no error of a rotary axis, an axis that `chain` does not have, an
+/// angle beyond 3600 or twice.
+[[nodiscard]] Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name,
+                                                       const kinematics::JointChain& chain);
+[[nodiscard]] Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file,
+                                                      const kinematics::JointChain& chain);
+
+}  // namespace ecs::volume
