@@ -66,21 +66,33 @@ Json size_json(const volume::VolumeSize& size, const VolumeWork& work) {
   return all;
 }
 
-std::string place_text(const Vector3& mm, const PerAxis<bool>& exists) {
+/// "X 100  Y 0  Z -50"; with rotary axes, whose letters stand in the heading, "100 0 -50 90".
+std::string place_text(const volume::ErrorSize& size, const VolumeWork& work) {
+  const auto& rotary = work.prepared.machine.rotary;
   std::vector<std::string> words;
   for (const Axis axis : kAllAxes)
-    if (exists[index_of(axis)]) words.push_back(fmt::format("{} {:.0f}", letter_of(axis), mm[index_of(axis)]));
-  return fmt::format("{}", fmt::join(words, "  "));
+    if (work.answer.grid.exists[index_of(axis)])
+      words.push_back(
+          fmt::format("{}{:.0f}", rotary ? "" : fmt::format("{} ", letter_of(axis)), size.at_mm[index_of(axis)]));
+  for (std::size_t r = 0; rotary && r < kAxes; ++r)
+    if (rotary->travel_deg[r]) words.push_back(fmt::format("{:.0f}", work.answer.settings[size.setting][r]));
+  return fmt::format("{}", fmt::join(words, rotary ? " " : "  "));
+}
+
+std::string place_heading(const VolumeWork& work) {
+  const auto& rotary = work.prepared.machine.rotary;
+  if (!rotary) return "largest at, mm";
+  std::string heading = "largest at";
+  for (const Axis axis : kAllAxes)
+    if (work.answer.grid.exists[index_of(axis)]) heading += fmt::format(" {}", letter_of(axis));
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (rotary->travel_deg[r]) heading += fmt::format(" {}", "ABC"[r]);
+  return heading + ", mm, deg";
 }
 
 std::string size_text(std::string_view name, const volume::ErrorSize& size, const VolumeWork& work) {
-  std::string angles;
-  const auto& rotary = work.prepared.machine.rotary;
-  for (std::size_t r = 0; rotary && r < kAxes; ++r)
-    if (rotary->travel_deg[r]) angles += fmt::format("  {} {:.0f}", "ABC"[r], work.answer.settings[size.setting][r]);
-  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}{}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
-                     place_text(size.at_mm, work.answer.grid.exists), angles,
-                     size.approach == Approach::forward ? "forward" : "reverse");
+  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
+                     place_text(size, work), size.approach == Approach::forward ? "forward" : "reverse");
 }
 
 std::string size_text(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
@@ -264,7 +276,7 @@ std::string heading_of(const VolumeWork& work) {
                                settings * work.answer.grid.places())) +
          (rotary.empty() ? "" : paragraph(rotary)) + fmt::format("errors from {}\n", work.prepared.errors_from) +
          fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "95 %", "rms",
-                     rotary.empty() ? "largest at, mm" : "largest at, mm and deg");
+                     place_heading(work));
 }
 
 }  // namespace
