@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
+#include "params/rotary_machine.hpp"
 
 namespace ecs::params {
 namespace {
@@ -84,6 +85,7 @@ class MachineReader {
       take_axis_entry(*axis, entry, std::string_view(entry.key).substr(std::string_view("axis.X.").size()));
   }
 
+  [[nodiscard]] RotaryMachine rotary() const { return rotary_; }
   [[nodiscard]] Result<MachineFile> result() {
     if (!configuration_given_) refuse_file("configuration: expected the chain, such as configuration = \"TXYZ\"");
     judge_axes();
@@ -130,7 +132,7 @@ class MachineReader {
   }
 
   void take_rotary(std::size_t rotary, const TomlEntry& entry, bool table) {
-    auto& axis = file_.machine.rotary[rotary];
+    auto& axis = rotary_.rotary[rotary];
     if (entry.key.size() == std::string_view("axis.A").size()) {
       if (!table) return refuse(entry, "a table");
       axis.emplace().direction[rotary] = 1.0;
@@ -183,12 +185,12 @@ class MachineReader {
     const auto* text = std::get_if<std::string>(&entry.value);
     if (text == nullptr) return refuse(entry, kAnyChain);
     if (ecs::chain_of(*text)) {
-      file_.machine.configuration = file_.machine.whole_configuration = *text;
+      file_.machine.configuration = rotary_.configuration = *text;
       return;
     }
     if (const auto fault = kinematics::fault_of(*text))
       return refuse(entry, text->find_first_of("ABC") == std::string::npos ? kAnyChain : *fault);
-    file_.machine.whole_configuration = *text;
+    rotary_.configuration = *text;
     file_.machine.configuration = kinematics::linear_configuration(*text);
     configuration_ = entry;
   }
@@ -292,11 +294,11 @@ class MachineReader {
 
   /// Each letter has its table with a pivot and a travel, each table its letter.
   void judge_rotary_axes() {
-    const std::string& letters = file_.machine.whole_configuration;
+    const std::string& letters = rotary_.configuration;
     for (std::size_t r = 0; r < kAxes; ++r) {
       const bool named = letters.find(rotary_letter(r)) != std::string::npos;
       const TomlEntry& place = rotary_places_[r];
-      if (!file_.machine.rotary[r]) {
+      if (!rotary_.rotary[r]) {
         if (named)
           problems_.push_back(at(configuration_, fmt::format("letter {0}: expected a table [axis.{0}] with travel_deg "
                                                              "and pivot_mm, found none",
@@ -317,6 +319,7 @@ class MachineReader {
 
   std::string name_;
   MachineFile file_{};
+  RotaryMachine rotary_{};  ///< its rotary axes alone
   bool configuration_given_ = false;
   TomlEntry configuration_{};           ///< where rotary axes are named
   PerAxis<TomlEntry> rotary_places_{};  ///< heads of the tables of A, B, C
@@ -361,15 +364,33 @@ std::optional<Chain> chain_of(const Machine& machine) {
   return restricted_to(*whole, present);
 }
 
-bool has_rotary_axes(const Machine& machine) {
+Result<RotaryMachine> parse_rotary_machine(std::string_view text, const std::string& name) {
+  const auto entries = flat_toml(text, name);
+  if (!entries) return tl::unexpected(entries.error());
+  MachineReader reader(name);
+  for (const TomlEntry& entry : *entries) reader.take(entry);
+  auto file = reader.result();
+  if (!file) return tl::unexpected(file.error());
+  RotaryMachine machine = reader.rotary();
+  machine.machine = std::move(file->machine);
+  return machine;
+}
+
+Result<RotaryMachine> read_rotary_machine(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_rotary_machine(*text, path.string());
+}
+
+bool has_rotary_axes(const RotaryMachine& machine) {
   return std::any_of(machine.rotary.begin(), machine.rotary.end(), [](const auto& axis) { return axis.has_value(); });
 }
 
-std::optional<kinematics::JointChain> joint_chain_of(const Machine& machine) {
+std::optional<kinematics::JointChain> joint_chain_of(const RotaryMachine& machine) {
   std::string letters;
-  for (const char letter : machine.whole_configuration) {
+  for (const char letter : machine.configuration) {
     const auto axis = axis_of(letter);
-    if (!axis || machine.axes[index_of(*axis)]) letters += letter;
+    if (!axis || machine.machine.axes[index_of(*axis)]) letters += letter;
   }
   return kinematics::joint_chain_of(letters);
 }

@@ -12,7 +12,6 @@
 
 #include "base/result.hpp"
 #include "core/parameters.hpp"
-#include "kinematics/joint_chain.hpp"
 
 namespace ecs::params {
 
@@ -30,20 +29,10 @@ struct MachineAxis {
   friend bool operator==(const MachineAxis&, const MachineAxis&) = default;
 };
 
-/// One rotary axis (kinematics/machine_pose.hpp).
-struct MachineRotaryAxis {
-  std::array<double, 2> travel_deg{};  ///< lower end, upper end; lower < upper; 360 apart: whole turns
-  Vector3 direction{};                 ///< of positive rotation of the tool against the workpiece, length 1
-  Vector3 pivot_mm{};                  ///< a point on its axis, all axes at 0
-  friend bool operator==(const MachineRotaryAxis&, const MachineRotaryAxis&) = default;
-};
-
 struct Machine {
   std::string name;
-  std::string configuration;                   ///< chain of the linear axes, e.g. "TXYZ" (core/chain.hpp)
+  std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/chain.hpp)
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
-  std::string whole_configuration;  ///< with the rotary axes, as in the file: "XYACTZ"; without any, as `configuration`
-  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C: those of the whole configuration
   friend bool operator==(const Machine&, const Machine&) = default;
 };
 
@@ -59,10 +48,6 @@ struct MachineFile {
 
 /// The chain of the axes that exist. @pre `machine` came from parse_machine() or has a valid configuration
 [[nodiscard]] std::optional<Chain> chain_of(const Machine& machine);
-
-[[nodiscard]] bool has_rotary_axes(const Machine& machine);
-/// The chain of all axes that exist. @pre `machine` came from parse_machine()
-[[nodiscard]] std::optional<kinematics::JointChain> joint_chain_of(const Machine& machine);
 
 /// Where axis b was measured, 0 where the file says nothing.
 [[nodiscard]] MeasurementLines measurement_lines_of(const Machine& machine);

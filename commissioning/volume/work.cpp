@@ -14,6 +14,7 @@
 #include "commissioning/models/work.hpp"
 #include "commissioning/volume/true_errors.hpp"
 #include "laser/map/csv.hpp"
+#include "params/rotary_machine.hpp"
 #include "volume/joint_volume.hpp"
 
 namespace ecs::commissioning {
@@ -216,9 +217,10 @@ Result<void> look_at(const std::string& text, VolumeWork& work) {
 }
 
 /// The rotary axes of the machine file and their errors.
-Result<void> take_rotary(const VolumeArguments& arguments, const std::optional<params::Machine>& machine,
-                         VolumeWork& work) {
-  if (!machine || !has_rotary_axes(*machine)) {
+Result<void> take_rotary(const VolumeArguments& arguments, const std::string& machine_file, VolumeWork& work) {
+  const auto machine = machine_file.empty() ? params::RotaryMachine{} : params::read_rotary_machine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  if (!has_rotary_axes(*machine)) {
     if (arguments.rotary.empty()) return {};
     return problem(
         ProblemKind::usage,
@@ -429,7 +431,8 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   if (const auto taken = take_errors(arguments, machine_file, *machine, work); !taken)
     return tl::unexpected(taken.error());
 
-  if (const auto taken = take_rotary(arguments, *machine, work); !taken) return tl::unexpected(taken.error());
+  if (const auto taken = take_rotary(arguments, *machine ? machine_file : std::string(), work); !taken)
+    return tl::unexpected(taken.error());
 
   auto answer = evaluated(evaluated_machine, arguments.places);
   if (!answer) return tl::unexpected(answer.error());

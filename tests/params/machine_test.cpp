@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "params/check.hpp"
+#include "params/rotary_machine.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -156,24 +157,24 @@ constexpr const char* kTableC = "[axis.C]\ntravel_deg = [0, 360]\npivot_mm = [25
 }  // namespace
 
 TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain does without them") {
-  const auto file = parse_machine(
+  const auto file = parse_rotary_machine(
       five_axes("XYBCTZ",
                 std::string(kTableC) +
                     "[axis.B]\ntravel_deg = [-110, 30.5]\npivot_mm = [250, 200, -250]\ndirection = [0, 1, 1]\n"),
       "machine.toml");
   REQUIRE(file.has_value());
-  CHECK(file->warnings.empty());
-  const Machine& machine = file->machine;
-  CHECK(machine.configuration == "XYTZ");
-  CHECK(machine.whole_configuration == "XYBCTZ");
+  const RotaryMachine& machine = *file;
+  CHECK(machine.machine.configuration == "XYTZ");
+  CHECK(machine.configuration == "XYBCTZ");
   CHECK(has_rotary_axes(machine));
   CHECK(joint_chain_of(machine)->count == 5);
   CHECK(machine.rotary[2]->pivot_mm == Vector3{250.0, 200.0, -300.0});
   CHECK(machine.rotary[2]->direction == Vector3{0.0, 0.0, 1.0});
   CHECK(machine.rotary[1]->travel_deg == std::array{-110.0, 30.5});
   CHECK(machine.rotary[1]->direction[2] == doctest::Approx(std::sqrt(0.5)));
-  CHECK(configuration_of(default_parameters_for(machine)) == "XYTZ");
-  CHECK_FALSE(has_rotary_axes(sample("samples/params/mill_machine.toml")));
+  CHECK(configuration_of(default_parameters_for(machine.machine)) == "XYTZ");
+  CHECK_FALSE(has_rotary_axes(*read_rotary_machine("samples/params/mill_machine.toml")));
+  CHECK(read_machine("samples/five_axes/machine.toml")->warnings.empty());
 }
 
 TEST_CASE("rotary axes that no machine can have are refused with their line and what was expected") {
