@@ -57,7 +57,8 @@ TEST_CASE("a rotary axis has its six error motions, each rotation in two directi
   CHECK(table.count == 45);
   CHECK(table.squareness_count == 3);
   std::size_t of_c = 0;
-  for (std::size_t i = 0; i < table.count; ++i) of_c += table.rows[i].moving == Joint::C ? 1 : 0;
+  for (std::size_t i = 0; i < table.count; ++i)
+    if (table.rows[i].moving == Joint::C) ++of_c;
   CHECK(of_c == 9);
 }
 
