@@ -20,7 +20,7 @@ Cell rotary_table_cell(const volume::RotaryTable& table) {
   return record_cell(
       "{component:<9} {approach:>8} {unit:<4} {first_deg:>8} {last_deg:>8} {points:>6} {mean:>8} {band:>8}\n",
       {{"component", word_cell(volume::rotary_name(table.joint, table.sense))},
-       {"approach", count_cell(static_cast<int>(table.approach))},
+       {"approach", {static_cast<int>(table.approach), fmt::format("{}", static_cast<int>(table.approach))}},
        {"unit", word_cell(laser::unit_of(table.sense))},
        {"first_deg", number_cell(table.p_deg.front(), 1)},
        {"last_deg", number_cell(table.p_deg.back(), 1)},
