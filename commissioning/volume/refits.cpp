@@ -35,27 +35,29 @@ class DrawnNoise {
   double slow_um_ = 0.0;
 };
 
-/// A place that every value between two neighbouring targets fits alike, such as that of a step: anywhere there.
-void move_between_targets(model::EffectInstance& effect, const model::Observations& data, std::mt19937_64& random) {
+/// @return whether it has such a place
+bool displace(model::EffectInstance& effect, const model::Observations& data, std::mt19937_64& random) {
   const std::string name(effect.definition().searched_parameter());
-  if (effect.definition().search.has_slope || !effect.axis || effect.parameters.contains(name)) return;
+  if (effect.definition().search.has_slope || !effect.axis || effect.parameters.contains(name)) return false;
   const auto place = effect.fitted.find(name);
-  if (place == effect.fitted.end()) return;
+  if (place == effect.fitted.end()) return false;
   std::optional<double> below, above;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double p_mm = data.p_mm(k, *effect.axis);
     if (p_mm <= place->second && (!below || p_mm > *below)) below = p_mm;
     if (p_mm > place->second && (!above || p_mm < *above)) above = p_mm;
   }
-  if (below && above) place->second = std::uniform_real_distribution<double>(*below, *above)(random);
+  if (!below || !above) return false;
+  place->second = std::uniform_real_distribution<double>(*below, *above)(random);
+  return true;
 }
 
 }  // namespace
 
-std::vector<model::Fit> refits(const model::Model& model, const model::Observations& data, const model::Fit& fit,
-                               std::size_t count, std::uint64_t seed) {
+std::vector<Refit> refits(const model::Model& model, const model::Observations& data, const model::Fit& fit,
+                          std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<model::Fit> again;
+  std::vector<Refit> again;
   for (std::size_t draw = 0; draw < count; ++draw) {
     std::vector<DrawnNoise> noises;
     for (const model::NoiseReport& noise : fit.noise_by_sense) noises.emplace_back(noise, random);
@@ -68,8 +70,10 @@ std::vector<model::Fit> refits(const model::Model& model, const model::Observati
     }
     auto one = model::fit(model, drawn);
     if (!one) continue;
-    for (model::EffectFit& effect : one->effects) move_between_targets(effect.effect, data, random);
-    again.push_back(std::move(*one));
+    model::Fit displaced = *one;
+    bool any = false;
+    for (model::EffectFit& effect : displaced.effects) any = displace(effect.effect, data, random) || any;
+    again.push_back({std::move(*one), any ? std::optional(std::move(displaced)) : std::nullopt});
   }
   return again;
 }

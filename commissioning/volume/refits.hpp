@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "model/fit/fit.hpp"
@@ -15,7 +16,13 @@ inline constexpr std::size_t kRefits = 19;
 
 /// Parametric bootstrap: readings of the fit with noise drawn anew (white and correlated, by sense), fitted again.
 /// @param fit  of `model` to `data`
-[[nodiscard]] std::vector<model::Fit> refits(const model::Model& model, const model::Observations& data,
-                                             const model::Fit& fit, std::size_t count, std::uint64_t seed);
+struct Refit {
+  model::Fit fit;
+  /// The same with places that every value between two neighbouring targets fits alike, such as that of a step, drawn
+  /// from there; nothing where the model has none.
+  std::optional<model::Fit> displaced;
+};
+[[nodiscard]] std::vector<Refit> refits(const model::Model& model, const model::Observations& data,
+                                        const model::Fit& fit, std::size_t count, std::uint64_t seed);
 
 }  // namespace ecs::commissioning

@@ -159,18 +159,23 @@ QuantitySizes sizes_left(const Contribution& rest, const Circle& circle) {
 /// One draw after the other; `expected` when all are in.
 class Draws {
  public:
-  void take(const QuantitySizes& sizes) {
-    for (std::size_t q = 0; q < sizes.size(); ++q) drawn_[q].push_back(sizes[q]);
+  /// @param expected  false: it counts for the bound only
+  void take(const QuantitySizes& sizes, bool expected) {
+    for (std::size_t q = 0; q < sizes.size(); ++q) {
+      largest_[q] = std::max(largest_[q], sizes[q]);
+      if (expected) drawn_[q].push_back(sizes[q]);
+    }
   }
   [[nodiscard]] Expected expected(std::size_t quantity) const {
     std::vector<double> values = drawn_[quantity];
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], values.back()};
+    return {values[values.size() / 2], largest_[quantity]};
   }
 
  private:
   std::array<std::vector<double>, std::size(kQuantities)> drawn_;
+  QuantitySizes largest_{};
 };
 
 bool is_gain(const Expected& before, const Expected& after) {
@@ -286,7 +291,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     Draws left, compensated, repaired;
   };
   std::vector<CauseDraws> draws(fitted->size());
-  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) {
+  const auto draw = [&](const model::Fit& possible, bool expected) -> Result<void> {
     const auto machine = contributions(possible);
     if (!machine) return tl::unexpected(machine.error());
     Contribution rest{fit->residual, Vectors(volume.size()), Vectors(circle.places.size())};
@@ -297,12 +302,18 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     for (std::size_t i = 0; i < machine->size(); ++i) {
       const bool carried = is_carried(fit->effects[i].effect, *work.machine);
       Contribution other = rest;
-      draws[i].compensated.take(sizes_left(other, circle));
+      draws[i].compensated.take(sizes_left(other, circle), expected);
       if (carried) other.add((*fitted)[i], 1.0);
-      draws[i].left.take(sizes_left(other, circle));
+      draws[i].left.take(sizes_left(other, circle), expected);
       other.add((*machine)[i], -1.0);
-      draws[i].repaired.take(sizes_left(other, circle));
+      draws[i].repaired.take(sizes_left(other, circle), expected);
     }
+    return {};
+  };
+  for (const Refit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) {
+    if (auto drawn = draw(possible.fit, true); !drawn) return tl::unexpected(drawn.error());
+    if (!possible.displaced) continue;
+    if (auto drawn = draw(*possible.displaced, false); !drawn) return tl::unexpected(drawn.error());
   }
   bool unseen = false;
   for (std::size_t i = 0; i < fitted->size(); ++i) {
