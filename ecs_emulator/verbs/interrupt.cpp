@@ -1,12 +1,15 @@
 #include "ecs_emulator/verbs/interrupt.hpp"
 
+#include <csignal>
+
 #include <sys/prctl.h>
 #include <unistd.h>
 
 namespace ecs::emulator {
 namespace {
 
-volatile std::sig_atomic_t stop = 0;
+std::atomic<int> stop = 0;
+static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler writes it
 extern "C" void on_stop(int /*signal*/) { stop = 1; }
 volatile pid_t parent_process = 0;
 extern "C" void on_parent_thread_gone(int /*signal*/) {
@@ -21,7 +24,7 @@ void on_signal(int signal, void (*handler)(int)) {
 
 }  // namespace
 
-const volatile std::sig_atomic_t& stop_requested() { return stop; }
+const std::atomic<int>& stop_requested() { return stop; }
 
 void stop_on_signals() {
   on_signal(SIGTERM, on_stop);

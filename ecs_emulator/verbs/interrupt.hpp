@@ -1,14 +1,14 @@
 // Signals that end a verb of `ecs-emulator` in good order: it saves what it holds and returns.
 #pragma once
 
-#include <csignal>
+#include <atomic>
 
 #include <sys/types.h>
 
 namespace ecs::emulator {
 
 /// Set by SIGTERM and SIGINT once stop_on_signals() was called.
-[[nodiscard]] const volatile std::sig_atomic_t& stop_requested();
+[[nodiscard]] const std::atomic<int>& stop_requested();
 
 void stop_on_signals();
 

@@ -64,7 +64,7 @@ class RunningWorkshop {
  public:
   RunningWorkshop(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
                   protocol::ModbusServer line, std::optional<protocol::ModbusServer> second_line,
-                  std::optional<WorkshopSocket> door, const volatile std::sig_atomic_t& stop)
+                  std::optional<WorkshopSocket> door, const std::atomic<int>& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
         socket_(unit_, options.arm_code),
@@ -177,7 +177,7 @@ class RunningWorkshop {
   std::filesystem::path battery_;
   bool real_time_ = false;
   std::optional<Problem> battery_problem_;
-  const volatile std::sig_atomic_t& stop_;
+  const std::atomic<int>& stop_;
   Workshop workshop_;
   Clock::time_point last_{};
   Clock::time_point kept_{};
@@ -223,7 +223,7 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
   return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
 }
 
-Result<void> serve(const ServeOptions& given, const volatile std::sig_atomic_t& stop,
+Result<void> serve(const ServeOptions& given, const std::atomic<int>& stop,
                    const std::function<void(const std::string&)>& ready) {
   ServeOptions options = given;
   if (options.arm_code.empty()) options.arm_code = code_by_chance();

@@ -2,7 +2,7 @@
 // Does not live here: the command line (ecs_emulator/verbs).
 #pragma once
 
-#include <csignal>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -42,7 +42,7 @@ struct ServeOptions {
 /// Serves until `stop` is set.
 /// @param ready  gets one JSON object when everything answers: {"pty", "tcp", "workshop", "serial_number", "unit",
 ///               "arm_code"}; with also_tcp "second_link" as --link takes it
-[[nodiscard]] Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
+[[nodiscard]] Result<void> serve(const ServeOptions& options, const std::atomic<int>& stop,
                                  const std::function<void(const std::string&)>& ready);
 
 }  // namespace ecs::emulator

@@ -1,5 +1,6 @@
 #include "ecs_emulator/workshop/serve.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <thread>
@@ -77,7 +78,7 @@ class Served {
 
   Folder folder;
   ServeOptions options;
-  volatile std::sig_atomic_t stop = 0;
+  std::atomic<int> stop = 0;
   std::thread thread;
   Json about;
 };
