@@ -11,6 +11,7 @@ extern const VerbDefinition kMonitor;
 extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
     kLaserTable, kLaserCapture, kLaserDevices;
 extern const VerbDefinition kTestCircle, kTestDiagonals, kTestDrift, kTestFlatness, kTestWarmUp;
+extern const VerbDefinition kLengthsFit, kLengthsPlan;
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
 extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
@@ -36,6 +37,7 @@ const std::vector<MenuDefinition>& menus() {
       {"params", "E.C.S. PARAMETERS"},
       {"laser", "PROCESS LASER DATA: measurements"},
       {"test", "PROCESS LASER DATA: tests of the ISO 230 standards"},
+      {"lengths", "PROCESS LASER DATA: all components from lengths"},
       {"map", "PROCESS LASER DATA: error maps"},
       {"utility", "ECS UTILITY"},
       {"utility datum", "datum sequences: record, show, test"},
@@ -72,6 +74,8 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kTestDrift,
       &kTestFlatness,
       &kTestWarmUp,
+      &kLengthsFit,
+      &kLengthsPlan,
       &kMapBuild,
       &kMapShow,
       &kMapHeader,

@@ -53,6 +53,8 @@ const std::vector<VerbDefinition>& verbs_without_unit() {
                    "--x 0,500,1000 --y 0,100", add_components_options),
       without_unit("circle", "circular test (ISO 230-4) of a machine without a unit",
                    "--plane XY --radius 100 --feed 1000 -o circle.csv", add_circle_options),
+      without_unit("lengths", "lengths from stations or along lines to the tool, as a plan says",
+                   "plan.csv -o lengths.csv", add_lengths_options),
       without_unit("run", "run a part program on a machine without a unit", "exx.nc --axis X --sense EX -o exx.csv",
                    add_run_options),
   };

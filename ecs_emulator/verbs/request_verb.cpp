@@ -183,6 +183,18 @@ void add_circle_options(RequestVerb verb) {
   verb.force();
 }
 
+void add_lengths_options(RequestVerb verb) {
+  verb.path("PLAN", "plan", "plan of lengths (.csv, docs/identification.md)", Need::required);
+  verb.number("--noise", "noise", "of a reading, standard deviation [um], 0.2");
+  verb.number("--scale", "scale", "of each set-up, standard deviation [um/m], 0.1");
+  verb.number("--station", "station", "of each coordinate of a station, standard deviation [mm], 0.2");
+  verb.number("--tool", "tool", "of each coordinate of a tool, standard deviation [mm], 0.05");
+  verb.number("--zero", "zero", "of each run, standard deviation [um], 100");
+  verb.flag("--no-scatter", "no_scatter", "without what does not repeat of the machine");
+  verb.path("-o,--output", "output", "the plan with its readings (.csv)");
+  verb.force();
+}
+
 void add_run_options(RequestVerb verb) {
   verb.path("PROGRAM", "program", "part program (docs/part_programs.md)", Need::required);
   verb.word("--axis", "axis", "axis whose component every M08 reads");

@@ -45,6 +45,7 @@ void add_capture_options(RequestVerb verb);
 void add_survey_options(RequestVerb verb);
 void add_components_options(RequestVerb verb);
 void add_circle_options(RequestVerb verb);
+void add_lengths_options(RequestVerb verb);
 void add_run_options(RequestVerb verb);
 
 /// Whether --force was given; the request itself does not hold it any more.

@@ -12,6 +12,7 @@
 #include "ecs_emulator/workshop/circle.hpp"
 #include "ecs_emulator/workshop/components.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
+#include "ecs_emulator/workshop/lengths.hpp"
 #include "ecs_emulator/workshop/measure.hpp"
 #include "ecs_emulator/workshop/program.hpp"
 #include "ecs_emulator/workshop/referencing.hpp"
@@ -201,6 +202,31 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
                 {"rms_um", rms_um(found->grid)}}}};
 }
 
+/// The lengths of a plan.
+Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
+  LengthInstrumentSettings settings;
+  const std::string plan = arguments.word("plan"), output = arguments.word("output");
+  settings.noise_um = arguments.number_or("noise", settings.noise_um);
+  settings.scale_um_per_m = arguments.number_or("scale", settings.scale_um_per_m);
+  settings.station_mm = arguments.number_or("station", settings.station_mm);
+  settings.tool_mm = arguments.number_or("tool", settings.tool_mm);
+  settings.zero_um = arguments.number_or("zero", settings.zero_um);
+  settings.scatter = !arguments.flag("no_scatter");
+  for (const double deviation :
+       {settings.noise_um, settings.scale_um_per_m, settings.station_mm, settings.tool_mm, settings.zero_um})
+    if (!(deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero: expected 0 or more");
+  if (workshop.unit != nullptr)
+    arguments.complain("lengths: expected a machine without a unit; use `ecs-emulator lengths`");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto text = read_file(plan);
+  if (!text) return tl::unexpected(text.error());
+  const auto lengths = measured_lengths(*workshop.simulation, *text, plan, settings);
+  if (!lengths) return tl::unexpected(lengths.error());
+  if (output.empty()) return Json{{"readings", lengths->readings}, {"csv", lengths->csv}};
+  if (auto written = write_file(output, lengths->csv); !written) return tl::unexpected(written.error());
+  return Json{{"readings", lengths->readings}, {"output", output}};
+}
+
 /// The true components along each axis, the others at the datum: the systematic part, as the machine is now.
 Answer true_components(const Workshop& workshop, Arguments& arguments) {
   const PerAxis<std::vector<double>> places{arguments.numbers("x"), arguments.numbers("y"), arguments.numbers("z")};
@@ -282,6 +308,7 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "run") return run_part_program(workshop, arguments, report);
   if (action == "mdi") return run_block(workshop, arguments);
   if (action == "circle") return read_circle(workshop, arguments);
+  if (action == "lengths") return read_lengths(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
   if (action == "components") return true_components(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
@@ -291,7 +318,7 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "fault") return fault(workshop, arguments);
   if (action == "arm-code") return arm_code(workshop, arguments);
   return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, survey, components, "
+      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, lengths, survey, components, "
       "power, wait, tick, load, fault or arm-code, got \"{}\"",
       action));
 }

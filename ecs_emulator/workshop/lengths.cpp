@@ -1,0 +1,192 @@
+#include "ecs_emulator/workshop/lengths.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "laser/csv_table.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+/// What stands in the workshop: where it really is.
+struct TrueSetUp {
+  bool along_line = false;
+  Vector3 nominal{};  ///< direction, or station [mm]
+  Vector3 actual{};
+  double scale_um_per_m = 0.0;
+  bool has_first = false;
+  Vector3 first_mm{};
+};
+
+struct TrueTool {
+  Vector3 nominal_mm{};
+  Vector3 actual_mm{};
+};
+
+Vector3 plus(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vector3 minus(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double size_of(const Vector3& a) { return std::sqrt(dot(a, a)); }
+Vector3 cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+class LengthPlanReader {
+ public:
+  LengthPlanReader(Simulation& simulation, const LengthInstrumentSettings& settings, const std::string& file)
+      : simulation_(simulation), settings_(settings), findings_(file) {}
+
+  Result<MeasuredLengths> measure(std::string_view text, const std::string& file) {
+    constexpr std::array<std::string_view, 9> kColumns{"set_up", "run",        "tool",       "x_mm",      "y_mm",
+                                                       "z_mm",   "approach_x", "approach_y", "approach_z"};
+    const auto table = laser::parse_csv_table(text, file, kColumns, findings_);
+    if (!table) return tl::unexpected(table.error());
+    for (const laser::MetadataEntry& entry : table->metadata) take_head(entry);
+    MeasuredLengths out;
+    for (const laser::MetadataEntry& entry : table->metadata)
+      if (!entry.key.empty()) out.csv += fmt::format("# {}: {}\n", entry.key, entry.value);
+    out.csv += "set_up,run,tool,x_mm,y_mm,z_mm,approach_x,approach_y,approach_z,deviation_um\n";
+    for (const laser::CsvRow& row : table->rows) {
+      std::vector<std::string> cells;
+      for (const std::string_view column : kColumns) cells.push_back(row.fields[*place_of(*table, column)].text);
+      const auto deviation_um = read(row.line, cells);
+      if (!deviation_um) continue;
+      for (const std::string& cell : cells) out.csv += cell + ',';
+      out.csv += fmt::format("{:.4f}\n", *deviation_um);
+      ++out.readings;
+    }
+    if (findings_.empty() && out.readings == 0) findings_.add(table->header_line, 0, "expected poses, found none");
+    if (!findings_.empty()) return tl::unexpected(findings_.as_problem());
+    return out;
+  }
+
+ private:
+  double drawn(double deviation) { return deviation > 0.0 ? deviation * simulation_.random().normal() : 0.0; }
+
+  void take_head(const laser::MetadataEntry& entry) {
+    if (entry.key != "tool" && entry.key != "set_up") return;
+    std::istringstream words(entry.value);
+    std::string name, kind;
+    Vector3 v{};
+    words >> name;
+    if (entry.key == "set_up") words >> kind;
+    if (!(words >> v[0] >> v[1] >> v[2])) {
+      findings_.add(
+          0, 0,
+          fmt::format("{}: expected a name and three numbers, found {}", entry.key, laser::in_quotes(entry.value)));
+      return;
+    }
+    if (entry.key == "tool") {
+      TrueTool tool{v, v};
+      for (double& mm : tool.actual_mm) mm += drawn(settings_.tool_mm);
+      tools_[name] = tool;
+      return;
+    }
+    if (kind != "interferometer" && kind != "tracker" && kind != "ball_bar") {
+      findings_.add(0, 0,
+                    fmt::format("set_up {}: expected interferometer, tracker or ball_bar, found {}", name,
+                                laser::in_quotes(kind)));
+      return;
+    }
+    TrueSetUp set_up{kind == "interferometer", v, v, drawn(settings_.scale_um_per_m), false, {}};
+    if (set_up.along_line) {
+      const double length = size_of(v);
+      for (std::size_t a = 0; a < kAxes; ++a) set_up.nominal[a] = set_up.actual[a] = length > 0.0 ? v[a] / length : 0.0;
+    } else {
+      for (double& mm : set_up.actual) mm += drawn(settings_.station_mm);
+    }
+    set_ups_[name] = set_up;
+  }
+
+  std::optional<double> read(int line, const std::vector<std::string>& cells) {
+    const auto set_up = set_ups_.find(cells[0]);
+    const auto tool = tools_.find(cells[2]);
+    if (set_up == set_ups_.end() || tool == tools_.end()) {
+      findings_.add(line, 0,
+                    fmt::format("set_up {}, tool {}: expected names of the head of the plan", cells[0], cells[2]));
+      return std::nullopt;
+    }
+    MachineState state = simulation_.machine().state();
+    state.feed_mm_min = 0.0;
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      const auto mm = number_in(cells[3 + a]), side = number_in(cells[6 + a]);
+      if (!mm || !side || (*side != 1.0 && *side != -1.0)) {
+        findings_.add(line, 0, "expected numbers as coordinates, 1 or -1 as approaches");
+        return std::nullopt;
+      }
+      const auto [low_mm, high_mm] = simulation_.machine().travel_mm()[a];
+      if (simulation_.machine().has(static_cast<Axis>(a)) && (*mm < low_mm || *mm > high_mm)) {
+        findings_.add(line, 0,
+                      fmt::format("expected {} within {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]), low_mm,
+                                  high_mm, *mm));
+        return std::nullopt;
+      }
+      state.position_mm[a] = *mm;
+      state.approach[a] = *side < 0.0 ? Approach::reverse : Approach::forward;
+      follow(a, *mm, *side < 0.0 ? -1 : 1);
+      state.pass[a] = pass_[a];
+    }
+    last_mm_ = state.position_mm;
+    return deviation(state, set_up->second, cells[0], cells[1], tool->second, cells[2]);
+  }
+
+  /// A new pass wherever an axis has to turn.
+  void follow(std::size_t a, double mm, int side) {
+    if (side != side_[a] || (mm - last_mm_[a]) * side < 0.0) ++pass_[a];
+    side_[a] = side;
+  }
+
+  double deviation(const MachineState& state, TrueSetUp& set_up, const std::string& set_up_name, const std::string& run,
+                   const TrueTool& tool, const std::string& tool_name) {
+    const ToolPose pose = simulation_.tool_at(state, state.position_mm, settings_.scatter);
+    const Vector3 from_spindle = minus(tool.actual_mm, simulation_.description().settings.tool_offset_mm);
+    const Vector3 turned = cross(pose.rotation_um_per_m, from_spindle);  // um/m · mm
+    Vector3 error_um = pose.error_um;
+    for (std::size_t a = 0; a < kAxes; ++a) error_um[a] += turned[a] / kMmPerM;
+    const Vector3 nominal_mm = plus(state.position_mm, tool.nominal_mm);
+    double deviation_um = 0.0, length_mm = 0.0;
+    if (set_up.along_line) {
+      if (!std::exchange(set_up.has_first, true)) set_up.first_mm = state.position_mm;
+      length_mm = dot(minus(state.position_mm, set_up.first_mm), set_up.nominal);
+      deviation_um = dot(error_um, set_up.actual);
+    } else {
+      const Vector3 is_mm = plus(plus(state.position_mm, tool.actual_mm),
+                                 {error_um[0] / kUmPerMm, error_um[1] / kUmPerMm, error_um[2] / kUmPerMm});
+      length_mm = size_of(minus(nominal_mm, set_up.nominal));
+      deviation_um = (size_of(minus(is_mm, set_up.actual)) - length_mm) * kUmPerMm;
+    }
+    const auto zero = zeros_.find({set_up_name, run, tool_name});
+    const double zero_um =
+        zero != zeros_.end()
+            ? zero->second
+            : zeros_.emplace(std::tuple(set_up_name, run, tool_name), drawn(settings_.zero_um)).first->second;
+    return deviation_um + zero_um + set_up.scale_um_per_m * length_mm / kMmPerM + drawn(settings_.noise_um);
+  }
+
+  Simulation& simulation_;
+  const LengthInstrumentSettings& settings_;
+  laser::Findings findings_;
+  std::map<std::string, TrueTool> tools_;
+  std::map<std::string, TrueSetUp> set_ups_;
+  std::map<std::tuple<std::string, std::string, std::string>, double> zeros_;
+  Vector3 last_mm_{};
+  PerAxis<int> side_{};
+  PerAxis<std::uint64_t> pass_{};
+};
+
+}  // namespace
+
+Result<MeasuredLengths> measured_lengths(Simulation& simulation, std::string_view plan, const std::string& file,
+                                         const LengthInstrumentSettings& settings) {
+  return LengthPlanReader(simulation, settings, file).measure(plan, file);
+}
+
+}  // namespace ecs::emulator
