@@ -14,6 +14,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "base/file_watch.hpp"
+
 namespace ecs {
 namespace {
 
@@ -37,9 +39,7 @@ bool write_all(int handle, std::string_view content) {
   return true;
 }
 
-}  // namespace
-
-Result<std::string> read_file(const std::filesystem::path& path) {
+Result<std::string> read_from_disc(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status))
@@ -57,6 +57,15 @@ Result<std::string> read_file(const std::filesystem::path& path) {
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "cannot read: permission denied or I/O error"));
   if (content.size() > kLargest)
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
+  return content;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::filesystem::path& path) {
+  FileWatch* watch = FileWatch::current();
+  auto content = watch != nullptr && watch->replaces_disc() ? watch->content(path) : read_from_disc(path);
+  if (watch != nullptr && content) watch->was_read(path, *content);
   return content;
 }
 
@@ -99,7 +108,9 @@ std::filesystem::path led_to(const std::filesystem::path& path) {
   return error ? path : target;
 }
 
-Result<void> write_file(const std::filesystem::path& name, std::string_view content) {
+namespace {
+
+Result<void> write_to_disc(const std::filesystem::path& name, std::string_view content) {
   const std::filesystem::path path = led_to(name);
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
@@ -115,6 +126,16 @@ Result<void> write_file(const std::filesystem::path& name, std::string_view cont
     ::unlink(beside.c_str());
     return tl::unexpected(write_problem(name, error));
   }
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
+  FileWatch* watch = FileWatch::current();
+  if (watch == nullptr || !watch->replaces_disc())
+    if (auto written = write_to_disc(path, content); !written) return written;
+  if (watch != nullptr) watch->was_written(path, content);
   return {};
 }
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/file_watch.hpp"
+
 namespace ecs {
 
 namespace {
@@ -22,6 +24,7 @@ Result<void> unless_there(const std::vector<std::string>& files, const std::vect
 
 bool would_overwrite(const std::string& path, const std::vector<std::string>& own) {
   std::error_code error;
+  if (const FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc()) return false;
   if (path.empty() || !std::filesystem::is_regular_file(path, error)) return false;
   if (std::filesystem::file_size(path, error) == 0 && !error) return false;
   return std::none_of(own.begin(), own.end(), [&](const std::string& file) {

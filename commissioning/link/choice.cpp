@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "base/settings.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 
@@ -93,11 +94,7 @@ std::string to_text(const LinkChoice& choice) {
   return protocol::to_text(std::get<protocol::LinkAddress>(choice.link));
 }
 
-fs::path configuration_file() {
-  const std::string config_home = environment("XDG_CONFIG_HOME");
-  const fs::path base = config_home.empty() ? fs::path(environment("HOME")) / ".config" : fs::path(config_home);
-  return base / "ecs" / "config.toml";
-}
+fs::path configuration_file() { return settings_file(); }
 
 Result<std::optional<std::string>> stored_link() {
   const auto table = configuration();

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "base/file_watch.hpp"
 #include "base/text.hpp"
 
 namespace ecs::commissioning {
@@ -41,6 +42,7 @@ std::uint64_t kept_key() {
     if (written == static_cast<ssize_t>(made.size())) std::filesystem::create_hard_link(draft, path, ignored);
     std::filesystem::remove(draft, ignored);
   }
+  const Unwatched secret;
   const auto text = read_file(path);
   return text ? key_in(*text) : 0;
 }

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
+
+#include "base/file_watch.hpp"
 
 namespace ecs::commissioning {
 
@@ -17,8 +18,7 @@ laser::Travels travels_of(const params::Machine& machine) {
 
 laser::Travels travels_beside(const std::string& params_file, const params::ParametersFile& parameters) {
   const auto file = std::filesystem::path(params_file).parent_path() / "machine.toml";
-  std::error_code error;
-  if (params_file.empty() || !std::filesystem::exists(file, error)) return {};
+  if (params_file.empty() || !is_there(file)) return {};
   const auto read = params::read_machine(file);
   if (!read) return {};
   const params::Machine& machine = read->machine;

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/file_watch.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -87,8 +88,7 @@ const model::LadderStep* step_of(const Model& model, const std::string& effect) 
 
 /// One file, or several with blanks between.
 std::vector<std::string> files_of(const model::LadderStep& step) {
-  std::error_code error;
-  if (std::filesystem::exists(step.data, error)) return {step.data};
+  if (is_there(step.data)) return {step.data};
   std::vector<std::string> files;
   for (const std::string_view word : split(step.data, ' '))
     if (!word.empty()) files.emplace_back(word);

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/file_watch.hpp"
 #include "base/overwriting.hpp"
 #include "base/plain_text.hpp"
 #include "base/toml_reader.hpp"
@@ -174,10 +175,7 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
 ImportArguments with_found_profile(const std::string& file, ImportArguments given) {
   if (!given.profile.empty() || !given.columns.empty() || !given.matrix.empty()) return given;
   constexpr std::size_t kHeadBytes = 16 * 1024;  // what identifies a file is at its start
-  std::string head(kHeadBytes, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
+  const std::string head = head_of(file, kHeadBytes);
   const auto text = laser::decoded(head, file);
   const auto profiles = shipped_profiles();
   const auto found = std::find_if(profiles.begin(), profiles.end(),

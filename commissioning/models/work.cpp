@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/file_watch.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
@@ -133,7 +134,7 @@ model::Model model_to_keep(const model::Model& model, const model::Fit& fit, con
 
 Result<void> keep_model(const std::string& output, const model::Model& model, const std::string& read_from) {
   std::error_code error;
-  if (std::filesystem::is_regular_file(output, error) && !std::filesystem::equivalent(output, read_from, error)) {
+  if (is_there(output) && !std::filesystem::equivalent(output, read_from, error)) {
     const auto content = read_file(output);
     if (!content || (!content->empty() && *content != to_toml(model)))
       return problem(ProblemKind::usage,

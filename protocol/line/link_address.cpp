@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_watch.hpp"
 #include "base/text.hpp"
 
 namespace ecs::protocol {
@@ -129,6 +130,7 @@ std::string to_text(const LinkAddress& address) {
 bool is_loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
 
 Result<std::vector<std::uint8_t>> token_digest_of(const std::string& file) {
+  const Unwatched secret;
   const auto content = read_file(file);
   if (!content) return tl::unexpected(content.error());
   const std::string_view token = trimmed(*content);
