@@ -1,0 +1,44 @@
+// What this program does, written into the logbook of the machine without being asked. A logbook that cannot be written
+// never stops the work itself: it is said once.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/logbook/entry.hpp"
+
+namespace ecs::commissioning {
+
+/// From now on this process keeps logbooks, unless the setting says off. A library or a test that does not call it
+/// writes none. @param keep  false: no longer
+void keep_logbook(bool keep = true);
+/// keep_logbook() was called and the setting is not off.
+[[nodiscard]] bool logbook_is_kept();
+
+/// Adds the entry, from any thread. Machine, instrument and files are those of the verb under way on this thread where
+/// the record leaves them open. Nothing where no logbook is kept or nothing says which machine it is about.
+/// @return as it stands there
+std::optional<LogbookEntry> record(LogRecord record);
+
+/// The same into this logbook.
+std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogRecord record);
+
+/// The end of a logbook, as a report states it.
+struct LogbookEnd {
+  std::filesystem::path path;
+  std::size_t entries = 0;
+  std::string last_hash;
+};
+/// Of the machine that the files of the verb under way name; nothing: none is kept, or it has no entry yet.
+[[nodiscard]] std::optional<LogbookEnd> logbook_end();
+
+/// What is to be said of the logbook since this was last asked: that one was begun, that one cannot be written.
+struct LogbookWord {
+  bool warning = false;
+  std::string text;
+};
+[[nodiscard]] std::vector<LogbookWord> logbook_words();
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,84 @@
+#include "commissioning/logbook/transfers.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/file_watch.hpp"
+#include "base/json.hpp"
+#include "commissioning/logbook/place.hpp"
+#include "commissioning/logbook/recorder.hpp"
+#include "commissioning/logbook/store.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr const char* kImage = "image_sha256";
+
+/// Hashes of the images that were active, the oldest first.
+std::vector<std::string> active_images(const LogOwner& owner) {
+  const Unwatched own_files;
+  std::vector<std::string> images;
+  const auto setting = logbook_setting();
+  const auto path = setting ? logbook_of(*setting, owner) : tl::unexpected(setting.error());
+  const auto book = path && *path ? Logbook::open_to_read(**path) : problem(ProblemKind::bad_input, "");
+  const auto entries = book ? book->activations() : tl::unexpected(book.error());
+  if (!entries) return images;
+  for (const LogbookEntry& entry : *entries) {
+    const Json content = Json::parse(entry.content, nullptr, false);
+    if (content.is_object()) images.push_back(content.value(kImage, std::string()));
+  }
+  return images;
+}
+
+bool is_rollback(const LogOwner& owner, const std::string& sha256) {
+  const std::vector<std::string> images = active_images(owner);
+  return images.size() >= 2 && images.back() != sha256 &&
+         std::find(images.begin(), images.end(), sha256) != images.end();
+}
+
+LogRecord begun(const TransferToUnit& one, std::string kind, std::string summary, const Json& content) {
+  LogRecord record;
+  record.kind = std::move(kind);
+  record.machine = one.machine;
+  record.serial_number = one.serial_number;
+  record.summary = std::move(summary);
+  record.content = one_line(content);
+  return record;
+}
+
+}  // namespace
+
+void record_transfer(const TransferToUnit& one) {
+  if (!logbook_is_kept()) return;
+  const std::string bytes(one.image.begin(), one.image.end());
+  const std::string sha256 = sha256_hex(bytes);
+  const std::string check = fmt::format("{:08X}", one.check);
+  Json content{{kImage, sha256}, {"block_check", check}, {"direction", "to the unit"}};
+  if (!one.problem.empty()) {
+    content["problem"] = one.problem;
+    record(begun(one, "transfer", fmt::format("not done: {}", one.problem), content));
+    return;
+  }
+  content["bytes"] = bytes.size();
+  content["bytes_sent"] = one.bytes_sent;
+  content["commit_sequence"] = one.commit_sequence;
+  if (one.already_held) {
+    record(begun(one, "transfer", fmt::format("nothing sent: the unit held image {} already", check), content));
+    return;
+  }
+  const bool rollback = is_rollback({one.machine, one.serial_number}, sha256);
+  record(begun(one, "transfer", fmt::format("{} of {} bytes sent, block check {}", one.bytes_sent, bytes.size(), check),
+               content));
+  LogRecord active = begun(one, rollback ? "rollback" : "activation",
+                           fmt::format("image {} is active, commit {}{}", check, one.commit_sequence,
+                                       rollback ? ": it was active before" : ""),
+                           content);
+  active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
+  record(std::move(active));
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,25 @@
+// Images that went to a unit: what was sent, and what became active.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace ecs::commissioning {
+
+struct TransferToUnit {
+  std::string machine;
+  std::string serial_number;
+  std::span<const std::uint8_t> image;  ///< as it is in the unit when it is active
+  std::uint32_t check = 0;              ///< its block check
+  std::uint32_t commit_sequence = 0;    ///< of the unit, afterwards
+  std::size_t bytes_sent = 0;
+  bool already_held = false;  ///< it was active before: nothing was sent
+  std::string problem;        ///< why it failed; empty: it did not
+};
+
+/// Two entries: the transfer, and the activation; `rollback` in its place where that image was active before the one
+/// that it replaces. A transfer that failed, or that found the image active, is one entry.
+void record_transfer(const TransferToUnit& one);
+
+}  // namespace ecs::commissioning

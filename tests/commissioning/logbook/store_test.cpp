@@ -1,0 +1,308 @@
+// The file of a logbook: the chain of hashes, damage, crashes, two writers, no room, no permission.
+#include "commissioning/logbook/store.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/file.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/ordinary_user.hpp"
+#include "tests/support/test.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+LogRecord entry_of(const std::string& summary, const std::string& content = "") {
+  LogRecord record;
+  record.kind = "measurement";
+  record.machine = "short lathe";
+  record.serial_number = "MCM-0107";
+  record.operator_name = "Jo Fitter";
+  record.summary = summary;
+  record.content = R"({"verb":"laser import"})";
+  if (!content.empty()) record.files.push_back({"input", "exx.csv", std::make_shared<const std::string>(content)});
+  return record;
+}
+
+/// Readings of about this many bytes, another text for every seed.
+std::string readings_of(int seed, std::size_t bytes) {
+  std::mt19937 chance(static_cast<unsigned>(seed));
+  std::string text = "axis,sense,x_mm,reading\n";
+  while (text.size() < bytes)
+    text += fmt::format("X,EX,{},{}\n", chance() % 4000, static_cast<int>(chance() % 2000) / 100.0);
+  return text;
+}
+
+Logbook book_of(const std::string& path, int entries) {
+  auto book = Logbook::open(path);
+  REQUIRE(book);
+  for (int i = 0; i < entries; ++i) REQUIRE(book->append(entry_of(fmt::format("run {}", i + 1), readings_of(i, 600))));
+  return std::move(*book);
+}
+
+/// A number of the environment, for the long runs of scripts/logbook_endurance.
+int count_or(const char* name, int otherwise) {
+  const char* set = std::getenv(name);
+  return set == nullptr ? otherwise : std::atoi(set);
+}
+
+TEST_CASE("each entry holds the hash of the one before, the first one zeros") {
+  const Folder folder;
+  const Logbook book = book_of(folder / "a.ecslog", 3);
+  const auto entries = book.entries();
+  REQUIRE(entries);
+  REQUIRE(entries->size() == 3);
+  CHECK((*entries)[0].previous == std::string(64, '0'));
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK((*entries)[i].number == static_cast<std::int64_t>(i) + 1);
+    CHECK((*entries)[i].hash == hash_of((*entries)[i]));
+    if (i > 0) CHECK((*entries)[i].previous == (*entries)[i - 1].hash);
+  }
+  CHECK(book.verified().whole());
+  CHECK(book.verified().last_hash == (*entries)[2].hash);
+}
+
+TEST_CASE("a file comes back as it was, and is named by its hash") {
+  const Folder folder;
+  auto book = Logbook::open(folder / "a.ecslog");
+  REQUIRE(book);
+  const std::string text = readings_of(7, 5000);
+  const auto entry = book->append(entry_of("one", text));
+  REQUIRE(entry);
+  const auto files = files_of(*entry);
+  REQUIRE(files.size() == 1);
+  CHECK(files[0].sha256 == sha256_hex(text));
+  CHECK(files[0].bytes == text.size());
+  CHECK(files[0].kept);
+  CHECK(book->original(files[0].sha256) == text);
+}
+
+TEST_CASE("a logbook takes no entry of another machine") {
+  const Folder folder;
+  Logbook book = book_of(folder / "a.ecslog", 1);
+  LogRecord other = entry_of("other");
+  other.serial_number = "MCM-0999";
+  const auto refused = book.append(other);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::refused);
+  CHECK(contains(refused.error().message, "short lathe, serial number MCM-0107"));
+  CHECK(contains(refused.error().message, "MCM-0999"));
+  CHECK(book.count() == 1U);
+}
+
+TEST_CASE("a file that is no logbook is told, and left as it is") {
+  const Folder folder;
+  const std::string path = folder.with("a.ecslog", "axis,sense,reading\nX,EX,1\n");
+  for (const auto& opened : {Logbook::open(path), Logbook::open_to_read(path)}) {
+    REQUIRE_FALSE(opened);
+    CHECK(contains(opened.error().message, "is no logbook of ECS"));
+  }
+  CHECK(content_of(path) == "axis,sense,reading\nX,EX,1\n");
+}
+
+TEST_CASE("an end that was removed is found by the last hash") {
+  const Folder folder;
+  Logbook book = book_of(folder / "a.ecslog", 3);
+  std::filesystem::copy_file(folder / "a.ecslog", folder / "shorter.ecslog");
+  const auto last = book.append(entry_of("the last"));
+  REQUIRE(last);
+  CHECK(book.verified(last->hash).whole());
+  const auto shorter = Logbook::open_to_read(folder / "shorter.ecslog");
+  REQUIRE(shorter);
+  CHECK(shorter->verified().whole());
+  const LogVerdict verdict = shorter->verified(last->hash);
+  CHECK_FALSE(verdict.whole());
+  CHECK(verdict.first == 4);
+}
+
+/// All that a reader sees of a logbook.
+struct Seen {
+  std::vector<LogbookEntry> entries;
+  std::vector<std::string> files;
+  friend bool operator==(const Seen&, const Seen&) = default;
+};
+
+std::optional<Seen> seen_in(const Logbook& book) {
+  auto entries = book.entries();
+  if (!entries) return std::nullopt;
+  Seen seen{std::move(*entries), {}};
+  for (const LogbookEntry& entry : seen.entries)
+    for (const LogFile& file : files_of(entry)) {
+      auto content = book.original(file.sha256);
+      if (!content) return std::nullopt;
+      seen.files.push_back(std::move(*content));
+    }
+  return seen;
+}
+
+TEST_CASE("every flipped byte that changes an entry is found") {
+  const Folder folder;
+  Seen whole;
+  {
+    const Logbook book = book_of(folder / "a.ecslog", 12);
+    whole = seen_in(book).value();
+  }
+  const std::string bytes = content_of(folder / "a.ecslog");
+  const int flips = count_or("ECS_LOGBOOK_FLIPS", 300);
+  std::mt19937 chance(static_cast<unsigned>(count_or("ECS_LOGBOOK_SEED", 1)));
+  int changed = 0, found = 0, found_elsewhere = 0;
+  const std::string path = folder / "flipped.ecslog";
+  for (int i = 0; i < flips; ++i) {
+    std::string flipped = bytes;
+    const std::size_t at = chance() % flipped.size();
+    flipped[at] = static_cast<char>(flipped[at] ^ static_cast<char>(1 + chance() % 255));
+    std::ofstream(path, std::ios::binary) << flipped;
+    const auto book = Logbook::open_to_read(path);
+    const bool is_changed = !book || seen_in(*book) != whole;
+    const bool is_found = !book || !book->verified().whole();
+    changed += is_changed ? 1 : 0;
+    found += is_changed && is_found ? 1 : 0;
+    found_elsewhere += !is_changed && is_found ? 1 : 0;
+    if (is_changed) CHECK_MESSAGE(is_found, "byte ", at);
+  }
+  CHECK(found == changed);
+  CHECK(changed > flips / 10);
+  MESSAGE(flips, " flips in ", bytes.size(), " bytes: ", changed, " changed an entry, ", found, " of them found; ",
+          found_elsewhere, " found that changed none");
+}
+
+/// Adds entries until it is killed, and says the number of each when it is committed.
+[[noreturn]] void write_without_end(const std::string& path, int say) {
+  auto book = Logbook::open(path);
+  for (int i = 0; book; ++i) {
+    const auto entry = book->append(entry_of(fmt::format("run {}", i), readings_of(i, 400)));
+    const std::int64_t number = entry ? entry->number : -1;
+    if (::write(say, &number, sizeof number) != sizeof number || !entry) break;
+  }
+  ::_exit(1);
+}
+
+TEST_CASE("kill -9 at any moment loses no entry that was committed") {
+  const int kills = count_or("ECS_LOGBOOK_KILLS", 40);
+  constexpr int kKillsInOneFile = 50;
+  std::mt19937 chance(static_cast<unsigned>(count_or("ECS_LOGBOOK_SEED", 1)));
+  std::int64_t committed = 0;
+  int lost = 0, not_whole = 0;
+  Folder folder;
+  for (int i = 0; i < kills; ++i) {
+    const std::string path = folder / fmt::format("{}.ecslog", i / kKillsInOneFile);
+    int pipe[2];
+    REQUIRE(::pipe(pipe) == 0);
+    const pid_t child = ::fork();
+    if (child == 0) write_without_end(path, pipe[1]);
+    ::close(pipe[1]);
+    std::this_thread::sleep_for(std::chrono::microseconds(chance() % 25'000));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    std::int64_t last = 0;
+    for (std::int64_t number = 0; ::read(pipe[0], &number, sizeof number) == sizeof number; last = number) ++committed;
+    ::close(pipe[0]);
+    const auto book = Logbook::open(path);
+    REQUIRE(book);
+    const auto count = book->count();
+    REQUIRE(count);
+    if (static_cast<std::int64_t>(*count) < last) ++lost;
+    const LogVerdict verdict = book->verified();
+    if (!verdict.whole() || verdict.entries != *count) ++not_whole;
+    if (i % kKillsInOneFile == kKillsInOneFile - 1) std::filesystem::remove(path);
+  }
+  CHECK(lost == 0);
+  CHECK(not_whole == 0);
+  MESSAGE(kills, " kills, ", committed, " entries committed, logbooks that lost one: ", lost,
+          ", not whole: ", not_whole);
+}
+
+TEST_CASE("two programs that write at once wait for each other, and the chain stays whole") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  constexpr int kEach = 25;
+  std::vector<pid_t> children;
+  for (int writer = 0; writer < 3; ++writer) {
+    children.push_back(::fork());
+    if (children.back() != 0) continue;
+    for (int i = 0; i < kEach; ++i) {
+      auto book = Logbook::open(path);
+      if (!book || !book->append(entry_of(fmt::format("writer {} run {}", writer, i)))) ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  for (const pid_t child : children) {
+    int status = 1;
+    ::waitpid(child, &status, 0);
+    CHECK(status == 0);
+  }
+  const auto book = Logbook::open_to_read(path);
+  REQUIRE(book);
+  const LogVerdict verdict = book->verified();
+  CHECK_MESSAGE(verdict.whole(), verdict.why);
+  CHECK(verdict.entries == 3 * kEach);
+}
+
+TEST_CASE("without room for an entry the logbook stays as it was, and takes one when there is room again") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 4); }
+  const auto size = std::filesystem::file_size(path);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit no_more{size, size};
+    ::setrlimit(RLIMIT_FSIZE, &no_more);
+    auto book = Logbook::open(path);
+    if (!book) ::_exit(2);
+    const auto entry = book->append(entry_of("too much", readings_of(99, 200'000)));
+    ::_exit(entry || entry.error().kind != ProblemKind::output ? 1 : 0);
+  }
+  int status = 1;
+  ::waitpid(child, &status, 0);
+  CHECK(status == 0);
+  auto book = Logbook::open(path);
+  REQUIRE(book);
+  CHECK(book->verified().whole());
+  CHECK(book->count() == 4U);
+  CHECK(book->append(entry_of("again")));
+  CHECK(book->verified().entries == 5);
+}
+
+TEST_CASE("in a folder without permission to write a logbook is read, and says that it cannot be written") {
+  SKIP_UNLESS(::geteuid() == 0, "needs root, to become an ordinary user");
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 2); }
+  ::chmod(path.c_str(), 0444);
+  ::chmod(folder.path.c_str(), 0555);
+  {
+    const OrdinaryUser somebody;
+    const auto to_read = Logbook::open_to_read(path);
+    REQUIRE(to_read);
+    CHECK(to_read->verified().whole());
+    auto book = Logbook::open(path);
+    const auto entry = book ? book->append(entry_of("no")) : tl::unexpected(book.error());
+    REQUIRE_FALSE(entry);
+    CHECK(entry.error().kind == ProblemKind::output);
+    CHECK(contains(entry.error().message, "permission"));
+  }
+  ::chmod(folder.path.c_str(), 0755);
+}
+
+TEST_CASE("bytes that are no UTF-8 are replaced, and the entry fits its hash") {
+  const Folder folder;
+  auto book = Logbook::open(folder / "a.ecslog");
+  REQUIRE(book);
+  LogRecord odd = entry_of(std::string("sp\xFFot\0te", 8));
+  REQUIRE(book->append(odd));
+  const LogVerdict verdict = book->verified();
+  CHECK_MESSAGE(verdict.whole(), verdict.why);
+}
+
+}  // namespace
+}  // namespace ecs::commissioning
