@@ -1,6 +1,8 @@
 #include "app/cli/program.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cassert>
 #include <csignal>
 #include <cstring>
 #include <exception>
@@ -8,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/around_verb.hpp"
 #include "app/cli/overview.hpp"
 #include "app/cli/parser.hpp"
 #include "base/interrupt.hpp"
@@ -58,8 +61,8 @@ Problem stopped_by_signal(Problem under_way) {
   return under_way;
 }
 
-int run_action(VerbContext& context, const Action& action) {
-  const Result<Outcome> result = action(context);
+int run_action(VerbContext& context, const Action& action, const AroundVerb& around) {
+  const Result<Outcome> result = around ? around(context, action) : action(context);
   if (result && result->finished) return answered(context, *result);
   if (result) return with_signal(answered(context, *result));
   if (interrupting_signal() != 0) return with_signal(failed(context, stopped_by_signal(result.error())));
@@ -87,33 +90,52 @@ std::string whole_help(const VerbRegistry& registry, const std::string& help) {
       kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
 }
 
-int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>& words, VerbContext& context) {
+int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>& words, VerbContext& context,
+                   const AroundVerb& around) {
   using Kind = cli::Request::Kind;
   const auto [request, action] = parsed(registry, words, context);
   switch (request.kind) {
     case Kind::run:
-      return run_action(context, action);
+      return run_action(context, action, around);
     case Kind::help:
       return show_text(context, "help", asks_for_program(words) ? whole_help(registry, request.text) : request.text);
     case Kind::version:
       return show_text(context, "version", program_version_and_commit());
     case Kind::no_words:
-      return run_action(context, [&registry](VerbContext& c) { return overview(registry, c); });
+      return run_action(context, [&registry](VerbContext& c) { return overview(registry, c); }, {});
     case Kind::wrong:
       break;
   }
   return failed(context, {ProblemKind::usage, request.text, {}, 0, 0, {}});
 }
 
+/// Of the program: it has one.
+std::atomic<const VerbRegistry*>& registry_in_use() {
+  static std::atomic<const VerbRegistry*> registry{nullptr};
+  return registry;
+}
+
 }  // namespace
 
 int run_command_line(const VerbRegistry& registry, const std::vector<std::string>& words, std::ostream& out,
                      std::ostream& messages, ConsoleOptions options) {
+  return run_command_line(registry, words, out, messages, std::move(options), {});
+}
+
+int run_same_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages) {
+  const VerbRegistry* registry = registry_in_use();
+  assert(registry != nullptr);
+  return run_command_line(*registry, words, out, messages);
+}
+
+int run_command_line(const VerbRegistry& registry, const std::vector<std::string>& words, std::ostream& out,
+                     std::ostream& messages, ConsoleOptions options, const AroundVerb& around) {
   Console console(out, messages, std::move(options));
   console.json = std::find(words.begin(), words.end(), "--json") != words.end();
   VerbContext context{console, {}, {}, {}};
+  registry_in_use() = &registry;
   try {
-    return parsed_and_run(registry, words, context);
+    return parsed_and_run(registry, words, context, around);
   } catch (const std::exception& error) {
     return failed(context, {ProblemKind::output, fmt::format("internal failure: {}", error.what()), {}, 0, 0, {}});
   }

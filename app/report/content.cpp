@@ -8,6 +8,7 @@
 #include "app/report/model.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
@@ -317,6 +318,11 @@ Result<ReportContent> report_content(VerbContext& context, const ReportArguments
   if (auto added = add_rows(*files, content); !added) return tl::unexpected(added.error());
   if (auto same = of_one_machine(owners_in(*files, content)); !same) return tl::unexpected(same.error());
   if (auto noted = note_files(*files, content); !noted) return tl::unexpected(noted.error());
+  if (const auto end = logbook_end())
+    content.files.push_back({"logbook",
+                             fmt::format("{}: hash of entry {}, the last when this was written",
+                                         end->path.filename().string(), end->entries),
+                             end->last_hash});
   complete_header(arguments, content);
   judge_map(content);
   if (auto added = add_model(context, arguments, *files, content); !added) return tl::unexpected(added.error());

@@ -3,6 +3,7 @@
 
 #include "app/cli/linear.hpp"
 #include "app/cli/parser.hpp"
+#include "app/verbs/logged.hpp"
 
 namespace ecs::app {
 
@@ -27,6 +28,7 @@ extern const VerbDefinition kExportRead;
 const std::vector<VerbDefinition>& export_writers();
 extern const VerbDefinition kFleetDiagnose, kFleetMerge;
 extern const VerbDefinition kBatch;
+extern const VerbDefinition kLogList, kLogShow, kLogCompare, kLogExport, kLogVerify, kLogReplay, kLogInstrument;
 extern const VerbDefinition kDoctor;
 extern const VerbDefinition kCompletion, kManual;
 
@@ -45,7 +47,8 @@ const std::vector<MenuDefinition>& menus() {
       {"memory", "MEMORY ACCESS"},
       {"model", "MODEL: the error model against measurements"},
       {"fleet", "MODEL: many machines, on many hosts"},
-      {"export", "the error map as compensation tables of other controls, and back"}};
+      {"export", "the error map as compensation tables of other controls, and back"},
+      {"log", "LOGBOOK: what was done at a machine, each entry tied to the one before"}};
   return all;
 }
 
@@ -121,7 +124,8 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kReport,
   };
   for (const VerbDefinition& writer : export_writers()) verbs.push_back(&writer);
-  verbs.insert(verbs.end(), {&kExportRead, &kFleetDiagnose, &kFleetMerge, &kBatch, &kDoctor, &kCompletion, &kManual});
+  verbs.insert(verbs.end(), {&kExportRead, &kFleetDiagnose, &kFleetMerge, &kBatch, &kLogList, &kLogShow, &kLogCompare,
+                             &kLogExport, &kLogVerify, &kLogReplay, &kLogInstrument, &kDoctor, &kCompletion, &kManual});
   return verbs;
 }
 
@@ -134,7 +138,7 @@ const VerbRegistry& all_verbs() {
 
 int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
                 ConsoleOptions options) {
-  return run_command_line(all_verbs(), words, out, messages, std::move(options));
+  return run_command_line(all_verbs(), words, out, messages, std::move(options), logged_verb(words));
 }
 
 int run_linear_program(std::istream& in, std::ostream& out, std::ostream& messages) {

@@ -3,7 +3,12 @@
 #include <filesystem>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "base/answer_table.hpp"
 #include "commissioning/investigation/opening.hpp"
+#include "commissioning/logbook/observed.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/models/work.hpp"
 #include "model/fit/model_file.hpp"
 
@@ -12,6 +17,7 @@ namespace {
 
 Result<Investigation> investigated(const InvestigationRequest& request, FollowedInvestigation& followed,
                                    const std::atomic<bool>& cancelled) {
+  const ObservedFiles seen;
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(followed, request.machine);
@@ -31,7 +37,17 @@ Result<Investigation> investigated(const InvestigationRequest& request, Followed
   options.minutes = request.minutes;
   if (!choice.socket.empty()) options.times = workshop_times();
   options.cancelled = &cancelled;
-  return investigate(*model, **machine, workshop, options);
+  auto found = investigate(*model, **machine, workshop, options);
+  if (found && logbook_is_kept()) {
+    const Cell answer = investigation_cell(*found);
+    LogRecord made;
+    made.kind = "investigation";
+    made.summary = fmt::format("MODEL: {} steps; {}", found->steps.size(),
+                               found->verdict ? model::name_of(*found->verdict) : "nothing was measured");
+    made.content = one_line(Json{{"screen", "MODEL"}, {"answer", answer.json}});
+    record(std::move(made));
+  }
+  return found;
 }
 
 }  // namespace

@@ -1,11 +1,15 @@
 // The files of a map: the map itself, its parameters, the recipe, what had to be prepared for it.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/map_work.hpp"
+#include "commissioning/logbook/observed.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::commissioning {
@@ -68,6 +72,42 @@ Result<laser::MapRecipe> recipe_to_keep(laser::MapRecipe recipe, const fs::path&
   return recipe;
 }
 
+/// As the verb would log it that makes the same map of the recipe; of a map that was opened there is none.
+void log_map(const MapFiles& files, const laser::MapRecipe& recipe, const LaserChoices& choices) {
+  if (!logbook_is_kept()) return;
+  const bool by_recipe = choices.opened_map.empty();
+  std::vector<std::string> inputs{choices.params_file};
+  if (by_recipe) {
+    inputs.push_back(files.recipe);
+    for (const laser::ComponentRecipe& one : recipe.components)
+      for (const fs::path& file : one.files) inputs.push_back(file.string());
+  } else {
+    inputs.push_back(choices.opened_map);
+  }
+  std::sort(inputs.begin(), inputs.end());
+  inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
+  std::error_code error;
+  const auto whole = [&](const std::string& name) { return fs::absolute(name, error).lexically_normal().string(); };
+  Json content{{"screen", "PROCESS LASER DATA"}, {"folder", fs::current_path(error).string()}};
+  if (by_recipe)
+    content["words"] = {"map",
+                        "build",
+                        whole(files.recipe),
+                        "--params",
+                        whole(choices.params_file),
+                        "-o",
+                        whole(files.map),
+                        "--params-out",
+                        whole(files.parameters)};
+  LogRecord made;
+  made.kind = "map";
+  made.summary = fmt::format("{} saved on the screen", fs::path(files.map).filename().string());
+  made.content = one_line(content);
+  made.files = seen_files("input", inputs);
+  for (SeenFile& file : seen_files("output", {files.map, files.parameters})) made.files.push_back(std::move(file));
+  record(std::move(made));
+}
+
 }  // namespace
 
 MapFiles files_of_map(const std::string& map_file) {
@@ -88,6 +128,7 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
           params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
       !written)
     return tl::unexpected(written.error());
+  log_map(files, *recipe, choices);
   return SavedMap{files, work.csv};
 }
 

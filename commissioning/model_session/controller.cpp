@@ -9,12 +9,16 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/machine_mismatch.hpp"
+#include "commissioning/logbook/observed.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/compare_view.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/what_if.hpp"
@@ -452,9 +456,30 @@ void ModelController::show(Fitted fitted) {
   if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
 }
 
+namespace {
+
+void log_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis) {
+  if (!logbook_is_kept()) return;
+  const Json answer = diagnosis_cell(diagnosis).json;
+  std::vector<std::string> inputs = files.data;
+  inputs.push_back(files.machine);
+  LogRecord made;
+  made.kind = "diagnosis";
+  made.summary =
+      "MODEL: " + (answer.contains("headline") && answer["headline"].is_string() ? answer["headline"].get<std::string>()
+                                                                                 : std::string("diagnosis"));
+  made.content = one_line(Json{{"screen", "MODEL"}, {"answer", answer}});
+  made.files = seen_files("input", inputs);
+  made.files.push_back({"input", files.model, std::make_shared<const std::string>(to_toml(model))});
+  record(std::move(made));
+}
+
+}  // namespace
+
 void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
+  log_diagnosis(files_, model_, *diagnosis_);
   next_ = std::move(found.next);
   if (found.ties && !found.ties->notes.empty()) take(*found.ties);
 }

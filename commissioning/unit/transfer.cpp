@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/logbook/transfers.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
@@ -145,6 +146,28 @@ Result<Image> addressed(std::span<const std::uint8_t> image, const protocol::Ide
                                unit_has ? unit.configuration : of_image});
 }
 
+namespace {
+
+/// A failed one may have left either image active: its message says which.
+TransferToUnit in_log(const protocol::Identity& unit, const Image& image, const Result<protocol::UploadReport>& sent) {
+  TransferToUnit one;
+  const laser::StatedIdentity stated = laser::stated_identity(image);
+  one.machine = stated.machine.empty() ? unit.machine : stated.machine;
+  one.serial_number = unit.serial_number;
+  one.image = image;
+  one.check = ImageView(image).check();
+  if (sent) {
+    one.bytes_sent = sent->bytes_sent;
+    one.commit_sequence = sent->commit_sequence;
+    one.already_held = sent->already_held;
+  } else {
+    one.problem = to_text(sent.error());
+  }
+  return one;
+}
+
+}  // namespace
+
 Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
   const auto identity = client.identity();
@@ -159,6 +182,7 @@ Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::I
   const auto image = addressed(bytes, unit, addressee);
   if (!image) return tl::unexpected(image.error());
   const auto sent = client.upload_image(*image, progress);
+  record_transfer(in_log(unit, *image, sent));
   if (!sent) return tl::unexpected(sent.error());
   return SendReport{image->size(),
                     ImageView(*image).check(),
