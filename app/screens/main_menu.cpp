@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "app/screens/laser/screen.hpp"
+#include "app/screens/logbook/screen.hpp"
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
@@ -44,6 +45,9 @@ constexpr Synonyms kSynonyms[] = {
     {"MODEL SCREEN", "diagnose cause effect fit residual backlash thermal"},
     {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
     {"LOG", "history errors warnings"},
+    {"LOGBOOK", "history entries certificate audit traceability who when wear"},
+    {"log compare", "wear worn year drift history"},
+    {"log export", "certificate calibration dcc audit"},
     {"MORE", "report export siemens heidenhain twincat linuxcnc"},
     {"doctor", "no answer cable connection trouble"},
     {"utility mode", "integration compensate compensation on off enable"},
@@ -175,6 +179,8 @@ Choices all_choices(const Connection& connection) {
                                        [connection] { return monitor_screen(connection); }});
   choices.insert(choices.end() - 1, {"VOLUME", "the error anywhere, before and after, and how certain it is",
                                      [] { return volume_screen(); }});
+  choices.insert(choices.end() - 1,
+                 {"LOGBOOK", "what was done at a machine; verify, replay", [] { return logbook_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,
