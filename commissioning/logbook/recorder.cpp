@@ -19,7 +19,7 @@
 namespace ecs::commissioning {
 namespace {
 
-std::atomic<bool> kept{false};
+std::atomic<bool> keeping{false};
 
 /// What is to be said, and what was said before.
 struct Words {
@@ -113,13 +113,13 @@ std::optional<LogbookEntry> said_if_failed(Result<LogbookEntry> entry) {
 
 void keep_logbook(bool keep) {
   const auto setting = logbook_setting();
-  kept = keep && (!setting || !setting->off);
+  keeping = keep && (!setting || !setting->off);
 }
 
-bool logbook_is_kept() { return kept; }
+bool logbook_is_kept() { return keeping; }
 
 std::optional<LogbookEntry> record(LogRecord record) {
-  if (!kept) return std::nullopt;
+  if (!keeping) return std::nullopt;
   const std::lock_guard lock(writing());
   complete(record);
   const Unwatched own_files;
@@ -129,7 +129,7 @@ std::optional<LogbookEntry> record(LogRecord record) {
 }
 
 std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogRecord record) {
-  if (!kept) return std::nullopt;
+  if (!keeping) return std::nullopt;
   const std::lock_guard lock(writing());
   complete(record);
   const Unwatched own_files;
@@ -138,7 +138,7 @@ std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogReco
 
 std::optional<LogbookEnd> logbook_end() {
   const ObservedFiles* seen = ObservedFiles::current();
-  if (!kept || seen == nullptr) return std::nullopt;
+  if (!keeping || seen == nullptr) return std::nullopt;
   LogRecord about;
   const LogOwner owner = owner_of(seen->files());
   about.machine = owner.machine;

@@ -72,7 +72,7 @@ TEST_CASE("a certificate is valid by the published schema") {
     const std::string xml = content_of(lathe.folder / "1.xml");
     if (!contains(xml, fmt::format("schemaVersion=\"{}\"", version))) continue;
     const auto valid = valid_by_schema(xml, *found, "1.xml");
-    CHECK_MESSAGE(valid.has_value(), valid ? "" : to_text(valid.error()));
+    CHECK_MESSAGE(valid.has_value(), (valid ? std::string() : to_text(valid.error())));
     std::string broken = xml;
     const std::size_t at = broken.find("<dcc:countryCodeISO3166_1>DE<");
     REQUIRE(at != std::string::npos);
