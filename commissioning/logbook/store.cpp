@@ -64,7 +64,8 @@ class Statement {
   ~Statement() { sqlite3_finalize(statement_); }
 
   Statement& with(std::string_view text) {
-    sqlite3_bind_text(statement_, ++bound_, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
+    const char* bytes = text.data() == nullptr ? "" : text.data();  // no bytes are an empty text, not NULL
+    sqlite3_bind_text(statement_, ++bound_, bytes, static_cast<int>(text.size()), SQLITE_TRANSIENT);
     return *this;
   }
   Statement& with_bytes(const std::string& bytes) {
