@@ -11,12 +11,13 @@ namespace ecs::app {
 
 namespace {
 
-enum Rank { begins_name, begins_word, in_name, in_synonyms, in_help };
+enum Rank { is_name, begins_name, begins_word, in_name, in_synonyms, in_help };
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::optional<int> rank_of_part(const MenuChoice& choice, const std::string& part) {
   const std::string name = lower(choice.name);
+  if (name == part) return is_name;
   if (name.starts_with(part)) return begins_name;
   if (has(name, " " + part)) return begins_word;
   if (has(name, part)) return in_name;
@@ -58,7 +59,7 @@ std::optional<int> rank_of(const MenuChoice& choice, const std::string& sought) 
   const std::string whole = lower(trimmed(sought));
   if (whole.empty()) return begins_name;
   if (const auto rank = rank_of_part(choice, whole)) return rank;
-  int worst = begins_name;
+  int worst = is_name;
   for (const std::string_view word : split(whole, ' ')) {
     if (word.empty()) continue;
     const auto rank = rank_of_part(choice, std::string(word));

@@ -22,8 +22,9 @@ struct MenuChoice {
   std::string synonyms{};    ///< other words of the trade by which it is found
 };
 
-/// How well an entry fits what is sought: 0 the name begins with it, then a word of the name, the name, a synonym, the
-/// help; of several words all must be found. Nothing: it does not fit. Upper and lower case are the same.
+/// How well an entry fits what is sought: 0 it is the name, then the name begins with it, then a word of the name, the
+/// name, a synonym, the help; of several words all must be found. Nothing: it does not fit. Upper and lower case are
+/// the same.
 [[nodiscard]] std::optional<int> rank_of(const MenuChoice& choice, const std::string& sought);
 
 class MenuScreen final : public Screen {

@@ -32,6 +32,7 @@ TEST_CASE("what is sought is found in names first, then in words of the trade, t
   CHECK(rank_of(all[1], "relay") < rank_of(all[0], "relay"));
   CHECK(rank_of(all[1], "output voltage").has_value());
   CHECK_FALSE(rank_of(all[2], "voltage").has_value());
+  CHECK(rank_of(all[0], "log") < rank_of({"LOGBOOK", "what was done", all[0].opens}, "log"));
   MenuScreen menu("ECS", "", choices());
   for (const char32_t letter : std::u32string(U"/relay")) (void)menu.on_key({Key::Name::letter, letter});
   const std::string text = seen(menu);
