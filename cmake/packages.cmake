@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 
 # --- ecs: the program, samples, manual pages, completions, udev rules
 install(TARGETS ecs RUNTIME COMPONENT ecs)
-install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ecs/samples COMPONENT ecs)
+install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ecs/samples COMPONENT ecs USE_SOURCE_PERMISSIONS)
 install(FILES app/udev/70-ecs.rules DESTINATION lib/udev/rules.d COMPONENT ecs)
 
 # --- ecs-emulator: the virtual workshop, and a service that keeps one running
@@ -72,21 +72,21 @@ set(CPACK_DEBIAN_ECS_PACKAGE_NAME ecs)
 set(CPACK_DEBIAN_ECS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ECS_PACKAGE_RECOMMENDS "ecs-emulator, gnuplot-nox")
 set(CPACK_DEBIAN_ECS_DESCRIPTION "commissioning of error compensation systems for machine tools
- Parameters, on-line monitor, laser measurements, error maps and error models
- of machine tools whose position errors a unit between control and drives
- cancels. Terminal screens and verbs for scripts; Modbus RTU and TCP.")
+Parameters, on-line monitor, laser measurements, error maps and error models
+of machine tools whose position errors a unit between control and drives
+cancels. Terminal screens and verbs for scripts; Modbus RTU and TCP.")
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_NAME ecs-emulator)
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_SUGGESTS "libunicorn2")  # runs user software; GPL-2, loaded where it is installed
 set(CPACK_DEBIAN_ECS-EMULATOR_DESCRIPTION "emulated error compensation unit with its machine tool
- A unit at the end of a Modbus line, the machine that it compensates and the
- instruments that measure it, with the same compensation core as the unit.")
+A unit at the end of a Modbus line, the machine that it compensates and the
+instruments that measure it, with the same compensation core as the unit.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libecs-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, libmuparser-dev, zlib1g-dev, libtomlplusplus-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "compensation core and error models of machine tools, for programs
- One static library with headers: tables of compensation, measurement sets,
- maps, and the fit and diagnosis of error models. find_package(ecs).")
+One static library with headers: tables of compensation, measurement sets,
+maps, and the fit and diagnosis of error models. find_package(ecs).")
 foreach(component ecs ecs-emulator dev)
   string(TOUPPER ${component} upper)
   set(name ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
