@@ -32,7 +32,7 @@ endforeach()
 add_custom_target(documents DEPENDS ${written})
 
 # --- libecs-dev: core and model as one library, with the folders that their headers need
-set(folders base core params laser/analysis laser/map laser/writers laser model/data model/effects model/linear
+set(folders base core kinematics params laser/analysis laser/map laser/writers laser model/data model/effects model/linear
             model/regression model/fit model/diagnosis model/planning model/drive)
 foreach(folder IN LISTS folders)
   string(REPLACE "/" "_" name ${folder})
@@ -83,7 +83,7 @@ A unit at the end of a Modbus line, the machine that it compensates and the
 instruments that measure it, with the same compensation core as the unit.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libecs-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, libmuparser-dev, zlib1g-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, zlib1g-dev, libtomlplusplus-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "compensation core and error models of machine tools, for programs
 One static library with headers: tables of compensation, measurement sets,
 maps, and the fit and diagnosis of error models. find_package(ecs).")
