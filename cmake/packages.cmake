@@ -83,7 +83,7 @@ A unit at the end of a Modbus line, the machine that it compensates and the
 instruments that measure it, with the same compensation core as the unit.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libecs-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, zlib1g-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, libmuparser-dev, zlib1g-dev, libtomlplusplus-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "compensation core and error models of machine tools, for programs
 One static library with headers: tables of compensation, measurement sets,
 maps, and the fit and diagnosis of error models. find_package(ecs).")

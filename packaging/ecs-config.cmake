@@ -13,5 +13,5 @@ if(NOT TARGET ecs::ecs)
     IMPORTED_LOCATION "${ecs_libraries}/libecs.a"
     INTERFACE_INCLUDE_DIRECTORIES "${ECS_INCLUDE_DIR}/ecs;${ECS_EIGEN_INCLUDE_DIR}"
     INTERFACE_COMPILE_FEATURES cxx_std_20
-    INTERFACE_LINK_LIBRARIES "fmt::fmt;tl::expected;Threads::Threads;nettle;tomlplusplus;z")
+    INTERFACE_LINK_LIBRARIES "fmt::fmt;tl::expected;Threads::Threads;nettle;muparser;tomlplusplus;z")
 endif()
