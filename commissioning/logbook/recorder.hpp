@@ -19,7 +19,7 @@ void keep_logbook(bool keep = true);
 
 /// Adds the entry, from any thread. Machine, instrument and files are those of the verb under way on this thread where
 /// the record leaves them open. Nothing where no logbook is kept or nothing says which machine it is about.
-/// @return as it stands there
+/// @return the entry as it was written
 std::optional<LogbookEntry> record(LogRecord record);
 
 /// The same into this logbook.

@@ -50,7 +50,7 @@ class Logbook {
   /// For reading; `bad_input` where it is missing.
   [[nodiscard]] static Result<Logbook> open_to_read(const std::filesystem::path& path);
 
-  /// @return the entry as it stands there. Refused if the record is about another machine; `output` if it cannot be
+  /// @return the entry as it was written. Refused if the record is about another machine; `output` if it cannot be
   /// written: then the logbook is as it was.
   [[nodiscard]] Result<LogbookEntry> append(const LogRecord& record);
 
@@ -72,7 +72,7 @@ class Logbook {
 
   /// Reads everything: each entry against its hash and the one before, each kept file against its hash, then the
   /// structure of the file.
-  /// @param expected  a hash that must stand there, as a report or certificate states it; empty: none
+  /// @param expected  a hash that an entry must have, as a report or certificate states it; empty: none
   [[nodiscard]] LogVerdict verified(const std::string& expected = {}) const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

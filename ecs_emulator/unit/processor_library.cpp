@@ -1,6 +1,7 @@
 #include "ecs_emulator/unit/processor_library.hpp"
 
 #include <optional>
+#include <type_traits>
 
 #include <dlfcn.h>
 

@@ -1,4 +1,4 @@
-// Ranges of the curves of one set of readings (windows.hpp); what is missing is told all at once.
+// Ranges of the curves of one set of readings (windows.hpp); what is missing is named all at once.
 #include "laser/standards/drift.hpp"
 
 #include <algorithm>

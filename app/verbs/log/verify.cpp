@@ -12,7 +12,7 @@ namespace ecs::app {
 namespace {
 
 struct VerifyLogArguments : LogArguments {
-  const std::string& hash = text("--hash", "that must stand there, as a report or certificate states it");
+  const std::string& hash = text("--hash", "an entry must have it: as a report or certificate states it");
 };
 
 Result<Outcome> verify_log(VerbContext& context, const VerifyLogArguments& arguments) {

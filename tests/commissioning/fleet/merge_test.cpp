@@ -121,7 +121,7 @@ TEST_CASE("a bad batch is listed, and its type is not listed for it") {
   CHECK(names.groups[0].p_holm < 1e-6);
 }
 
-TEST_CASE("changes since last time are told by machine and by cause, except of machines without an answer") {
+TEST_CASE("changes since last time are listed by machine and by cause, except of machines without an answer") {
   const auto named = [](const char* id, const char* cause) { return NamedMachine{id, cause, 0.01, "", ""}; };
   const FleetChanges changes = changes_between({named("a", "scale"), named("b", "scale"), named("c", "backlash:X")},
                                                {named("a", "scale"), named("d", "scale")}, {"c"});
