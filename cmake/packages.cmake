@@ -78,6 +78,8 @@ cancels. Terminal screens and verbs for scripts; Modbus RTU and TCP.")
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_NAME ecs-emulator)
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_SUGGESTS "libunicorn2")  # runs user software; GPL-2, loaded where it is installed
+set(CPACK_DEBIAN_ECS-EMULATOR_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/packaging/ecs-emulator.control/prerm
+    ${CMAKE_SOURCE_DIR}/packaging/ecs-emulator.control/postrm)
 set(CPACK_DEBIAN_ECS-EMULATOR_DESCRIPTION "emulated error compensation unit with its machine tool
 A unit at the end of a Modbus line, the machine that it compensates and the
 instruments that measure it, with the same compensation core as the unit.")
