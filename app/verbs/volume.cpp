@@ -36,6 +36,8 @@ struct VolumeOptions : VerbArguments {
   const std::string& at = text("--at", "one place as well: -1000,-200,-350; with rotary axes angles behind it");
   const std::string& slice =
       choice("--slice", {"XY", "XZ", "YZ"}, "the error in a plane through the place of the largest, as numbers");
+  const bool& between =
+      flag("--between", "the largest error between the places as well, on lines along each axis through the largest");
   const std::string& output = output_file("-o,--output", "picture (.svg or .png)");
   const std::string& values = output_file("--values", "CSV of every value of the map with its standard uncertainty");
   const std::optional<double>& repeatability =
@@ -56,9 +58,8 @@ struct VolumeOptions : VerbArguments {
   const int& seed = integer("--seed", "of the draws", static_cast<int>(kUsual.seed), 0, 1'000'000'000);
 
   [[nodiscard]] VolumeArguments arguments() const {
-    VolumeArguments a{
-        map,         params, errors, model, machine, other_machine, static_cast<std::size_t>(points), tool_length,
-        tool_offset, rotary, at,     slice, {}};
+    VolumeArguments a{map,         params,      errors, model, machine, other_machine, static_cast<std::size_t>(points),
+                      tool_length, tool_offset, rotary, at,    slice,   between,       {}};
     a.settings = {repeatability,
                   instrument,
                   temperature,

@@ -35,29 +35,28 @@ class DrawnNoise {
   double slow_um_ = 0.0;
 };
 
-/// @return whether it has such a place
-bool displace(model::EffectInstance& effect, const model::Observations& data, std::mt19937_64& random) {
+}  // namespace
+
+std::optional<std::array<double, 2>> targets_about(const model::EffectInstance& effect,
+                                                   const model::Observations& data) {
   const std::string name(effect.definition().searched_parameter());
-  if (effect.definition().search.has_slope || !effect.axis || effect.parameters.contains(name)) return false;
+  if (effect.definition().search.has_slope || !effect.axis || effect.parameters.contains(name)) return std::nullopt;
   const auto place = effect.fitted.find(name);
-  if (place == effect.fitted.end()) return false;
+  if (place == effect.fitted.end()) return std::nullopt;
   std::optional<double> below, above;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double p_mm = data.p_mm(k, *effect.axis);
     if (p_mm <= place->second && (!below || p_mm > *below)) below = p_mm;
     if (p_mm > place->second && (!above || p_mm < *above)) above = p_mm;
   }
-  if (!below || !above) return false;
-  place->second = std::uniform_real_distribution<double>(*below, *above)(random);
-  return true;
+  if (!below || !above) return std::nullopt;
+  return std::array{*below, *above};
 }
 
-}  // namespace
-
-std::vector<Refit> refits(const model::Model& model, const model::Observations& data, const model::Fit& fit,
-                          std::size_t count, std::uint64_t seed) {
+std::vector<model::Fit> refits(const model::Model& model, const model::Observations& data, const model::Fit& fit,
+                               std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<Refit> again;
+  std::vector<model::Fit> again;
   for (std::size_t draw = 0; draw < count; ++draw) {
     std::vector<DrawnNoise> noises;
     for (const model::NoiseReport& noise : fit.noise_by_sense) noises.emplace_back(noise, random);
@@ -70,10 +69,11 @@ std::vector<Refit> refits(const model::Model& model, const model::Observations& 
     }
     auto one = model::fit(model, drawn);
     if (!one) continue;
-    model::Fit displaced = *one;
-    bool any = false;
-    for (model::EffectFit& effect : displaced.effects) any = displace(effect.effect, data, random) || any;
-    again.push_back({std::move(*one), any ? std::optional(std::move(displaced)) : std::nullopt});
+    for (model::EffectFit& each : one->effects)
+      if (const auto targets = targets_about(each.effect, data))
+        each.effect.fitted[std::string(each.effect.definition().searched_parameter())] =
+            std::uniform_real_distribution<double>((*targets)[0], (*targets)[1])(random);
+    again.push_back(std::move(*one));
   }
   return again;
 }

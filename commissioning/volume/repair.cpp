@@ -45,21 +45,62 @@ volume::Travels travels_of_axes(const params::Machine& machine) {
   return travels;
 }
 
-/// Every place of the volume from both sides; the reference comes last.
-Places volume_places(const params::Machine& machine, std::size_t most) {
+/// Places of the volume, each from both sides; the reference comes last.
+struct VolumePlaces {
+  Places places;
+  std::vector<double> weight;  ///< share of the volume that a place stands for; of the reference 0
+};
+
+/// More places on the axis of an effect of which nobody knows where it falls between two targets: between them, and
+/// just beside the place where the map has it, so that none falls between two places unseen.
+void add_places_about(const model::EffectInstance& effect, const params::Machine& machine,
+                      const model::Observations& data, volume::Grid& grid) {
+  constexpr int kPlacesBetween = 8;
+  constexpr double kBeside_mm = 0.01;
+  const auto targets = targets_about(effect, data);
+  if (!targets || !machine.axes[index_of(*effect.axis)]) return;
+  std::vector<double>& mm = grid.mm[index_of(*effect.axis)];
+  const double datum_mm = machine.axes[index_of(*effect.axis)]->datum_mm, least = mm.front(), greatest = mm.back();
+  const double place_mm = effect.fitted.at(std::string(effect.definition().searched_parameter()));
+  std::vector<double> more{place_mm - kBeside_mm, place_mm + kBeside_mm};
+  for (int i = 0; i < kPlacesBetween; ++i)
+    more.push_back(std::lerp((*targets)[0], (*targets)[1], (i + 0.5) / kPlacesBetween));
+  for (const double p_mm : more)
+    if (p_mm + datum_mm > least && p_mm + datum_mm < greatest) mm.push_back(p_mm + datum_mm);
+  std::sort(mm.begin(), mm.end());
+  mm.erase(std::unique(mm.begin(), mm.end()), mm.end());
+}
+
+/// Half the way to the neighbours on either side.
+std::vector<double> shares_of(const std::vector<double>& mm) {
+  std::vector<double> shares(mm.size(), 1.0);
+  for (std::size_t i = 0; i < mm.size() && mm.size() > 1; ++i)
+    shares[i] = 0.5 * (mm[std::min(i + 1, mm.size() - 1)] - mm[i == 0 ? 0 : i - 1]);
+  return shares;
+}
+
+VolumePlaces volume_places(const params::Machine& machine, std::size_t most, const model::Fit& fit,
+                           const model::Observations& data) {
   Vector3 datum_mm{};
   for (std::size_t a = 0; a < kAxes; ++a)
     if (machine.axes[a]) datum_mm[a] = machine.axes[a]->datum_mm;
-  const volume::Grid grid = volume::grid_over(travels_of_axes(machine), most, datum_mm);
-  Places places;
-  const auto add = [&](const Vector3& at) {
-    for (const Approach side : {Approach::forward, Approach::reverse}) places.push_back({at, {side, side, side}});
+  volume::Grid grid = volume::grid_over(travels_of_axes(machine), most, datum_mm);
+  for (const model::EffectFit& effect : fit.effects) add_places_about(effect.effect, machine, data, grid);
+  VolumePlaces out;
+  const auto add = [&](const Vector3& at, double weight) {
+    for (const Approach side : {Approach::forward, Approach::reverse}) {
+      out.places.push_back({at, {side, side, side}});
+      out.weight.push_back(weight);
+    }
   };
-  for (const double x : grid.mm[0])
-    for (const double y : grid.mm[1])
-      for (const double z : grid.mm[2]) add({x, y, z});
-  add(datum_mm);
-  return places;
+  PerAxis<std::vector<double>> share;
+  for (std::size_t a = 0; a < kAxes; ++a) share[a] = shares_of(grid.mm[a]);
+  for (std::size_t x = 0; x < grid.mm[0].size(); ++x)
+    for (std::size_t y = 0; y < grid.mm[1].size(); ++y)
+      for (std::size_t z = 0; z < grid.mm[2].size(); ++z)
+        add(grid.at({x, y, z}), share[0][x] * share[1][y] * share[2][z]);
+  add(datum_mm, 0.0);
+  return out;
 }
 
 /// In the plane of the two longest travels through the middle, run counter-clockwise: each axis arrives as it moves.
@@ -92,18 +133,19 @@ Circle circle_of(const params::Machine& machine) {
 struct Sizes {
   double largest_um = 0.0, rms_um = 0.0;
 };
-Sizes sizes_of(const Vectors& vectors) {
+Sizes sizes_of(const Vectors& vectors, const std::vector<double>& weight) {
   Sizes sizes;
   if (vectors.size() < 3) return sizes;
   const Vector3 &a = vectors[vectors.size() - 1], &b = vectors[vectors.size() - 2];
-  double sum = 0.0;
+  double sum = 0.0, whole = 0.0;
   for (std::size_t i = 0; i + 2 < vectors.size(); ++i) {
     double square = 0.0;
     for (std::size_t d = 0; d < kAxes; ++d) square += std::pow(vectors[i][d] - 0.5 * (a[d] + b[d]), 2);
     sizes.largest_um = std::max(sizes.largest_um, std::sqrt(square));
-    sum += square;
+    sum += weight[i] * square;
+    whole += weight[i];
   }
-  sizes.rms_um = std::sqrt(sum / static_cast<double>(vectors.size() - 2));
+  sizes.rms_um = std::sqrt(sum / whole);
   return sizes;
 }
 
@@ -151,31 +193,26 @@ Remaining CauseCost::*const kQuantities[] = {&CauseCost::readings_rms, &CauseCos
                                              &CauseCost::volume_rms, &CauseCost::circle};
 using QuantitySizes = std::array<double, std::size(kQuantities)>;
 
-QuantitySizes sizes_left(const Contribution& rest, const Circle& circle) {
-  const Sizes volume = sizes_of(rest.volume);
+QuantitySizes sizes_left(const Contribution& rest, const std::vector<double>& weight, const Circle& circle) {
+  const Sizes volume = sizes_of(rest.volume, weight);
   return {rms_of(rest.readings), volume.largest_um, volume.rms_um, circular_deviation_um(circle, rest.circle)};
 }
 
 /// One draw after the other; `expected` when all are in.
 class Draws {
  public:
-  /// @param expected  false: it counts for the bound only
-  void take(const QuantitySizes& sizes, bool expected) {
-    for (std::size_t q = 0; q < sizes.size(); ++q) {
-      largest_[q] = std::max(largest_[q], sizes[q]);
-      if (expected) drawn_[q].push_back(sizes[q]);
-    }
+  void take(const QuantitySizes& sizes) {
+    for (std::size_t q = 0; q < sizes.size(); ++q) drawn_[q].push_back(sizes[q]);
   }
   [[nodiscard]] Expected expected(std::size_t quantity) const {
     std::vector<double> values = drawn_[quantity];
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], largest_[quantity]};
+    return {values[values.size() / 2], values.back()};
   }
 
  private:
   std::array<std::vector<double>, std::size(kQuantities)> drawn_;
-  QuantitySizes largest_{};
 };
 
 bool is_gain(const Expected& before, const Expected& after) {
@@ -266,11 +303,11 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     return problem(ProblemKind::refused, "the volume is of linear axes: `ecs model what-if` takes rotary ones");
   const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
-  const Places volume = volume_places(*work.machine, places);
+  const VolumePlaces volume = volume_places(*work.machine, places, *fit, work.data);
   const Circle circle = circle_of(*work.machine);
   RepairAnswer answer;
   answer.readings = work.data.size();
-  answer.places = volume.size() / 2 - 1;
+  answer.places = volume.places.size() / 2 - 1;
   answer.diameter_mm = circle.diameter_mm;
   answer.plane =
       fmt::format("{}{}", letter_of(static_cast<Axis>(circle.first)), letter_of(static_cast<Axis>(circle.second)));
@@ -279,7 +316,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   const auto contributions = [&](const model::Fit& of) -> Result<std::vector<Contribution>> {
     std::vector<Contribution> each;
     for (const model::EffectFit& effect : of.effects) {
-      auto one = contribution_of(effect, work, volume, circle, model_file);
+      auto one = contribution_of(effect, work, volume.places, circle, model_file);
       if (!one) return tl::unexpected(one.error());
       each.push_back(std::move(*one));
     }
@@ -291,10 +328,10 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     Draws left, compensated, repaired;
   };
   std::vector<CauseDraws> draws(fitted->size());
-  const auto draw = [&](const model::Fit& possible, bool expected) -> Result<void> {
+  const auto draw = [&](const model::Fit& possible) -> Result<void> {
     const auto machine = contributions(possible);
     if (!machine) return tl::unexpected(machine.error());
-    Contribution rest{fit->residual, Vectors(volume.size()), Vectors(circle.places.size())};
+    Contribution rest{fit->residual, Vectors(volume.places.size()), Vectors(circle.places.size())};
     for (std::size_t i = 0; i < machine->size(); ++i) {
       rest.add((*machine)[i], 1.0);
       if (is_carried(fit->effects[i].effect, *work.machine)) rest.add((*fitted)[i], -1.0);
@@ -302,19 +339,16 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     for (std::size_t i = 0; i < machine->size(); ++i) {
       const bool carried = is_carried(fit->effects[i].effect, *work.machine);
       Contribution other = rest;
-      draws[i].compensated.take(sizes_left(other, circle), expected);
+      draws[i].compensated.take(sizes_left(other, volume.weight, circle));
       if (carried) other.add((*fitted)[i], 1.0);
-      draws[i].left.take(sizes_left(other, circle), expected);
+      draws[i].left.take(sizes_left(other, volume.weight, circle));
       other.add((*machine)[i], -1.0);
-      draws[i].repaired.take(sizes_left(other, circle), expected);
+      draws[i].repaired.take(sizes_left(other, volume.weight, circle));
     }
     return {};
   };
-  for (const Refit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) {
-    if (auto drawn = draw(possible.fit, true); !drawn) return tl::unexpected(drawn.error());
-    if (!possible.displaced) continue;
-    if (auto drawn = draw(*possible.displaced, false); !drawn) return tl::unexpected(drawn.error());
-  }
+  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed))
+    if (auto drawn = draw(possible); !drawn) return tl::unexpected(drawn.error());
   bool unseen = false;
   for (std::size_t i = 0; i < fitted->size(); ++i) {
     CauseCost cost;

@@ -239,6 +239,21 @@ Cell slice_cell(const std::optional<VolumeSlice>& slice) {
           slice_text(*slice)};
 }
 
+Cell between_cell(const VolumeWork& work) {
+  if (!work.between) return null_cell();
+  const auto json = [](const volume::ErrorSize& size) {
+    return Json{{"largest_um", number_or_null(size.largest_um)},
+                {"at", vector_json(size.at_mm)},
+                {"approach", static_cast<int>(size.approach)}};
+  };
+  const volume::ErrorSize &before = work.between->before, &after = work.between->after;
+  return {
+      {{"before", json(before)}, {"after", json(after)}},
+      paragraph(fmt::format("Between the places, on lines along each axis through the largest: {:.1f} um before "
+                            "({}), {:.1f} um after ({}).",
+                            before.largest_um, place_text(before, work), after.largest_um, place_text(after, work)))};
+}
+
 Json travel_json(const volume::Travels& travel_mm) {
   Json travels = Json::object();
   for (const Axis axis : kAllAxes)
@@ -287,11 +302,12 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
     return Cell{size_json(size, work), size_text(name, size, work)};
   };
-  return record_cell("{heading}{before}{after}{bound}{slice}{at}{notes}{picture}{values}",
+  return record_cell("{heading}{before}{after}{between}{bound}{slice}{at}{notes}{picture}{values}",
                      {{"points", count_cell(settings * work.answer.grid.places())},
                       {"heading", shown_cell(heading_of(work))},
                       {"before", sizes("before", work.answer.before)},
                       {"after", sizes("after", work.answer.after)},
+                      {"between", between_cell(work)},
                       {"uncertainty_95_um",
                        {{{"largest", number_or_null(work.uncertainty.largest_95_um)},
                          {"rms", number_or_null(work.uncertainty.rms_95_um)}},

@@ -48,6 +48,7 @@ struct VolumeArguments {
   std::string rotary;                    ///< errors of the rotary axes of the machine
   std::string at;                        ///< "X,Y,Z" [mm]: one place as well; behind it angles of A, B, C [deg]
   std::string plane;                     ///< "XY", "XZ", "YZ" or kLongestPlane: a slice as well
+  bool between = false;                  ///< the largest error between the places as well
   volume::UncertaintySettings settings;
 };
 
@@ -76,6 +77,11 @@ struct VolumeSlice {
 [[nodiscard]] Vector3 mean_error(const volume::Grid& grid, const volume::VolumeError& error,
                                  const volume::GridIndex& index);
 
+/// Between the places of the grid, on lines through the largest there.
+struct LargestBetween {
+  volume::ErrorSize before, after;
+};
+
 struct ComponentShare {
   Component component = Component::EXX;
   double share = 0.0;  ///< of the variance of the error vector over the volume
@@ -91,6 +97,7 @@ struct VolumeWork {
   std::vector<ComponentShare> shares;  ///< of the uncertainty, largest first
   std::optional<PlaceAnswer> at;
   std::optional<VolumeSlice> slice;
+  std::optional<LargestBetween> between;
   std::vector<std::string> notes;
   std::vector<std::string> inputs;  ///< files that must not be written over
 };

@@ -10,7 +10,7 @@ namespace {
 
 struct RepairArguments : VerbArguments {
   ModelOptions common{*this};
-  const int& points = integer("--points", "places in the volume, at most", 1331, 8, 100'000);
+  const int& points = integer("--points", "places in the volume, at most, and more beside a step", 1331, 8, 100'000);
 };
 
 Result<Outcome> repair(VerbContext& context, const RepairArguments& arguments) {

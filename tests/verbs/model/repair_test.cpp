@@ -115,6 +115,23 @@ TEST_CASE("the emulated machine without a cause has what was predicted to be lef
   near(scale["volume_rms"]["left_um"], only_scale["rms_um"]);
 }
 
+TEST_CASE("where a step falls between two targets nobody knows: there its whole height is left") {
+  const TwoAxes files;
+  std::string text = "axis,sense,x_mm,reading,approach,run\n";
+  for (const int run : {1, 2})
+    for (int i = 0; i <= 10; ++i) text += fmt::format("X,EX,{},{},1,{}\n", 100 * i, i > 4 ? 10.0 : 0.0, run);
+  const std::string data = files.with("step.csv", text);
+  const std::string model = files.with("step.toml", "[[effect]]\nid = \"step\"\naxis = \"X\"\nsense = \"EX\"\n");
+  const Ran r = ran({"model", "repair", model, data, "--machine", files.machine, "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  const nlohmann::json step = r.json()["causes"][0];
+  CHECK(step["volume_largest"]["compensated_um"].get<double>() == Approx(10.0).epsilon(0.01));
+  CHECK(step["volume_largest"]["repaired_um"].get<double>() < 0.1);
+  // a slab of 0 to 50 mm of 1000, seen at places 12.5 mm apart, 10 um: about 10 um times the root of 1/20 at most
+  CHECK(step["volume_rms"]["compensated_um"].get<double>() > 0.5);
+  CHECK(step["volume_rms"]["compensated_at_most_um"].get<double>() < 2.7);
+}
+
 TEST_CASE("without travels there is no volume") {
   const TwoAxes files;
   const Ran refused = ran({"model", "repair", files.model, files.data});

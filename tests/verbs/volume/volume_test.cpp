@@ -58,6 +58,25 @@ TEST_CASE("with an errors file the true errors count, and what the map leaves of
   CHECK(j["errors_from"] == "the errors file");
 }
 
+TEST_CASE("what falls between the places is found on lines through the largest, where that is asked for") {
+  const OneAxisFiles files;
+  const std::string errors = files.with(
+      "jump.toml", "[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + (p > 512 && p < 518 ? 30 : 0)\"\n");
+  const std::vector<std::string> words{"volume", files.map,  "--params", files.parameters, "--errors",
+                                       errors,   "--points", "51",       "--json"};
+  CHECK(ran(words).json()["between"].is_null());
+  std::vector<std::string> asked = words;
+  asked.emplace_back("--between");
+  const Ran r = ran(asked);
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  const auto j = r.json();
+  CHECK(j["before"]["largest_um"].get<double>() == Approx(20.0));
+  CHECK(j["between"]["before"]["largest_um"].get<double>() == Approx(40.35).epsilon(0.001));
+  CHECK(j["after"]["largest_um"].get<double>() < 1e-6);
+  CHECK(j["between"]["after"]["largest_um"].get<double>() == Approx(30.0));
+  CHECK(j["between"]["after"]["at"][0].get<double>() == Approx(515.0).epsilon(0.006));
+}
+
 TEST_CASE("with a fitted model its prediction counts, where it knows all that is compensated") {
   const Folder folder;
   const std::string model = folder.with(
@@ -82,7 +101,7 @@ TEST_CASE("the true errors are those that the emulator finds when it drives ther
   const auto surveyed = nlohmann::json::parse(
       output_of(kEmulator + " survey --machine samples/machining_centre/machine.toml --step 300 --approach 1").text);
   const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--errors",
-                     "samples/machining_centre/errors.toml", "--at", "1200,600,-600", "--json"});
+                     "samples/machining_centre/errors.toml", "--at", "1200,600,-600", "--points", "125", "--json"});
   REQUIRE_MESSAGE(r.code == 0, r.all());
   for (const auto& corner : surveyed["corners"]["all"]) {
     const auto& place = corner["position_mm"];
@@ -103,7 +122,7 @@ TEST_CASE("the text fits a terminal") {
   const Ran r = ran({"volume", "none.csv", "--params", "samples/mill/parameters.toml"});
   CHECK(r.code == 3);
   const OneAxisFiles files;
-  const Ran shown = ran({"volume", files.map, "--params", files.parameters, "--at", "500,0,0"});
+  const Ran shown = ran({"volume", files.map, "--params", files.parameters, "--at", "500,0,0", "--points", "101"});
   REQUIRE(shown.code == 0);
   const auto lines = lines_of(shown.out);
   CHECK(lines.size() <= 24);
@@ -112,10 +131,12 @@ TEST_CASE("the text fits a terminal") {
 
 TEST_CASE("a slice is shown as numbers") {
   const OneAxisFiles files;
-  CHECK(ran({"volume", files.map, "--params", files.parameters, "--slice", "XY"}).code == 2);  // there is no Y
+  const Ran refused = ran({"volume", files.map, "--params", files.parameters, "--slice", "XY", "--points", "101"});
+  CHECK(refused.code == 2);  // there is no Y
   const Folder folder;
   const std::string map = folder.with("map.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1200,-24\n");
-  const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--slice", "XZ"});
+  const Ran r =
+      ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--slice", "XZ", "--points", "125"});
   REQUIRE_MESSAGE(r.code == 0, r.all());
   CHECK(r.out.find("   -600    0(0)    3(0)    6(0)") != std::string::npos);
   CHECK(lines_of(r.out).size() <= 25);  // the last is empty
@@ -125,7 +146,7 @@ TEST_CASE("every value of the map is written with its standard uncertainty") {
   const OneAxisFiles files;
   const std::string values = files / "values.csv";
   REQUIRE(ran({"volume", files.map, "--params", files.parameters, "--repeatability", "1.5", "--instrument", "0",
-               "--temperature", "0", "--values", values})
+               "--temperature", "0", "--values", values, "--points", "101"})
               .code == 0);
   CHECK(content_of(values) ==
         "axis,sense,approach,p_mm,value_um,u_um\nX,EX,0,0,0,1.5000\nX,EX,0,500,-10,1.5000\n"
@@ -136,7 +157,7 @@ TEST_CASE("what cannot be computed is refused in words, and nothing is written")
   const OneAxisFiles files;
   const std::string picture = files / "v.svg";
   const auto refused = [&](std::vector<std::string> words, int code, const char* saying) {
-    words.insert(words.begin(), {"volume", files.map, "--params", files.parameters, "-o", picture});
+    words.insert(words.begin(), {"volume", files.map, "--params", files.parameters, "-o", picture, "--draws", "20"});
     const Ran r = ran(words);
     CAPTURE(r.all());
     CHECK(r.code == code);
@@ -152,7 +173,7 @@ TEST_CASE("what cannot be computed is refused in words, and nothing is written")
   refused({"--errors", files / "none.toml"}, 3, "none.toml");
   const std::string other =
       files.with("other.csv", "# configuration: XT\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,1,0\n");
-  const Ran r = ran({"volume", other, "--params", files.parameters});
+  const Ran r = ran({"volume", other, "--params", files.parameters, "--points", "101"});
   CHECK(r.code == 1);
   CHECK(r.messages.find("made for XT") != std::string::npos);
 }
@@ -170,7 +191,7 @@ TEST_CASE("an error that depends on two axes is refused by its name") {
 TEST_CASE("a picture is drawn") {
   const OneAxisFiles files;
   const std::string picture = files / "v.svg";
-  REQUIRE(ran({"volume", files.map, "--params", files.parameters, "-o", picture}).code == 0);
+  REQUIRE(ran({"volume", files.map, "--params", files.parameters, "-o", picture, "--points", "101"}).code == 0);
   CHECK(content_of(picture).find("<svg") != std::string::npos);
 }
 
