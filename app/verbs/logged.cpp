@@ -30,12 +30,14 @@ struct LoggedVerb {
 constexpr LoggedVerb kLoggedVerbs[] = {
     {"laser import", "measurement", Logged::when_written},
     {"laser capture", "measurement", Logged::when_written},
+    {"laser prepare", "processing", Logged::when_written},
     {"laser process", "processing", Logged::when_written},
     {"laser normalise", "processing", Logged::when_written},
     {"test circle", "test", Logged::always},
     {"test diagonals", "test", Logged::always},
     {"test drift", "test", Logged::always},
     {"test flatness", "test", Logged::always},
+    {"test warm-up", "test", Logged::always},
     {"map build", "map", Logged::when_written},
     {"map receive", "transfer", Logged::when_written},
     {"params new", "parameters", Logged::when_written},
@@ -45,8 +47,12 @@ constexpr LoggedVerb kLoggedVerbs[] = {
     {"model new", "model", Logged::when_written},
     {"model fit", "model", Logged::when_written},
     {"model add", "model", Logged::when_written},
+    {"model undo", "model", Logged::when_written},
+    {"model remove", "model", Logged::when_written},
+    {"model decide", "model", Logged::when_written},
     {"model diagnose", "diagnosis", Logged::always},
     {"model investigate", "investigation", Logged::always},
+    {"export", "export", Logged::when_written},
     {"report", "report", Logged::when_written},
 };
 constexpr std::size_t kMostAnswer = 1u << 20;  // bytes of an answer that an entry keeps
@@ -122,6 +128,7 @@ AroundVerb logged_verb(const std::vector<std::string>& words) {
     const LoggedVerb* verb = logged_as(words);
     if (result && verb != nullptr && (verb->when == Logged::always || !seen.outputs().empty()))
       record(record_of(*verb, words, *result, seen));
+    close_logbooks();
     say_logbook_words(context.console);
     return result;
   };

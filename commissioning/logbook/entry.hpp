@@ -38,9 +38,10 @@ struct LogbookEntry {
 };
 
 /// What the kinds are, in the order in which a commissioning meets them.
-inline constexpr const char* kLogKinds[] = {"measurement",        "processing",    "map",    "parameters", "transfer",
-                                            "activation",         "rollback",      "model",  "diagnosis",  "test",
-                                            "investigation step", "investigation", "report", "certificate"};
+inline constexpr const char* kLogKinds[] = {
+    "measurement",  "processing", "map",       "parameters", "transfer",           "activation",
+    "rollback",     "model",      "diagnosis", "test",       "investigation step", "investigation",
+    "memory write", "export",     "report",    "certificate"};
 
 /// SHA-256 over every other member, each as its length, a colon and its bytes: 64 hexadecimal digits.
 [[nodiscard]] std::string hash_of(const LogbookEntry& entry);

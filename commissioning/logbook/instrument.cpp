@@ -13,6 +13,7 @@
 #include "base/settings.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "commissioning/logbook/header_lines.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -91,20 +92,11 @@ Instrument instrument_in_json(std::string_view json) {
 
 Instrument instrument_in_header(std::string_view content) {
   Instrument instrument;
-  std::size_t begin = 0;
-  while (begin < content.size()) {
-    const std::size_t end = std::min(content.find('\n', begin), content.size());
-    const std::string_view text = trimmed(content.substr(begin, end - begin));
-    begin = end + 1;
-    if (!text.starts_with('#')) break;
-    const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) continue;
-    const std::string key = lower(trimmed(text.substr(1, colon - 1)));
-    const std::string_view value = trimmed(text.substr(colon + 1));
+  for (const HeaderLine& line : header_lines(content)) {
     for (const TextKey& one : kTextKeys)
-      if (key == one.header) instrument.*one.member = value;
-    if (key == kInterval)
-      if (const auto days = integer_in(value); days && *days > 0 && *days <= kMostDays)
+      if (line.key == one.header) instrument.*one.member = line.value;
+    if (line.key == kInterval)
+      if (const auto days = integer_in(line.value); days && *days > 0 && *days <= kMostDays)
         instrument.calibration_interval_days = static_cast<int>(*days);
   }
   return instrument;

@@ -12,6 +12,7 @@
 #include "base/settings.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "commissioning/logbook/header_lines.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -20,7 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kOff = "off";
 constexpr const char* kUnnamed = "machine";
-constexpr std::size_t kMostHeaderLines = 200;  // of a CSV, before its table
 
 /// Letters and digits as they are, in lower case; what is between them one dash.
 std::string file_word(const std::string& name) {
@@ -61,10 +61,15 @@ fs::path free_name(const fs::path& folder, const LogOwner& owner) {
   }
 }
 
+/// The newest entries may lie in the write-ahead log beside it.
 fs::file_time_type written(const fs::path& path) {
-  std::error_code error;
-  const auto time = fs::last_write_time(path, error);
-  return error ? fs::file_time_type::min() : time;
+  fs::file_time_type newest = fs::file_time_type::min();
+  for (const char* ending : {"", "-wal"}) {
+    std::error_code error;
+    const auto time = fs::last_write_time(path.string() + ending, error);
+    if (!error) newest = std::max(newest, time);
+  }
+  return newest;
 }
 
 std::string quoted_value(std::string_view value) {
@@ -75,18 +80,10 @@ std::string quoted_value(std::string_view value) {
 
 LogOwner owner_in_header(std::string_view content) {
   LogOwner owner;
-  std::size_t begin = 0;
-  for (std::size_t line = 0; line < kMostHeaderLines && begin < content.size(); ++line) {
-    const std::size_t end = std::min(content.find('\n', begin), content.size());
-    const std::string_view text = trimmed(content.substr(begin, end - begin));
-    begin = end + 1;
-    if (!text.starts_with('#')) break;
-    const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) continue;
-    const std::string key = lower(trimmed(text.substr(1, colon - 1)));
-    if (key == "machine" && owner.machine.empty()) owner.machine = quoted_value(text.substr(colon + 1));
-    if ((key == "serial_number" || key == "serial no") && owner.serial_number.empty())
-      owner.serial_number = quoted_value(text.substr(colon + 1));
+  for (const HeaderLine& line : header_lines(content)) {
+    if (line.key == "machine" && owner.machine.empty()) owner.machine = quoted_value(line.value);
+    if ((line.key == "serial_number" || line.key == "serial no") && owner.serial_number.empty())
+      owner.serial_number = quoted_value(line.value);
   }
   return owner;
 }

@@ -1,6 +1,7 @@
 #include "commissioning/logbook/recorder.hpp"
 
 #include <atomic>
+#include <map>
 #include <mutex>
 #include <set>
 #include <utility>
@@ -66,10 +67,13 @@ void complete(LogRecord& record) {
 }
 
 /// A measurement set that no entry has brought yet gets one of its own, whichever verb reads it first.
-Result<void> add_new_measurements(Logbook& book, const LogRecord& by) {
-  if (by.kind == "measurement") return {};
+void add_new_measurements(std::vector<LogRecord>& records, const Logbook& book, const LogRecord& by) {
+  if (by.kind == "measurement") return;
+  std::set<std::string> brought;
   for (const SeenFile& file : by.files) {
-    if (file.role != "input" || !is_measurement_set(*file.content) || book.holds(sha256_hex(*file.content))) continue;
+    if (file.role != "input" || !is_measurement_set(*file.content)) continue;
+    const std::string sha256 = sha256_hex(*file.content);
+    if (book.holds(sha256) || !brought.insert(sha256).second) continue;
     LogRecord record;
     record.kind = "measurement";
     record.machine = by.machine;
@@ -80,9 +84,24 @@ Result<void> add_new_measurements(Logbook& book, const LogRecord& by) {
     record.summary = fmt::format("{}, read for the next entry", std::filesystem::path(file.name).filename().string());
     record.content = one_line(Json{{"program", program_version_and_commit()}});
     record.files = {file};
-    if (const auto entry = book.append(record); !entry) return tl::unexpected(entry.error());
+    records.push_back(std::move(record));
   }
-  return {};
+}
+
+/// Logbooks that this program has written to: kept open, so that the disc is waited for once an entry.
+struct OpenBooks {
+  struct Open {
+    Logbook book;
+    std::chrono::steady_clock::time_point used;
+  };
+  std::map<std::filesystem::path, Open> books;
+  std::map<std::pair<std::string, std::string>, std::filesystem::path> places;  ///< by machine and serial number
+};
+
+/// @pre writing() is held
+OpenBooks& open_books() {
+  static OpenBooks all;
+  return all;
 }
 
 Result<std::optional<std::filesystem::path>> place_of(const LogRecord& record) {
@@ -91,16 +110,52 @@ Result<std::optional<std::filesystem::path>> place_of(const LogRecord& record) {
   return logbook_of(*setting, {record.machine, record.serial_number});
 }
 
-Result<LogbookEntry> written(const std::filesystem::path& path, const LogRecord& record) {
-  auto book = Logbook::open(path);
+/// The same, looked for once as long as that logbook is open.
+Result<std::optional<std::filesystem::path>> place_to_write(const LogRecord& record) {
+  OpenBooks& open = open_books();
+  const auto known = open.places.find({record.machine, record.serial_number});
+  std::error_code error;
+  if (known != open.places.end() && open.books.contains(known->second) && std::filesystem::exists(known->second, error))
+    return std::optional(known->second);
+  auto place = place_of(record);
+  if (place && *place) open.places[{record.machine, record.serial_number}] = **place;
+  return place;
+}
+
+/// Opened anew where somebody has removed or replaced the file meanwhile.
+Result<Logbook*> book_at(const std::filesystem::path& path) {
+  std::map<std::filesystem::path, OpenBooks::Open>& books = open_books().books;
+  auto found = books.find(path);
+  if (found != books.end() && !found->second.book.is_in_place()) {
+    books.erase(found);
+    found = books.end();
+  }
+  if (found == books.end()) {
+    auto book = Logbook::open(path);
+    if (!book) return tl::unexpected(book.error());
+    found = books.emplace(path, OpenBooks::Open{std::move(*book), {}}).first;
+  }
+  found->second.used = std::chrono::steady_clock::now();
+  return &found->second.book;
+}
+
+Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
+  const auto book = book_at(path);
   if (!book) return tl::unexpected(book.error());
-  if (const auto added = add_new_measurements(*book, record); !added) return tl::unexpected(added.error());
-  auto entry = book->append(record);
-  if (!entry) return tl::unexpected(entry.error());
-  if (book->is_new())
+  std::vector<LogRecord> records;
+  for (LogRecord& record : wanted) {
+    add_new_measurements(records, **book, record);
+    records.push_back(std::move(record));
+  }
+  auto entries = (*book)->append_all(records);
+  if (!entries) {
+    open_books().books.erase(path);
+    return tl::unexpected(entries.error());
+  }
+  if ((*book)->is_new())
     say_once(false, fmt::format("a logbook of {} was begun: {} (docs/logbook.md; ECS_LOGBOOK=off keeps none)",
-                                in_words({record.machine, record.serial_number}), path.string()));
-  return entry;
+                                in_words({records.back().machine, records.back().serial_number}), path.string()));
+  return std::move(entries->back());
 }
 
 std::optional<LogbookEntry> said_if_failed(Result<LogbookEntry> entry) {
@@ -112,20 +167,23 @@ std::optional<LogbookEntry> said_if_failed(Result<LogbookEntry> entry) {
 }  // namespace
 
 void keep_logbook(bool keep) {
+  close_logbooks();
   const auto setting = logbook_setting();
   keeping = keep && (!setting || !setting->off);
 }
 
 bool logbook_is_kept() { return keeping; }
 
-std::optional<LogbookEntry> record(LogRecord record) {
-  if (!keeping) return std::nullopt;
+std::optional<LogbookEntry> record(LogRecord one) { return record_all({std::move(one)}); }
+
+std::optional<LogbookEntry> record_all(std::vector<LogRecord> records) {
+  if (!keeping || records.empty()) return std::nullopt;
   const std::lock_guard lock(writing());
-  complete(record);
+  for (LogRecord& one : records) complete(one);
   const Unwatched own_files;
-  const auto path = place_of(record);
+  const auto path = place_to_write(records.back());
   if (path && !*path) return std::nullopt;
-  return said_if_failed(path ? written(**path, record) : tl::unexpected(path.error()));
+  return said_if_failed(path ? written(**path, std::move(records)) : tl::unexpected(path.error()));
 }
 
 std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogRecord record) {
@@ -133,7 +191,18 @@ std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogReco
   const std::lock_guard lock(writing());
   complete(record);
   const Unwatched own_files;
-  return said_if_failed(written(path, record));
+  return said_if_failed(written(path, {std::move(record)}));
+}
+
+void close_logbooks(std::chrono::milliseconds idle) {
+  std::unique_lock lock(writing(), std::defer_lock);
+  if (idle.count() == 0)
+    lock.lock();
+  else if (!lock.try_lock())
+    return;  // somebody writes: it does not rest
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(open_books().books, [&](const auto& open) { return now - open.second.used >= idle; });
+  if (open_books().books.empty()) open_books().places.clear();
 }
 
 std::optional<LogbookEnd> logbook_end() {

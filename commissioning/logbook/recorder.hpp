@@ -2,6 +2,7 @@
 // never stops the work itself: it is said once.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,8 +23,15 @@ void keep_logbook(bool keep = true);
 /// @return the entry as it was written
 std::optional<LogbookEntry> record(LogRecord record);
 
+/// Several, one after the other, into the logbook of the last one: all of them or none.
+std::optional<LogbookEntry> record_all(std::vector<LogRecord> records);
+
 /// The same into this logbook.
 std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogRecord record);
+
+/// Closes the logbooks that were not written to for so long; then each is one file again. At the end of a verb, and
+/// while the screens wait.
+void close_logbooks(std::chrono::milliseconds idle = std::chrono::milliseconds(0));
 
 /// The end of a logbook, as a report states it.
 struct LogbookEnd {

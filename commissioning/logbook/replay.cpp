@@ -15,8 +15,9 @@ namespace ecs::commissioning {
 namespace {
 
 /// Verbs whose answer depends on their words and files alone.
-constexpr const char* kRepeatable[] = {"laser import", "laser process", "laser normalise", "map build", "params new",
-                                       "params set",   "model new",     "model fit",       "model add"};
+constexpr const char* kRepeatable[] = {"laser import", "laser process", "laser prepare", "laser normalise", "map build",
+                                       "params new",   "params set",    "model new",     "model fit",       "model add",
+                                       "model undo",   "model remove",  "model decide"};
 
 bool is_repeatable(const std::vector<std::string>& words) {
   return words.size() >= 2 && std::any_of(std::begin(kRepeatable), std::end(kRepeatable), [&](const char* verb) {

@@ -1,5 +1,7 @@
 // The file of a logbook (SQLite): entries, each with the hash of the one before, and the files that they name.
-// Entries are added, never changed; each is committed whole before append() returns. The only user of sqlite3.
+// Entries are added, never changed; each is committed whole and on the disc before append() returns. While a program
+// has it open the newest entries are in the write-ahead log beside it (NAME.ecslog-wal); the last program that closes
+// it carries them into the file and removes the log, after a crash the next one does.
 #pragma once
 
 #include <filesystem>
@@ -47,12 +49,14 @@ class Logbook {
  public:
   /// For reading and adding; made if it is missing. Refused, saying why, if the file is no logbook.
   [[nodiscard]] static Result<Logbook> open(const std::filesystem::path& path);
-  /// For reading; `bad_input` where it is missing.
+  /// For reading, also where nothing can be written; `bad_input` where it is missing.
   [[nodiscard]] static Result<Logbook> open_to_read(const std::filesystem::path& path);
 
   /// @return the entry as it was written. Refused if the record is about another machine; `output` if it cannot be
   /// written: then the logbook is as it was.
   [[nodiscard]] Result<LogbookEntry> append(const LogRecord& record);
+  /// Several, all of them or none: the disc is waited for once.
+  [[nodiscard]] Result<std::vector<LogbookEntry>> append_all(const std::vector<LogRecord>& records);
 
   /// All in order, or with `without_content` all but that.
   [[nodiscard]] Result<std::vector<LogbookEntry>> entries(bool without_content = false) const;
@@ -76,6 +80,8 @@ class Logbook {
   [[nodiscard]] LogVerdict verified(const std::string& expected = {}) const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Its file has still its name: nobody removed it or put another in its place.
+  [[nodiscard]] bool is_in_place() const;
   /// open() made the file.
   [[nodiscard]] bool is_new() const { return is_new_; }
 
@@ -83,10 +89,18 @@ class Logbook {
   struct Close {
     void operator()(sqlite3* file) const noexcept;
   };
+  /// A folder that goes with it.
+  struct Copy {
+    std::filesystem::path folder;
+    ~Copy();
+  };
   Logbook(std::filesystem::path path, sqlite3* file) : path_(std::move(path)), file_(file) {}
-  [[nodiscard]] static Result<Logbook> opened(const std::filesystem::path& path, bool create);
+  /// @param name  for SQLite  @param flags  of sqlite3_open_v2
+  [[nodiscard]] static Result<Logbook> opened(const std::filesystem::path& path, const std::string& name, int flags);
+  [[nodiscard]] static Result<Logbook> opened_unwritable(const std::filesystem::path& path);
 
   std::filesystem::path path_;
+  std::unique_ptr<Copy> copy_;  ///< read in place of the file; null: the file itself is; outlives `file_`
   std::unique_ptr<sqlite3, Close> file_;
   bool is_new_ = false;
 };

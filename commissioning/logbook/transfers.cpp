@@ -71,14 +71,33 @@ void record_transfer(const TransferToUnit& one) {
     return;
   }
   const bool rollback = is_rollback({one.machine, one.serial_number}, sha256);
-  record(begun(one, "transfer", fmt::format("{} of {} bytes sent, block check {}", one.bytes_sent, bytes.size(), check),
-               content));
+  std::vector<LogRecord> both;
+  both.push_back(begun(one, "transfer",
+                       fmt::format("{} of {} bytes sent, block check {}", one.bytes_sent, bytes.size(), check),
+                       content));
   LogRecord active = begun(one, rollback ? "rollback" : "activation",
                            fmt::format("image {} is active, commit {}{}", check, one.commit_sequence,
                                        rollback ? ": it was active before" : ""),
                            content);
   active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
-  record(std::move(active));
+  both.push_back(std::move(active));
+  record_all(std::move(both));
+}
+
+void record_memory_write(const MemoryWritten& one) {
+  if (!logbook_is_kept()) return;
+  const std::string place = fmt::format("0x{:06X}", one.address);
+  Json content{{"direction", "to the unit"}, {"address", place}, {"bytes", one.bytes.size()}};
+  if (!one.problem.empty()) content["problem"] = one.problem;
+  LogRecord record;
+  record.kind = "memory write";
+  record.serial_number = one.serial_number;
+  record.summary = one.problem.empty()
+                       ? fmt::format("{} bytes written from {} on", one.bytes.size(), place)
+                       : fmt::format("not confirmed: {} bytes from {} on: {}", one.bytes.size(), place, one.problem);
+  record.content = one_line(content);
+  record.files.push_back({"memory", place, std::make_shared<const std::string>(one.bytes.begin(), one.bytes.end())});
+  commissioning::record(std::move(record));
 }
 
 }  // namespace ecs::commissioning

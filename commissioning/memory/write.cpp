@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.hpp"
+#include "commissioning/logbook/transfers.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "core/fault.hpp"
 
@@ -46,6 +47,15 @@ Result<void> may_write_in(UnitMode mode) {
                                                    ecs::name_of(mode)));
 }
 
+Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,
+                          ByteView bytes, const protocol::ProgressCallback& progress) {
+  auto written = client.write_memory(address, bytes, progress);
+  const bool may_be_part = written || written.error().kind == ProblemKind::link;
+  if (may_be_part)
+    record_memory_write({serial_number, address, bytes, written ? std::string() : to_text(written.error())});
+  return written;
+}
+
 Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number, const ByteWrite& write) {
   const auto identity = client.identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -62,7 +72,7 @@ Result<void> write_checked(protocol::UnitClient& client, const std::string& seri
     return problem(ProblemKind::refused,
                    fmt::format("{} holds {} now, not the bytes that were shown; nothing was written, look again",
                                hex_address(write.address), short_hex(*present)));
-  if (auto written = client.write_memory(write.address, write.after); !written) return written;
+  if (auto written = write_logged(client, serial_number, write.address, write.after); !written) return written;
   const auto back = client.read_memory(write.address, write.after.size());
   if (!back) return tl::unexpected(back.error());
   if (*back == write.after) return {};

@@ -24,6 +24,9 @@ struct ByteWrite {
 /// Refused in every mode but integration.
 [[nodiscard]] Result<void> may_write_in(UnitMode mode);
 
+/// Writes, and says so in the logbook of the unit's machine.
+[[nodiscard]] Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,
+                                        ByteView bytes, const protocol::ProgressCallback& progress = {});
 /// Looks first: unit, mode and the bytes that are there must be those that were shown. Then writes and reads back.
 /// @param serial_number  of the unit that was shown
 [[nodiscard]] Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number,

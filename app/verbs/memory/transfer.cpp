@@ -107,7 +107,11 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
     return tl::unexpected(sure.error());
   auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
-  if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(context, "memory")); !written)
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (auto written =
+          write_logged(unit->client(), identity->serial_number, *address, *bytes, progress_bar(context, "memory"));
+      !written)
     return tl::unexpected(written.error());
   return outcome_of(
       record_cell("{length} bytes written from {address} on",

@@ -1,6 +1,7 @@
 // The file of a logbook: the chain of hashes, damage, crashes, two writers, no room, no permission.
 #include "commissioning/logbook/store.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -111,11 +113,13 @@ TEST_CASE("a file that is no logbook is told, and left as it is") {
 
 TEST_CASE("an end that was removed is found by the last hash") {
   const Folder folder;
-  Logbook book = book_of(folder / "a.ecslog", 3);
+  { const Logbook three = book_of(folder / "a.ecslog", 3); }
   std::filesystem::copy_file(folder / "a.ecslog", folder / "shorter.ecslog");
-  const auto last = book.append(entry_of("the last"));
+  auto book = Logbook::open(folder / "a.ecslog");
+  REQUIRE(book);
+  const auto last = book->append(entry_of("the last"));
   REQUIRE(last);
-  CHECK(book.verified(last->hash).whole());
+  CHECK(book->verified(last->hash).whole());
   const auto shorter = Logbook::open_to_read(folder / "shorter.ecslog");
   REQUIRE(shorter);
   CHECK(shorter->verified().whole());
@@ -173,6 +177,96 @@ TEST_CASE("every flipped byte that changes an entry is found") {
   CHECK(changed > flips / 10);
   MESSAGE(flips, " flips in ", bytes.size(), " bytes: ", changed, " changed an entry, ", found, " of them found; ",
           found_elsewhere, " found that changed none");
+}
+
+TEST_CASE("a logbook that nobody has open is one file, whoever closed it last") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  const auto files = [&] {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  {
+    const Logbook book = book_of(path, 2);
+    CHECK(files() == std::vector<std::string>{"a.ecslog", "a.ecslog-shm", "a.ecslog-wal"});
+    const auto reads = Logbook::open_to_read(path);
+    REQUIRE(reads);
+    CHECK(reads->count() == 2U);
+  }
+  CHECK(files() == std::vector<std::string>{"a.ecslog"});
+  {
+    const auto reads = Logbook::open_to_read(path);
+    auto writes = Logbook::open(path);
+    REQUIRE(reads);
+    REQUIRE(writes);
+    REQUIRE(writes->append(entry_of("while another reads")));
+    writes = problem(ProblemKind::output, "closed");
+    CHECK(reads->count() == 3U);
+  }
+  CHECK(files() == std::vector<std::string>{"a.ecslog"});
+  CHECK(Logbook::open_to_read(path)->verified().entries == 3);
+}
+
+TEST_CASE("several entries are one step: all of them, chained, or none") {
+  const Folder folder;
+  auto book = Logbook::open(folder / "a.ecslog");
+  REQUIRE(book);
+  REQUIRE(book->append_all({entry_of("first"), entry_of("second"), entry_of("third")}));
+  LogRecord other = entry_of("of another machine");
+  other.machine = "another machine";
+  CHECK_FALSE(book->append_all({entry_of("fourth"), other}));
+  CHECK(book->count() == 3U);
+  CHECK(book->verified().entries == 3);
+}
+
+TEST_CASE("a logbook of the time before the write-ahead log is read, and goes on") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 2); }
+  std::string bytes = content_of(path);
+  REQUIRE(bytes[18] == 2);
+  bytes[18] = bytes[19] = 1;  // of the header: a rollback journal
+  std::ofstream(path, std::ios::binary) << bytes;
+  CHECK(Logbook::open_to_read(path)->verified().entries == 2);
+  auto book = Logbook::open(path);
+  REQUIRE(book);
+  REQUIRE(book->append(entry_of("then")));
+  CHECK(book->verified().entries == 3);
+}
+
+/// Leaves a logbook as a crash leaves it: its last entries beside it.
+void crash_with(const std::string& path, int entries) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    auto book = Logbook::open(path);
+    for (int i = 0; book && i < entries; ++i)
+      (void)book->append(entry_of(fmt::format("run {}", i), readings_of(i, 50)));
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST_CASE("what a crash left beside a logbook is read where nothing can be written, and belongs to it afterwards") {
+  SKIP_UNLESS(::geteuid() == 0, "needs root, to become an ordinary user");
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  crash_with(path, 3);
+  REQUIRE(std::filesystem::file_size(path + "-wal") > 0);
+  std::filesystem::remove(path + "-shm");  // as on a medium that the two files were copied to
+  for (const char* ending : {"", "-wal"}) ::chmod((path + ending).c_str(), 0444);
+  ::chmod(folder.path.c_str(), 0555);
+  {
+    const OrdinaryUser somebody;
+    const auto to_read = Logbook::open_to_read(path);
+    REQUIRE(to_read);
+    CHECK(to_read->verified().entries == 3);
+  }
+  ::chmod(folder.path.c_str(), 0755);
+  { CHECK(Logbook::open_to_read(path)->count() == 3U); }
+  CHECK_FALSE(std::filesystem::exists(path + "-wal"));
 }
 
 /// Adds entries until it is killed, and says the number of each when it is committed.
@@ -258,8 +352,8 @@ TEST_CASE("without room for an entry the logbook stays as it was, and takes one 
     const rlimit no_more{size, size};
     ::setrlimit(RLIMIT_FSIZE, &no_more);
     auto book = Logbook::open(path);
-    if (!book) ::_exit(2);
-    const auto entry = book->append(entry_of("too much", readings_of(99, 200'000)));
+    const auto entry =
+        book ? book->append(entry_of("too much", readings_of(99, 200'000))) : tl::unexpected(book.error());
     ::_exit(entry || entry.error().kind != ProblemKind::output ? 1 : 0);
   }
   int status = 1;
@@ -271,6 +365,41 @@ TEST_CASE("without room for an entry the logbook stays as it was, and takes one 
   CHECK(book->count() == 4U);
   CHECK(book->append(entry_of("again")));
   CHECK(book->verified().entries == 5);
+}
+
+TEST_CASE("on a full disc nothing is half written, and nothing that was committed is lost") {
+  SKIP_UNLESS(::geteuid() == 0, "needs root, to mount a small file system");
+  const Folder folder;
+  const std::string disc = folder / "disc";
+  std::filesystem::create_directory(disc);
+  SKIP_UNLESS(::mount("none", disc.c_str(), "tmpfs", 0, "size=400k") == 0, "no file system can be mounted here");
+  const std::string path = disc + "/a.ecslog";
+  std::size_t committed = 0;
+  {
+    auto book = Logbook::open(path);
+    REQUIRE(book);
+    Result<LogbookEntry> entry = book->append(entry_of("the first"));
+    for (int i = 0; entry && i < 1000; ++i, ++committed)
+      entry = book->append(entry_of(fmt::format("run {}", i), readings_of(i, 2'000)));
+    REQUIRE_FALSE(entry);
+    CHECK(entry.error().kind == ProblemKind::output);
+    CHECK(contains(entry.error().message, "disc is full"));
+    CHECK(book->count() == committed);
+  }
+  {
+    const auto book = Logbook::open_to_read(path);
+    REQUIRE(book);
+    CHECK(book->verified().entries == committed);
+  }
+  REQUIRE(::mount("none", disc.c_str(), "tmpfs", MS_REMOUNT, "size=4m") == 0);
+  {
+    auto book = Logbook::open(path);
+    REQUIRE(book);
+    REQUIRE(book->append(entry_of("with room again")));
+    CHECK(book->verified().entries == committed + 1);
+  }
+  CHECK_FALSE(std::filesystem::exists(path + "-wal"));
+  ::umount2(disc.c_str(), MNT_DETACH);
 }
 
 TEST_CASE("in a folder without permission to write a logbook is read, and says that it cannot be written") {

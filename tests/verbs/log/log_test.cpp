@@ -54,6 +54,28 @@ TEST_CASE("a map that is built brings its measurement and itself into the logboo
   CHECK_FALSE(contains(again.messages, "was begun"));
 }
 
+TEST_CASE("exports, and bytes written into a unit's memory, are entries of their own kind") {
+  const LoggedLathe lathe;
+  REQUIRE(lathe.build().code == 0);
+  const Ran exported = ran({"export", "linuxcnc", lathe.map, "--params", lathe.params, "-o", lathe.folder / "tables"});
+  CAPTURE(exported.messages);
+  REQUIRE(exported.code == 0);
+  CHECK(kinds_in(ran({"log", "list", "--json"}).json()).back() == "export");
+  const auto machine = sample_machine();
+  REQUIRE(machine);
+  const Ran written =
+      ran({"memory", "write", "0x048000", "702A4E75", "--yes", "--link", "emulator:" + machine->string()});
+  CAPTURE(written.messages);
+  REQUIRE(written.code == 0);
+  const auto entries = ran({"log", "list", "--json"}).json()["entries"];  // of the logbook written last
+  REQUIRE(entries.size() == 1);
+  CHECK(entries[0]["kind"] == "memory write");
+  CHECK(contains(entries[0]["summary"].get<std::string>(), "4 bytes written from 0x048000 on"));
+  CHECK(ran({"log", "verify"}).code == 0);
+  CHECK(ran({"log", "export", "--entry", "1", "--files", lathe.folder / "files", "-o", lathe.folder / "log.jsonl"})
+            .code == 0);
+}
+
 TEST_CASE("what only shows something is not logged, nor is what failed") {
   const LoggedLathe lathe;
   REQUIRE(ran({"laser", "stats", lathe.data}).code <= 1);
