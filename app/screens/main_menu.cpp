@@ -45,6 +45,7 @@ constexpr Synonyms kSynonyms[] = {
     {"MODEL SCREEN", "diagnose cause effect fit residual backlash thermal"},
     {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
     {"LOG", "history errors warnings"},
+    {"COMMANDS", "history script replay record macro panel verbs done"},
     {"LOGBOOK", "history entries certificate audit traceability who when wear"},
     {"log compare", "wear worn year drift history"},
     {"log export", "certificate calibration dcc audit"},
@@ -185,6 +186,8 @@ Choices all_choices(const Connection& connection) {
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,
                  {"LOG", "messages of the screens, errors whole, to copy", [] { return log_screen(); }});
+  choices.push_back({"COMMANDS", "what was done here as commands of ecs, to copy, to save as a script (F6)",
+                     [] { return commands_screen(); }, true});
   add_sought(choices, connection);
   return with_synonyms(std::move(choices));
 }

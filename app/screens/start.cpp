@@ -1,5 +1,6 @@
 #include "app/screens/start.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -14,11 +15,14 @@
 #include "app/verbs/registry.hpp"
 #include "base/outcome.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/session/event_log.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {
 namespace {
+
+constexpr std::chrono::seconds kLogbookRests{2};  ///< without an entry: then it is closed, and one file again
 
 struct Asked {
   bool ascii = false;
@@ -89,8 +93,13 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   if (terminal) {
     auto connection = std::make_shared<UnitConnection>(asked->link);
     const int code = run_screens(**terminal, main_menu(connection),
-                                 {[connection] { return status_line_of(connection->snapshot(), connection->newest()); },
-                                  opening(asked->files, connection), [connection] { return finder(connection); }});
+                                 {[connection] {
+                                    close_logbooks(kLogbookRests);
+                                    return status_line_of(connection->snapshot(), connection->newest());
+                                  },
+                                  opening(asked->files, connection), [connection] { return finder(connection); },
+                                  [] { return commands_screen(); }});
+    close_logbooks();
     terminal->reset();  // the screens are gone: what matters still is said to the shell
     for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;

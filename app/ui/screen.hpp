@@ -51,6 +51,8 @@ class Screen {
   [[nodiscard]] virtual bool typing() const { return false; }
   /// Where the terminal's cursor belongs; row −1: nowhere.
   [[nodiscard]] virtual CellPosition cursor(const Area& /*area*/) const { return {-1, -1}; }
+  /// What F4 copies; empty: the selected row, else the whole picture.
+  [[nodiscard]] virtual std::string copied() const { return {}; }
   /// Work that would be lost by leaving; empty: none.
   [[nodiscard]] virtual std::string unsaved() const { return {}; }
 };

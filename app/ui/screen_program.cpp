@@ -186,11 +186,15 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
       over.show_help(screen, picture_of(screen, "", {}, terminal.canvas(), false).plain_text());
     } else if (key.name == Key::Name::function && key.number == 3 && hooks.finder) {
       stack.take(opened(hooks.finder()));
+    } else if (key.name == Key::Name::function && key.number == 6 && hooks.commands) {
+      auto panel = hooks.commands();
+      stack.take(panel->title() == screen.title() ? back() : opened(std::move(panel)));
     } else if (key.name == Key::Name::function && key.number == 2 && !partly.empty()) {
       over.show_whole(partly);
     } else if (key.name == Key::Name::function && key.number == 4) {
       const Canvas canvas = picture_of(screen, "", {}, terminal.canvas(), false);
-      const std::string text = text_to_copy(canvas, screen_area(canvas));
+      std::string text = screen.copied();
+      if (text.empty()) text = text_to_copy(canvas, screen_area(canvas));
       said = terminal.copy(text) ? copied_words(text) : "this terminal takes no copies, or not as much";
     } else {
       const bool command = key.name == Key::Name::letter && !screen.typing();

@@ -34,6 +34,7 @@ struct ProgramHooks {
   StatusLineNow status_line;
   ScreenInFront in_front{};  ///< asked in every turn
   ScreenInFront finder{};    ///< asked on F3: any action by its name
+  ScreenInFront commands{};  ///< asked on F6: what was done, as commands
 };
 
 /// Until the last screen is left or a signal comes. @return exit code

@@ -9,8 +9,8 @@ namespace ecs::app {
 
 extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, kParamsNew, kParamsSend, kParamsReceive;
 extern const VerbDefinition kMonitor;
-extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
-    kLaserTable, kLaserCapture, kLaserDevices;
+extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserPrepare, kLaserNormalise,
+    kLaserAir, kLaserTable, kLaserCapture, kLaserDevices;
 extern const VerbDefinition kTestCircle, kTestDiagonals, kTestDrift, kTestFlatness, kTestWarmUp;
 extern const VerbDefinition kLengthsFit, kLengthsPlan;
 extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
@@ -19,8 +19,8 @@ extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtil
 extern const VerbDefinition kUnitArm, kUnitDisarm, kUnitEvents;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
-    kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelRepair,
-    kModelReveal;
+    kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelRemove, kModelDecide, kModelHistory,
+    kModelWhatIf, kModelRepair, kModelReveal;
 extern const VerbDefinition kVolume;
 extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
@@ -66,6 +66,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kLaserShow,
       &kLaserStats,
       &kLaserProcess,
+      &kLaserPrepare,
       &kLaserNormalise,
       &kLaserAir,
       &kLaserTable,
@@ -116,6 +117,8 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kModelInvestigate,
       &kModelAdd,
       &kModelUndo,
+      &kModelRemove,
+      &kModelDecide,
       &kModelHistory,
       &kModelWhatIf,
       &kModelRepair,

@@ -1,5 +1,7 @@
 #include "commissioning/laser_session/choices.hpp"
 
+#include <algorithm>
+
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "laser/map/recipe.hpp"
@@ -146,6 +148,17 @@ std::map<std::string, std::string> given_answers(const ImportArguments& answers)
   for (const FlagAnswer& answer : kFlags)
     if (answers.*answer.value) given[answer.name] = "yes";
   return given;
+}
+
+std::vector<std::string> import_words(const ImportArguments& answers) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : given_answers(answers)) {
+    words.push_back("--" + name);
+    const bool flag =
+        std::any_of(std::begin(kFlags), std::end(kFlags), [&](const auto& one) { return name == one.name; });
+    if (!flag) words.push_back(value);
+  }
+  return words;
 }
 
 void set_answer(ImportArguments& answers, const std::string& name, const std::string& value) {

@@ -67,6 +67,8 @@ struct LaserChoices {
 
 /// The answers that are given, by the names of the options: "axis" → "X".
 [[nodiscard]] std::map<std::string, std::string> given_answers(const ImportArguments& answers);
+/// The same as words of a command line: "--axis", "X".
+[[nodiscard]] std::vector<std::string> import_words(const ImportArguments& answers);
 void set_answer(ImportArguments& answers, const std::string& name, const std::string& value);
 
 /// A field of ImportArguments as a form asks it.

@@ -13,6 +13,7 @@
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/machine_mismatch.hpp"
+#include "commissioning/link/unit_commands.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -297,7 +298,8 @@ void LaserController::say_failed(const std::string& what, const Problem& why) {
   message_.say(what + ": " + to_text(why), Tone::bad);
 }
 
-void LaserController::take_saved(const SavedMap& saved) {
+void LaserController::take_saved(const SavedMap& saved, const LaserChoices& choices, const LaserWork& work) {
+  if (saved_csv_ != saved.csv || saved_file_ != saved.files.map) note_saved_map(saved, choices, work.lines);
   saved_csv_ = saved.csv;
   saved_file_ = saved.files.map;
   if (work_->map.csv == saved.csv) changed_ = false;
@@ -308,9 +310,9 @@ void LaserController::save() {
   const auto work = [work = work_, choices = choices_, folder = folder_->path](JobControl&) {
     return save_laser_map(work->map, choices, folder);
   };
-  task_.start("saving", work, [this](const Result<SavedMap>& saved) {
+  task_.start("saving", work, [this, choices = choices_, made = work_](const Result<SavedMap>& saved) {
     if (!saved) return say_failed("saving", saved.error());
-    take_saved(*saved);
+    take_saved(*saved, choices, *made);
     const MapFiles& files = saved->files;
     const std::string recipe = choices_.opened_map.empty() ? ", the recipe " + files.recipe : "";
     message_.say(fmt::format("saved: {}, its parameters {}{}", files.map, files.parameters, recipe));
@@ -329,9 +331,9 @@ void LaserController::prepare() {
     auto ready = saved ? ready_map(*unit, control, saved->files) : tl::unexpected(saved.error());
     return Prepared{std::move(saved), std::move(ready)};
   };
-  task_.start("saving and checking", work, [this](Prepared done) {
+  task_.start("saving and checking", work, [this, choices = choices_, made = work_](Prepared done) {
     if (!done.saved) return say_failed("not saved", done.saved.error());
-    take_saved(*done.saved);
+    take_saved(*done.saved, choices, *made);
     if (!done.ready) return say_failed("saved, but not sent", done.ready.error());
     ready_ = std::move(*done.ready);
   });
@@ -342,6 +344,8 @@ void LaserController::receive_parameters(const std::string& file) {
   const auto work = [file, unit = unit_](JobControl& control) { return receive_parameters_into(*unit, control, file); };
   task_.start("receiving the parameters", work, [this, file](const Result<void>& received) {
     if (!received) return say_failed("receiving the parameters", received.error());
+    name_in_commands(file, file_between("parameters", ".toml"));  // it lies in the state folder
+    note_on_unit(*unit_, {"params", "receive", "-o", path_word(file)});
     message_.say("parameters of the unit written to " + file);
     change("parameters of the unit", [&](LaserChoices& c) { c.params_file = file; });
     read_again();

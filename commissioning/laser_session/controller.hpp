@@ -112,7 +112,8 @@ class LaserController {
   void keep();
   [[nodiscard]] bool idle();
   [[nodiscard]] bool can_save();
-  void take_saved(const SavedMap& saved);
+  /// @param choices, lines  as they were then
+  void take_saved(const SavedMap& saved, const LaserChoices& choices, const LaserWork& work);
   void take_sent(const SendAttempt& attempt, const ReadyMap& ready);
   void look_after_failure();
   void take_active_after_failure(const std::optional<std::uint32_t>& active);

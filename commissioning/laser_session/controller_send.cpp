@@ -26,6 +26,7 @@ void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& read
   if (attempt.sent) {
     sent_ = *attempt.sent;
     sent_csv_ = saved_csv_;
+    note_sent_map(*unit_, ready.files);
     message_.say(sent_text(*sent_));
     return;
   }

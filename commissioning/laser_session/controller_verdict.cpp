@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "commissioning/laser_session/controller.hpp"
+#include "commissioning/link/unit_commands.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -20,12 +21,16 @@ void LaserController::verify() {
   const auto work = [files = files_of_map(saved_file_), unit = unit_](JobControl& control) {
     return verified_map(*unit, control, files);
   };
-  task_.start("reading the map back", work, [this](const Result<VerifiedMap>& verified) {
-    if (!verified) return say_failed("reading the map back", verified.error());
-    take_verdict(*verified);
-    message_.say(verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
-                 verdict_->same() ? Tone::good : Tone::bad);
-  });
+  task_.start("reading the map back", work,
+              [this, files = files_of_map(saved_file_)](const Result<VerifiedMap>& verified) {
+                if (!verified) return say_failed("reading the map back", verified.error());
+                take_verdict(*verified);
+                note_on_unit(*unit_, {"map", "verify", path_word(files.map), "--params", path_word(files.parameters)},
+                             verdict_->same() ? 0 : 1);
+                message_.say(
+                    verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
+                    verdict_->same() ? Tone::good : Tone::bad);
+              });
 }
 
 void LaserController::compensate() {
@@ -41,6 +46,7 @@ void LaserController::compensate() {
   };
   task_.start("compensation mode", work, [this](const Result<void>& switched) {
     if (!switched) return say_failed("compensation mode", switched.error());
+    note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
     message_.say(
         "the unit watches: reference every axis at the control now; ECS UTILITY, DISPLAY ECS STATUS shows how far it "
         "is (emulator: g there)");

@@ -8,14 +8,18 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/map_work.hpp"
+#include "commissioning/laser_session/prepared_lines.hpp"
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
+#include "commissioning/session/commands.hpp"
 #include "laser/map/recipe.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr const char* kScopeKey = "compensation.scope";
 
 /// A TOML string.
 std::string quoted(const std::string& text) {
@@ -37,6 +41,7 @@ std::string recipe_text(const laser::MapRecipe& recipe) {
   word("date", recipe.date);
   word("machine", recipe.machine);
   word("serial_number", recipe.serial_number);
+  word("remark", recipe.remark);
   for (const laser::ComponentRecipe& one : recipe.components) {
     text += fmt::format("\n[[component]]\ncode = \"{}\"\nfiles = [", name_of(one.component));
     for (std::size_t k = 0; k < one.files.size(); ++k) text += (k == 0 ? "" : ", ") + quoted(one.files[k].string());
@@ -117,6 +122,7 @@ MapFiles files_of_map(const std::string& map_file) {
 
 Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices, const fs::path& prepared) {
   const MapFiles files = files_of_map(choices.map_file);
+  const std::string opened = choices.opened_map.empty() ? "" : read_file(choices.opened_map).value_or("");
   std::error_code error;
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
   const auto recipe = recipe_to_keep(work.recipe, prepared, files.folder);
@@ -129,7 +135,76 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
       !written)
     return tl::unexpected(written.error());
   log_map(files, *recipe, choices);
-  return SavedMap{files, work.csv};
+  return SavedMap{files, work.csv, choices.opened_map.empty() ? *recipe : laser::MapRecipe{}, opened};
+}
+
+namespace {
+
+/// From one parameter file to another, the scope as chosen. Values that stand there already are set again.
+void note_parameters(const std::string& from, const std::string& to, const std::string& scope) {
+  if (from == to && scope.empty()) return;
+  const auto held = params::read_parameters(from);
+  const std::string value =
+      !scope.empty() || !held ? scope : params::text_of(*params::field_named(kScopeKey), held->parameters);
+  note_command({"params", "set", path_word(from), fmt::format("{}={}", kScopeKey, value), "-o", path_word(to)});
+}
+
+/// The recipe that a script carries: files in the working folder are named from the recipe on.
+std::string recipe_for_script(laser::MapRecipe recipe, const std::string& recipe_file) {
+  std::error_code error;
+  const fs::path folder = fs::absolute(recipe_file, error).lexically_normal().parent_path();
+  for (laser::ComponentRecipe& one : recipe.components)
+    for (fs::path& file : one.files)
+      if (const fs::path word = path_word(file.string()); word.is_relative())
+        file = fs::absolute(word, error).lexically_normal().lexically_relative(folder);
+  return recipe_text(recipe);
+}
+
+/// The files of the recipe that had to be prepared, each by its verb, or as it is where no verb makes it.
+void note_prepared(const SavedMap& saved, const LaserChoices& choices, const std::vector<LaserLine>& lines) {
+  std::error_code error;
+  const fs::path kept = fs::absolute(saved.files.folder, error);
+  std::vector<fs::path> noted;
+  for (const laser::ComponentRecipe& one : saved.recipe.components)
+    for (const fs::path& file : one.files) {
+      if (file.parent_path() != kept || std::find(noted.begin(), noted.end(), file) != noted.end()) continue;
+      noted.push_back(file);
+      std::optional<std::vector<std::string>> words;
+      for (std::size_t k = 0; k < lines.size(); ++k)
+        if (prepared_path(lines, k, kept) == file)
+          words = prepare_words(lines[k], choice_for_line(choices, lines[k]), choices.files, file.string());
+      if (words)
+        note_command(std::move(*words));
+      else
+        note_file(file.string(), read_file(file).value_or(""));
+    }
+}
+
+}  // namespace
+
+void note_saved_map(const SavedMap& saved, const LaserChoices& choices, const std::vector<LaserLine>& lines) {
+  const MapFiles& files = saved.files;
+  if (choices.opened_map.empty()) {
+    std::string parameters = choices.params_file;
+    if (!choices.scope.empty()) {
+      parameters = file_between("parameters", ".toml");
+      note_parameters(choices.params_file, parameters, choices.scope);
+    }
+    note_prepared(saved, choices, lines);
+    note_file(files.recipe, recipe_for_script(saved.recipe, files.recipe));
+    note_command({"map", "build", path_word(files.recipe), "--params", path_word(parameters), "-o",
+                  path_word(files.map), "--params-out", path_word(files.parameters)});
+    return;
+  }
+  if (saved.opened != saved.csv) {
+    note_remark("no command changes a map that was opened: this is what the screen made of it");
+    note_file(files.map, saved.csv);
+  } else if (path_word(choices.opened_map) != path_word(files.map)) {
+    NotedCommand copy;
+    copy.words = {"cp", path_word(choices.opened_map), path_word(files.map)};
+    note(std::move(copy));
+  }
+  note_parameters(choices.params_file, files.parameters, choices.scope);
 }
 
 }  // namespace ecs::commissioning

@@ -10,19 +10,25 @@
 #include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/laser_session/prepared_lines.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::commissioning {
-namespace {
-
 namespace fs = std::filesystem;
 
-LaserLineChoice choice_for(const LaserChoices& choices, const LaserLine& line) {
+LaserLineChoice choice_for_line(const LaserChoices& choices, const LaserLine& line) {
   const auto found = choices.lines.find(line.key);
   return found == choices.lines.end() ? LaserLineChoice{} : found->second;
 }
+
+fs::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at, const fs::path& folder) {
+  const std::string stem = fs::path(lines[at].files.front()).stem().string();
+  return folder / fmt::format("{}_line{}.csv", stem, at + 1);
+}
+
+namespace {
 
 LaserComponentChoice choice_for(const LaserChoices& choices, Component component) {
   const auto found = choices.components.find(std::string(name_of(component)));
@@ -31,45 +37,18 @@ LaserComponentChoice choice_for(const LaserChoices& choices, Component component
 
 bool is_compensated(const LaserLine& line) { return line.group.compensated.value_or(false); }
 
-/// A name of its own for each line of the list.
-fs::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at, const fs::path& folder) {
-  const std::string stem = fs::path(lines[at].files.front()).stem().string();
-  return folder / fmt::format("{}_line{}.csv", stem, at + 1);
-}
-
 /// The file that a map names for a line: its own where that says all of it.
 fs::path source_of(const LaserChoices& choices, const std::vector<LaserLine>& lines, std::size_t at,
                    const fs::path& folder) {
-  const bool as_it_is = lines[at].whole_file && choice_for(choices, lines[at]).readings.empty();
+  const bool as_it_is = lines[at].whole_file && choice_for_line(choices, lines[at]).readings.empty();
   return as_it_is ? fs::path(lines[at].files.front()) : prepared_path(lines, at, folder);
-}
-
-std::string with_reason(std::string what, const std::string& reason) {
-  return reason.empty() ? what : fmt::format("{} ({})", what, reason);
-}
-
-/// The line without what is left out, and said so in its metadata.
-laser::MeasurementSet prepared_set(const LaserLine& line, const LaserLineChoice& choice) {
-  laser::MeasurementSet set = line_result(line, choice).chosen;
-  for (const std::string& file : line.files)
-    set.metadata.push_back({"prepared_from", fs::path(file).filename().string()});
-  for (const auto& [run, reason] : choice.runs)
-    set.metadata.push_back({"left_out", with_reason(fmt::format("run {}", run), reason)});
-  for (const auto& [place, reason] : choice.readings) {
-    if (place >= line.set->readings.size()) continue;
-    const laser::Reading& reading = line.set->readings[place];
-    set.metadata.push_back(
-        {"left_out",
-         with_reason(fmt::format("run {} at {} mm", reading.run, shortest(laser::target_mm(reading))), reason)});
-  }
-  return set;
 }
 
 Result<void> prepare(const LaserChoices& choices, const std::vector<LaserLine>& lines, std::size_t at,
                      const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  const std::string csv = laser::to_csv(prepared_set(lines[at], choice_for(choices, lines[at])));
+  const std::string csv = laser::to_csv(prepared_set(lines[at], choice_for_line(choices, lines[at])));
   const fs::path path = prepared_path(lines, at, folder);
   if (const auto there = read_file(path); there && *there == csv) return {};
   return write_file(path, csv);
@@ -134,7 +113,7 @@ laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choic
     const auto behind = lines_behind(one, lines, folder);
     for (std::size_t k = 0; k < std::min(behind.size(), one.files.size()); ++k) {
       const LaserLine& line = lines[behind[k]];
-      const LaserLineChoice left = choice_for(choices, line);
+      const LaserLineChoice left = choice_for_line(choices, line);
       const bool prepared = one.files[k].parent_path() == folder;
       if (left.runs.empty() && !prepared) continue;
       if (one.files.size() == 1 && !prepared) {
@@ -159,6 +138,7 @@ void take_header(LaserMapWork& work, const LaserChoices& choices, const std::vec
   work.recipe.date = header.date;
   work.recipe.machine = choices.header.machine;
   work.recipe.serial_number = choices.header.serial_number;
+  work.recipe.remark = choices.header.remarks;
 }
 
 void take_refusal(LaserMapWork& work, const Problem& why) {
@@ -318,7 +298,6 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
       laser::MapHeader& header = built->map.header;
       if (header.machine.empty()) header.machine = work.parameters->identity.machine;
       if (header.serial_number.empty()) header.serial_number = work.parameters->identity.serial_number;
-      if (!choices.header.remarks.empty()) header.processing.push_back("remark: " + choices.header.remarks);
       work.findings =
           laser::findings_for(built->map, built->parameters, travels_beside(choices.params_file, *work.parameters));
       work.csv = laser::to_map_csv(built->map);

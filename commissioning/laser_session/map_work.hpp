@@ -67,6 +67,11 @@ void assign_lines(LaserMapWork& work, const LaserChoices& choices, const std::ve
 void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
                      const std::filesystem::path& folder);
 
+/// Where a line is prepared: a name of its own for each line of the list.
+[[nodiscard]] std::filesystem::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at,
+                                                  const std::filesystem::path& folder);
+[[nodiscard]] LaserLineChoice choice_for_line(const LaserChoices& choices, const LaserLine& line);
+
 /// The files that belong to a map: "out/map.csv" → "out/map-parameters.toml", "out/map-recipe.toml", "out/map-files".
 struct MapFiles {
   std::string map, parameters, recipe, folder;
@@ -75,11 +80,16 @@ struct MapFiles {
 
 struct SavedMap {
   MapFiles files;
-  std::string csv;  ///< of the map
+  std::string csv;          ///< of the map
+  laser::MapRecipe recipe;  ///< as it was kept; of a map that was opened: empty
+  std::string opened{};     ///< the map that was opened, as it stood in its file before; empty: none was
 };
 /// A map that was opened has no recipe. Writes map, parameters with the squareness measured, the recipe that makes the
 /// same map with `ecs map build`, and the files that had to be prepared for it. @pre work.built
 [[nodiscard]] Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                               const std::filesystem::path& prepared_folder);
+/// The commands that write the same files (commissioning/session/commands.hpp).
+/// @param lines  from which the map was made
+void note_saved_map(const SavedMap& saved, const LaserChoices& choices, const std::vector<LaserLine>& lines);
 
 }  // namespace ecs::commissioning

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "core/memory_image.hpp"
@@ -128,6 +129,10 @@ SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& 
     return send_map(link.client(), *ready.map, ready.files.map, false, before, progress_into(control));
   });
   return {std::move(sent), begun};
+}
+
+void note_sent_map(const UnitConnection& unit, const MapFiles& files) {
+  note_on_unit(unit, {"map", "send", path_word(files.map), "--params", path_word(files.parameters)});
 }
 
 Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {

@@ -65,6 +65,8 @@ struct ExpectedMap {
 [[nodiscard]] std::string sent_text(const SentMap& sent);
 /// Whole or not at all; the old map stays active until the new one is whole and checked in the unit.
 [[nodiscard]] SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready);
+/// That the map was sent, as a command.
+void note_sent_map(const UnitConnection& unit, const MapFiles& files);
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
 /// map while it was read.
 [[nodiscard]] Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files);

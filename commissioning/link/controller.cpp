@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/link/port_survey.hpp"
+#include "commissioning/session/commands.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -146,6 +147,7 @@ void LinkController::take(const std::string& link) {
     return link;
   };
   task_.start("changing the link", choose, [this](const std::string& chosen) {
+    note_remark(fmt::format("from here on over the link {}", chosen));
     message_.say(fmt::format("{} is in use now; s stores it for the next start", chosen));
   });
 }
@@ -164,6 +166,13 @@ void LinkController::store() {
 void LinkController::store_now(const std::string& link) {
   if (const auto done = store_link(link); !done) return message_.say(done.error());
   stored_ = link;
+  if (link == works_ || unit_->snapshot().link == link)
+    note_command({"doctor", "--link", link, "--save"});
+  else
+    note_remark(
+        fmt::format("{} was stored as the link without an answer; `ecs doctor --link {} --save` stores it when "
+                    "it works",
+                    link, link));
   message_.say(
       fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));
 }

@@ -8,6 +8,7 @@
 
 #include "base/file.hpp"
 #include "base/json.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/memory/controller.hpp"
 #include "commissioning/memory/space.hpp"
 
@@ -91,6 +92,9 @@ void MemoryController::landed_write(const ByteWrite& write, bool undo, const Res
     return message_.say(done.error());
   }
   const Address at = write.address;
+  std::string digits;
+  for (const std::uint8_t byte : write.after) digits += fmt::format("{:02X}", byte);
+  note_on_unit(*unit_, {"memory", "write", fmt::format("0x{:06X}", at), digits, "--yes"});
   memory_.put(at, write.after);
   if (undo) {
     for (auto old = written_.rbegin(); old != written_.rend(); ++old)
@@ -165,8 +169,11 @@ void MemoryController::save_now(const std::string& path, DumpScope scope) {
     if (const auto written = write_file(path, to_bytes(*dump)); !written) return tl::unexpected(written.error());
     return dump;
   };
-  task_.start("taking the dump", work, [this, path](const Result<MemoryDump>& dump) {
+  task_.start("taking the dump", work, [this, path, scope](const Result<MemoryDump>& dump) {
     if (!dump) return message_.say(dump.error());
+    std::vector<std::string> words{"memory", "dump", "-o", path_word(path)};
+    if (scope == DumpScope::active) words.emplace_back("--active");
+    note_on_unit(*unit_, std::move(words));
     std::size_t bytes = 0;
     for (const DumpRegion& region : dump->regions) {
       memory_.put(region.address, region.bytes);

@@ -13,12 +13,14 @@
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/machine_mismatch.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/compare_view.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/effect_changes.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/what_if.hpp"
@@ -44,6 +46,7 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelController> controller(new ModelController);
   controller->files_ = files;
+  controller->commands_ = ModelCommands(files);
   if (work->machine) {
     const std::string mismatch = mismatch_of(*work->machine, work->set);
     const std::string other = unit ? other_unit_for(*work->machine, unit->snapshot()) : "";
@@ -76,6 +79,7 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
     std::filesystem::remove(files.model, error);
     return controller;
   }
+  (*controller)->commands_.begun();
   Message& message = (*controller)->message_;
   const std::string begun = fmt::format(
       "begun in {} with offset and slope of what was measured, backlash where both approaches were; d finds "
@@ -152,7 +156,9 @@ void ModelController::start_adding(const std::string& effect) {
 
 void ModelController::decide(std::size_t effect) {
   if (busy() || effect >= model_.effects.size() || model_.effects[effect].is_user()) return;
-  past_.push_back({"decided for " + place_text(model_.effects[effect]), model_});
+  past_.push_back({"decided for " + place_text(model_.effects[effect]), model_,
+                   commands_.decide(place_text(model_.effects[effect]))});
+  commands_.did(past_.back().words);
   future_.clear();
   keep_alternatives(model_.effects[effect], {});
   keep_alternatives(fit_.effects[effect].effect, {});
@@ -163,39 +169,40 @@ void ModelController::decide(std::size_t effect) {
 
 void ModelController::start_adding(const model::AddRequest& request, const std::string& name,
                                    const std::vector<model::EffectInstance>& rivals) {
-  start_fit("adding " + name, [model = model_, work = work_, request, rivals]() -> Result<Fitted> {
-    auto added = model::add_effect(model, work->data, request, work->data_name);
-    if (!added) return tl::unexpected(added.error());
-    if (!rivals.empty()) keep_alternatives(added->model.effects.back(), rivals);
-    const std::string effect = name_with_alternatives(added->model.effects.back());
-    auto now = fitted(std::move(added->model), work->data,
-                      fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model", effect,
-                                  added->rms_before_um, added->rms_after_um));
-    if (now) now->done = effect;
-    return now;
-  });
+  start_fit("adding " + name,
+            [model = model_, work = work_, request, rivals, name, commands = commands_]() -> Result<Fitted> {
+              auto added = model::add_effect(model, work->data, request, work->data_name);
+              if (!added) return tl::unexpected(added.error());
+              if (!rivals.empty()) keep_alternatives(added->model.effects.back(), rivals);
+              const std::string effect = name_with_alternatives(added->model.effects.back());
+              auto now = fitted(std::move(added->model), work->data,
+                                fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model",
+                                            effect, added->rms_before_um, added->rms_after_um));
+              if (now) {
+                now->done = effect;
+                now->words = commands.add(name, request, now->model.effects.back().tied_with);
+              }
+              return now;
+            });
 }
 
 void ModelController::start_removing(std::size_t effect) {
   if (busy() || effect >= model_.effects.size()) return;
   if (model_.effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
   const std::string name = place_text(model_.effects[effect]);
-  start_fit("removing " + name, [model = model_, work = work_, before = fit_.rms_um, effect, name]() -> Result<Fitted> {
-    model::Model without = model;
-    without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-    auto now = fitted(without, work->data, "");
-    if (!now) return now;
-    now->said = fmt::format("removed {}: {:.3f} -> {:.3f} um rms; u puts it back", name, before, now->fit.rms_um);
-    now->done = "removed " + name;
-    now->model.history.push_back({"without " + to_text(model.effects[effect]),
-                                  work->data_name,
-                                  before,
-                                  now->fit.rms_um,
-                                  now->fit.peak_um,
-                                  now->fit.noise.noise_um,
-                                  {}});
-    return now;
-  });
+  start_fit(
+      "removing " + name,
+      [model = model_, work = work_, before = fit_.rms_um, effect, name,
+       words = commands_.remove(name)]() -> Result<Fitted> {
+        auto without = without_effect(model, work->data, effect, before, work->data_name);
+        if (!without) return tl::unexpected(without.error());
+        auto comparison =
+            owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
+        Fitted now{
+            std::move(without->model), std::move(without->fit), std::move(comparison), {}, "removed " + name, words};
+        now.said = fmt::format("removed {}: {:.3f} -> {:.3f} um rms; u puts it back", name, before, now.fit.rms_um);
+        return now;
+      });
 }
 
 void ModelController::step_over(Steps& from, Steps& to, const char* label) {
@@ -204,11 +211,12 @@ void ModelController::step_over(Steps& from, Steps& to, const char* label) {
   const auto work = [model = step.model, work = work_, said = fmt::format("{}: {}", label, step.done)](JobControl&) {
     return fitted(model, work->data, said);
   };
-  task_.start(label, work, [this, &from, &to, done = step.done](Result<Fitted> now) {
+  task_.start(label, work, [this, &from, &to, done = step.done, words = step.words](Result<Fitted> now) {
     if (task_.cancelled()) return;
     if (!now) return message_.say(now.error());
+    &from == &past_ ? commands_.undid(words) : commands_.did_again(words);
     from.pop_back();
-    to.push_back({done, model_});
+    to.push_back({done, model_, words});
     show(std::move(*now));
   });
 }
@@ -218,7 +226,7 @@ void ModelController::undo() {
   if (!past_.empty()) return step_over(past_, future_, "taken back");
   auto before = model::undo(model_);
   if (!before) return message_.say(before.error());
-  past_.push_back({model_.history.back().effect, std::move(*before)});
+  past_.push_back({model_.history.back().effect, std::move(*before), ModelCommands::added_before()});
   step_over(past_, future_, "taken back");
 }
 
@@ -243,6 +251,7 @@ void ModelController::save() {
   }
   if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
   model_ = std::move(model);
+  commands_.saved(to_toml(model_));
   saved_ = true;
   changed_ = false;
   values_kept_ = true;
@@ -261,10 +270,11 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
     if (!answer) return tl::unexpected(answer.error());
     return owned_lines_of(what_if_cell(*answer).text);
   };
-  task_.start("computing what compensation would leave", compute, [this](Result<Lines> lines) {
+  task_.start("computing what compensation would leave", compute, [this, measured_again](Result<Lines> lines) {
     if (task_.cancelled()) return;
     if (!lines) return message_.say(lines.error());
     after_ = std::move(*lines);
+    commands_.looked_after(changed_, measured_again);
   });
 }
 
@@ -332,6 +342,7 @@ void ModelController::write_map(const std::string& zero_reason) {
     if (!written.map) return message_.say(written.map.error());
     after_ = std::move(written.lines);
     map_file_ = arguments.output;
+    note_map(arguments);
     remarks_ = remarks_in(written.map->findings);
     ready_.reset();
     sent_.reset();
@@ -342,6 +353,17 @@ void ModelController::write_map(const std::string& zero_reason) {
       message_.say(fmt::format("map written to {}, but it is not complete: a unit refuses it", arguments.output),
                    Tone::warning);
   });
+}
+
+/// Parameters that came from the unit are received again by a command of their own.
+void ModelController::note_map(const FromModelArguments& arguments) {
+  if (changed_) note_remark("the map is that of the model as it was saved last");
+  std::string params = path_word(arguments.params);
+  if (arguments.received && params.empty()) {
+    params = file_between("parameters", ".toml");
+    note_on_unit(*unit_, {"params", "receive", "-o", params});
+  }
+  commands_.note_map(arguments, params);
 }
 
 bool ModelController::has_unit() {
@@ -377,15 +399,16 @@ void ModelController::send() {
   if (!has_unit() || !ready_) return;
   message_.clear();
   const auto work = [ready = *ready_, unit = unit_](JobControl& control) { return sent_map(*unit, control, ready); };
-  ready_.reset();
-  task_.start("sending the map", work, [this](SendAttempt attempt) {
+  task_.start("sending the map", work, [this, files = ready_->files](SendAttempt attempt) {
     if (!attempt.sent)
       return message_.say(fmt::format("not sent: {}{}", to_text(attempt.sent.error()),
                                       attempt.begun ? ". The unit keeps the map it had until a new one is whole." : ""),
                           Tone::bad);
     sent_ = std::move(*attempt.sent);
+    note_sent_map(*unit_, files);
     message_.say(sent_text(*sent_) + "; c switches the unit to compensation");
   });
+  ready_.reset();
 }
 
 void ModelController::compensate() {
@@ -396,6 +419,7 @@ void ModelController::compensate() {
   };
   task_.start("switching to compensation", work, [this](const Result<void>& done) {
     if (!done) return message_.say(done.error());
+    note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
     message_.say(
         unit_->snapshot().emulator
             ? "the unit watches: g in DISPLAY ECS STATUS (F3) references the emulated machine, e in step 1 of PROCESS "
@@ -406,8 +430,10 @@ void ModelController::compensate() {
 }
 
 void ModelController::export_picture(FigureWriter write) {
-  commissioning::export_picture(drawing_, fit_figure(fit_, data(), files_.model),
-                                std::filesystem::path(files_.model).stem().string(), std::move(write), message_);
+  commissioning::export_picture(
+      drawing_, fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string(),
+      std::move(write), message_,
+      [commands = commands_, changed = changed_](const std::string& picture) { commands.drawn(changed, picture); });
 }
 
 void ModelController::start_investigation(const std::string& place, const std::string& minutes) {
@@ -425,6 +451,7 @@ void ModelController::start_investigation(const std::string& place, const std::s
 
 void ModelController::write_investigated(const std::string& file) {
   if (const auto written = investigation_.write_model(file); !written) return message_.say(written.error());
+  commands_.wrote_investigated(*investigation_.request(), file);
   message_.say("written to " + file);
 }
 
@@ -437,7 +464,8 @@ void ModelController::cancel() {
 
 void ModelController::take(Result<Fitted> fitted) {
   if (!fitted) return message_.say(fitted.error());
-  past_.push_back({fitted->done, model_});
+  past_.push_back({fitted->done, model_, fitted->words});
+  commands_.did(fitted->words);
   future_.clear();
   show(std::move(*fitted));
 }
@@ -480,6 +508,7 @@ void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
   log_diagnosis(files_, model_, *diagnosis_);
+  commands_.diagnosed(changed_);
   next_ = std::move(found.next);
   if (found.ties && !found.ties->notes.empty()) take(*found.ties);
 }
@@ -487,7 +516,8 @@ void ModelController::take(Diagnosed found) {
 void ModelController::take(const model::DecidedTies& ties) {
   message_.say(fmt::format("{}", fmt::join(ties.notes, "; ")));
   if (ties.model.effects == model_.effects) return;
-  past_.push_back({"what these readings decide", model_});
+  past_.push_back({"what these readings decide", model_, commands_.fit()});
+  commands_.did(past_.back().words);
   future_.clear();
   for (std::size_t i = 0; i < model_.effects.size(); ++i)
     model_.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
@@ -499,7 +529,10 @@ bool ModelController::advance() {
   const bool drawn = drawing_.advance();
   const bool investigating = investigation_.busy();
   const bool changed = investigation_.advance();
-  if (investigating && !investigation_.busy()) message_ = investigation_.message();
+  if (investigating && !investigation_.busy()) {
+    message_ = investigation_.message();
+    if (investigation_.found()) commands_.investigated(*investigation_.request());
+  }
   return task_.advance() || drawn || changed || busy();
 }
 

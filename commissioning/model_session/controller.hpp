@@ -11,6 +11,7 @@
 #include "commissioning/investigation/controller.hpp"
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/maps/from_model.hpp"
+#include "commissioning/model_session/commands.hpp"
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
@@ -125,11 +126,13 @@ class ModelController {
     model::Fit fit;
     std::vector<std::string> comparison;
     std::string said;
-    std::string done{};  ///< what undo calls it
+    std::string done{};                ///< what undo calls it
+    std::vector<std::string> words{};  ///< of the command that does it; empty: there is none
   };
   struct Step {
     std::string done;
     model::Model model;
+    std::vector<std::string> words;  ///< as in Fitted
   };
   using Steps = std::vector<Step>;
   struct Diagnosed {
@@ -151,6 +154,7 @@ class ModelController {
   void show(Fitted fitted);
   [[nodiscard]] bool has_unit();
   void take(Diagnosed found);
+  void note_map(const FromModelArguments& arguments);
   [[nodiscard]] std::string draft_name() const;
 
   ModelArguments files_;
@@ -175,6 +179,7 @@ class ModelController {
   bool saved_ = false;  ///< since it was opened
   int generation_ = 0;
   Message message_;
+  ModelCommands commands_;
   InvestigationController investigation_;
   TaskRunner drawing_;
   TaskRunner task_;

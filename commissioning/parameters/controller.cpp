@@ -9,6 +9,7 @@
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/parameters/draft.hpp"
+#include "commissioning/session/commands.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -50,6 +51,7 @@ Result<void> ParametersController::open_file(const std::string& path) {
   in_file_ = ParameterSet{read->parameters, read->identity};
   file_text_ = std::move(*text);
   file_findings_ = params::check_file(*read);
+  held_ = {path, {}, *in_file_, read->has_end};
   load(*in_file_, path);
   return {};
 }
@@ -60,7 +62,9 @@ Result<void> ParametersController::start_from_machine(const std::string& path) {
   in_file_.reset();
   file_text_.clear();
   file_findings_.clear();
-  load({params::default_parameters_for(*machine_), {machine_->name, {}}}, "");
+  const ParameterSet begun{params::default_parameters_for(*machine_), {machine_->name, {}}};
+  held_ = {{}, path, begun, true};
+  load(begun, "");
   return {};
 }
 
@@ -70,6 +74,7 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
     return problem(ProblemKind::refused,
                    fmt::format("nothing received from {}: {}", title_of(unit), unit.none_because));
   ParameterSet received{*unit.parameters, {set_.identity.machine, unit.identity.serial_number}};
+  held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
     if (unsaved()) set_draft_aside();
     edit(std::move(received), "receiving from the unit");
@@ -98,8 +103,10 @@ Result<void> ParametersController::take_up_draft() {
   in_file_.reset();
   file_text_.clear();
   file_findings_.clear();
+  held_ = {};
   if (auto text = read_file(draft->file); !draft->file.empty() && text) {
     if (auto read = params::parse_parameters(*text, draft->file)) {
+      held_ = {draft->file, {}, {read->parameters, read->identity}, read->has_end};
       in_file_ = ParameterSet{read->parameters, read->identity};
       file_text_ = std::move(*text);
       file_findings_ = params::check_file(*read);
@@ -288,12 +295,43 @@ Result<void> ParametersController::save(const std::string& path) {
   saved.summary = "parameters saved to " + std::filesystem::path(path).filename().string();
   saved.files = seen_files("output", {path});
   record(std::move(saved));
+  note_written(path, set_);
   file_text_ = std::move(text);
   file_findings_.clear();
   file_ = path;
   in_file_ = set_;
   settle();
   return {};
+}
+
+/// As the command that writes it: from the file where it began, or from its machine file; else with all that it holds.
+void ParametersController::note_written(const std::string& path, const ParameterSet& what) {
+  const std::string file = path_word(path);
+  if (held_.path.empty() && held_.machine.empty()) {
+    note_file(path, params::parameters_toml(what.parameters, what.identity));
+  } else {
+    std::vector<std::string> changed;
+    for (const std::string& key : all_keys())
+      if (value_of(key, what) != value_of(key, held_.set))
+        changed.push_back(fmt::format("{}={}", key, value_of(key, what)));
+    const std::string from = held_.path.empty() ? file : path_word(held_.path);
+    if (held_.path.empty()) note_command({"params", "new", "--machine", path_word(held_.machine), "-o", file});
+    if (changed.empty() && from != file)  // set needs a value: one that stands there already
+      changed.push_back(fmt::format("{}={}", all_keys().back(), value_of(all_keys().back(), what)));
+    if (!changed.empty()) {
+      std::vector<std::string> words{"params", "set", from};
+      words.insert(words.end(), changed.begin(), changed.end());
+      words.insert(words.end(), {"-o", file});
+      if (!held_.whole) words.emplace_back("--accept-incomplete");
+      note_command(std::move(words));
+    }
+  }
+  held_ = {path, {}, what, true};
+}
+
+std::string ParametersController::file_for_commands(const ParameterSet& what) {
+  if (held_.path.empty() || held_.set != what) note_written(file_between("parameters", ".toml"), what);
+  return path_word(held_.path);
 }
 
 void ParametersController::know_unit(UnitContent unit) {

@@ -83,6 +83,10 @@ class ParametersController {
   [[nodiscard]] Result<void> save(const std::string& path);
   /// The unit was looked at.
   void know_unit(UnitContent unit);
+  /// A parameter file with this set for commands that read it, noted if no file holds it yet. @return its name
+  [[nodiscard]] std::string file_for_commands(const ParameterSet& what);
+  /// The file that holds, for those commands, what was taken from the unit last.
+  [[nodiscard]] const std::string& file_between_commands() const { return held_.path; }
   /// The set as it was sent is what the unit holds now.
   void sent(const ParameterSet& what, UnitContent after);
 
@@ -91,7 +95,15 @@ class ParametersController {
     ParameterSet before, after;
     std::string what;
   };
+  /// A file that the commands noted so far have, and what it holds.
+  struct HeldFile {
+    std::string path;     ///< empty: none
+    std::string machine;  ///< that `ecs params new` makes it from; empty: it is there
+    ParameterSet set;
+    bool whole = true;  ///< it ends with its closing line
+  };
   void load(ParameterSet set, std::string file);
+  void note_written(const std::string& path, const ParameterSet& what);
   void edit(ParameterSet after, std::string what);
   void settle();
   void refresh();
@@ -111,6 +123,7 @@ class ParametersController {
   std::vector<params::Finding> file_findings_;  ///< of the file as it was read; saving it mends them
   std::vector<ComparedKey> compared_;
   std::size_t changes_ = 0;
+  HeldFile held_;  ///< where the set came from, or was saved last
 };
 
 }  // namespace ecs::commissioning

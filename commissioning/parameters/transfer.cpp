@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/link/unit_commands.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -54,10 +56,9 @@ void ParametersTransfer::receive() {
   task_.start(kReading, read, [this](const Result<UnitContent>& unit) {
     if (!unit) return say_no_exchange(unit.error());
     const char* undo = controller_->loaded() ? "; u brings back what was here" : "";
-    if (auto taken = controller_->take_from_unit(*unit); !taken)
-      message_->say(taken.error());
-    else
-      message_->say(fmt::format("received from {}{}", title_of(*unit), undo));
+    if (auto taken = controller_->take_from_unit(*unit); !taken) return message_->say(taken.error());
+    note_on_unit(*connection_, {"params", "receive", "-o", controller_->file_between_commands()});
+    message_->say(fmt::format("received from {}{}", title_of(*unit), undo));
   });
 }
 
@@ -70,8 +71,9 @@ void ParametersTransfer::read_to_send(bool switching) {
   const auto read = [connection = connection_, switching](JobControl& control) {
     return connection->with_link(control, switching ? switched_to_integration : unit_content);
   };
-  task_.start(kReading, read, [this](Result<UnitContent> unit) {
+  task_.start(kReading, read, [this, switching](Result<UnitContent> unit) {
     if (!unit) return say_no_exchange(unit.error());
+    if (switching) note_on_unit(*connection_, {"utility", "mode", "integrate"});
     take_read_to_send(std::move(*unit));
   });
 }
@@ -144,6 +146,7 @@ void ParametersTransfer::ask_to_send() {
 
 void ParametersTransfer::start_sending(const params::Identity& owner, UnfitMap unfit) {
   owner_ = owner;
+  drops_map_ = unfit == UnfitMap::drop;
   const auto send = [connection = connection_, set = to_send_, owner, unfit](JobControl& control) {
     return connection->with_link(control, [&](UnitLink& link) {
       return sent_to_unit(link, set.parameters, owner, unfit, progress_into(control));
@@ -155,6 +158,10 @@ void ParametersTransfer::start_sending(const params::Identity& owner, UnfitMap u
 void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   if (sent) {
     const SentParameters report = *sent;
+    std::vector<std::string> words{"params", "send", controller_->file_for_commands(to_send_)};
+    if (drops_map_) words.emplace_back("--force");
+    if (owner_ != to_send_.identity) words.emplace_back("--other-machine");
+    note_on_unit(*connection_, std::move(words));
     controller_->sent(to_send_, std::move(sent->after));
     message_->say(taken_in_words(report, controller_->differs_from_unit().size()));
     return;

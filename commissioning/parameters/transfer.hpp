@@ -54,6 +54,7 @@ class ParametersTransfer {
   TaskRunner task_;
   ParameterSet to_send_;
   params::Identity owner_;
+  bool drops_map_ = false;  ///< of what is being sent
   Asking asking_;
 };
 

@@ -16,6 +16,8 @@ using FigureWriter = std::function<Result<void>(const std::filesystem::path&, co
 
 /// Nothing happens while `task` runs. @param stem  "EXX", without folder: the working folder takes it
 /// @param message  says when the files are written; outlives the task
-void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem, FigureWriter write, Message& message);
+/// @param drawn  asked for each file: notes the command that draws it; none: no command does
+void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem, FigureWriter write, Message& message,
+                    std::function<void(const std::string&)> drawn = {});
 
 }  // namespace ecs::commissioning

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/utility/datum_view_controller.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 
@@ -51,14 +52,17 @@ void DatumRecordController::start(Axis axis) {
   axis_ = axis;
   switch_seen_ = false;
   marker_seen_ = false;
+  referenced_ = false;
   const auto work = [connection = connection_, live = live_, axis](JobControl& control) {
     return connection->with_link(control, [&](UnitLink& link) { return recorded(link, axis, *live); });
   };
   task_.start("recording", work, [this](Result<DatumRecording> recording) {
-    if (recording)
-      recorded_ = std::move(*recording);
-    else
-      say_failed(message_, recording.error(), task_.cancelled());
+    if (!recording) return say_failed(message_, recording.error(), task_.cancelled());
+    recorded_ = std::move(*recording);
+    NotedCommand command;  // saving the record amends it (datum_view_controller.cpp)
+    command.words = words_on_unit(*connection_, {"utility", "datum", "record", std::string(1, letter_of(axis_))});
+    if (referenced_) command.meanwhile = reference_words(live_->now().workshop, {axis_});
+    note(std::move(command));
   });
 }
 
@@ -69,7 +73,7 @@ void DatumRecordController::reference() {
   else if (seen.workshop.empty())
     message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
   else
-    reference_machine(reference_, seen.workshop, {axis_}, message_);
+    reference_machine(reference_, seen.workshop, {axis_}, message_, referenced_ = true);
 }
 
 void DatumRecordController::cancel() {

@@ -50,6 +50,7 @@ class DatumRecordController {
   Axis axis_ = Axis::X;
   bool switch_seen_ = false;
   bool marker_seen_ = false;
+  bool referenced_ = false;  ///< the emulated machine, while it records
   std::optional<DatumRecording> recorded_;
   Message message_;
   TaskRunner reference_;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 
 namespace ecs::commissioning {
@@ -118,6 +119,12 @@ void DatumTestController::follow_tests() {
     if (row == nullptr) continue;
     row->state = test.passed ? TestState::passed : TestState::failed;
     row->stage = test.passed ? DatumStage::done : DatumStage::failed;
+    NotedCommand command;
+    command.words = words_on_unit(*connection_, {"utility", "datum", "test", std::string(1, letter_of(test.axis)),
+                                                 "--wait", fmt::format("{}", kLimit.count() / 1000)});
+    command.exit_code = test.passed ? 0 : 1;
+    if (referenced_for_ == test.axis) command.meanwhile = reference_words(live_->now().workshop, {test.axis});
+    note(std::move(command));
     row->message = test.failure == DatumFailure::none
                        ? test.message
                        : fmt::format("{}. What to do: {}.", ecs::name_of(test.failure), advice_for(test.failure));
@@ -131,7 +138,7 @@ bool DatumTestController::advance() {
   follow_tests();
   if (reference_each_ && under_test_ && referenced_for_ != under_test_ && !reference_.running()) {
     referenced_for_ = under_test_;
-    reference_machine(reference_, live_->now().workshop, {*under_test_}, message_);
+    reference_machine(reference_, live_->now().workshop, {*under_test_}, message_, true);
   }
   changed = reference_.advance() || changed;
   return task_.advance() || changed;

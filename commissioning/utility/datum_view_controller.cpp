@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "params/observed_datum.hpp"
 
@@ -59,6 +60,8 @@ DatumViewController::DatumViewController() : draft_(draft_of(kDraft)) {}
 void DatumViewController::take(DatumRecording recording) {
   first_ = shown(std::move(recording), "just recorded");
   saved_ = false;
+  fresh_ = true;
+  in_file_.clear();
   draft_.reset();
   show_all();
   keep_fresh_draft();
@@ -77,7 +80,8 @@ void DatumViewController::take_draft() {
   auto recording = parse_recording(draft_->text, "draft");
   if (recording) {
     first_ = shown(std::move(*recording), "recorded " + draft_->kept);
-    saved_ = false;
+    saved_ = fresh_ = false;
+    in_file_.clear();
     show_all();
   } else {
     message_.say(recording.error());
@@ -97,8 +101,12 @@ void DatumViewController::read(const std::string& path, bool as_overlay) {
     if (!recording) return tl::unexpected(recording.error());
     return shown(std::move(*recording), std::filesystem::path(path).filename().string());
   };
-  file_task_.start("reading", work, [this, as_overlay](Result<ShownRecord> record) {
+  file_task_.start("reading", work, [this, as_overlay, path](Result<ShownRecord> record) {
     if (!record) return message_.say(record.error());
+    if (!as_overlay) {
+      fresh_ = false;
+      in_file_ = path;
+    }
     take_read(std::move(*record), as_overlay);
   });
 }
@@ -147,10 +155,33 @@ void DatumViewController::save(const std::string& path) {
   file_task_.start("writing", write, [this, path](const Result<void>& written) {
     if (!written) return message_.say(written.error());
     saved_ = true;
+    note_saved(path);
     first_->name = std::filesystem::path(path).filename().string();
     drop_draft(kDraft);
     message_.say("written: " + path);
   });
+}
+
+/// The command that recorded it gets the file; a second file is a copy of the first.
+void DatumViewController::note_saved(const std::string& path) {
+  const std::string file = path_word(path);
+  std::vector<NotedCommand> noted = noted_commands();
+  const std::vector<std::string> record{"ecs", "utility", "datum", "record",
+                                        std::string(1, letter_of(first_->recording.axis))};
+  const auto found = std::find_if(noted.rbegin(), noted.rend(), [&](const NotedCommand& command) {
+    return command.words.size() >= record.size() && std::equal(record.begin(), record.end(), command.words.begin());
+  });
+  if (fresh_ && found != noted.rend() && in_file_.empty()) {
+    found->words.insert(found->words.begin() + static_cast<std::ptrdiff_t>(record.size()), {"-o", file});
+    amend(static_cast<std::size_t>(noted.rend() - found) - 1, *found);
+  } else if (in_file_.empty()) {
+    note_file(path, to_csv(first_->recording));
+  } else if (path_word(in_file_) != file) {
+    NotedCommand copy;
+    copy.words = {"cp", path_word(in_file_), file};
+    note(std::move(copy));
+  }
+  in_file_ = path;
 }
 
 void DatumViewController::export_picture(FigureWriter write) {

@@ -63,11 +63,14 @@ class DatumViewController {
   void show_all();
   void redraw();
   void keep_fresh_draft();
+  void note_saved(const std::string& path);
 
   std::optional<ShownRecord> first_;
   std::optional<ShownRecord> second_;
   std::optional<Draft> draft_;
   bool saved_ = true;
+  bool fresh_ = false;   ///< recorded by a command that was noted without a file
+  std::string in_file_;  ///< where the first record lies; empty: in no file
   double from_s_ = 0.0;
   double to_s_ = 10.0;
   std::optional<double> cursor_s_;

@@ -8,6 +8,7 @@
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/workshop_client.hpp"
+#include "commissioning/session/commands.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {
@@ -35,6 +36,17 @@ bool add_coordinate(Json& request, const std::string& word) {
   return true;
 }
 
+/// A request to the workshop as words of its command.
+std::vector<std::string> drive_words(const Json& request) {
+  const std::string action = request.value("action", "");
+  if (action == "run") return {"run", path_word(request.value("program", ""))};
+  if (action == "mdi") return {"mdi", request.value("block", "")};
+  std::vector<std::string> words{"jog"};
+  for (const auto& [name, option] : {std::pair{"X", "--x"}, {"Y", "--y"}, {"Z", "--z"}, {"feed", "--feed"}})
+    if (request.contains(name)) words.insert(words.end(), {option, shortest(request[name].get<double>())});
+  return words;
+}
+
 std::string place_in(const Json& answer) {
   std::string place;
   if (!answer.contains("position_mm")) return place;
@@ -45,8 +57,18 @@ std::string place_in(const Json& answer) {
 
 }  // namespace
 
-void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed) {
+std::vector<std::string> reference_words(const std::string& workshop, const std::vector<Axis>& axes) {
+  std::vector<std::string> words{"ecs-emulator", "workshop", workshop, "reference"};
+  if (!axes.empty()) words.emplace_back("--axes");
+  for (const Axis a : axes) words.emplace_back(1, letter_of(a));
+  return words;
+}
+
+void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed,
+                       bool beside) {
   if (task.running()) return;
+  NotedCommand command;
+  command.words = reference_words(workshop, axes);
   const auto work = [workshop, axes = std::move(axes)](JobControl& control) -> Result<void> {
     Json request{{"action", "reference"}};
     for (const Axis a : axes) request["axes"].push_back(std::string(1, letter_of(a)));
@@ -54,8 +76,9 @@ void reference_machine(TaskRunner& task, const std::string& workshop, std::vecto
     if (done || control.cancelled) return {};
     return problem(ProblemKind::link, fmt::format("the emulated machine was not referenced: {}", done.error().message));
   };
-  task.start("referencing", work, [&failed](const Result<void>& done) {
-    if (!done) failed.say(done.error());
+  task.start("referencing", work, [&failed, &task, beside, command = std::move(command)](const Result<void>& done) {
+    if (!done) return failed.say(done.error());
+    if (!beside && !task.cancelled()) note(command);
   });
 }
 
@@ -83,17 +106,42 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
     const auto state = WorkshopClient(workshop, control.cancelled).ask({{"action", "state"}});
     return fmt::format("The emulated machine stands at {}.", state ? place_in(*state) : place_in(*done));
   };
-  task.start("the emulated machine moves", work, [&message](const Result<std::string>& done) {
-    if (done)
-      message.say(*done);
+  task.start("the emulated machine moves", work, [&message, &task, workshop, request](const Result<std::string>& done) {
+    if (!done) return message.say(done.error());
+    message.say(*done);
+    if (task.cancelled())
+      note_remark("the emulated machine was driven and stopped on its way");
     else
-      message.say(done.error());
+      note_workshop(workshop, drive_words(Json::parse(request)));
   });
 }
 
 namespace {
 
 using Measured = Result<std::vector<std::string>>;
+constexpr double kSteps = 40.0;
+
+std::string file_of_axis(const EmulatedMeasurement& wanted, Axis axis) {
+  return (std::filesystem::path(wanted.folder) / fmt::format("E{0}{0}.csv", letter_of(axis))).string();
+}
+
+/// What was measured, as the commands that measure it again.
+void note_measured(const std::string& workshop, const EmulatedMeasurement& wanted) {
+  if (!wanted.plan.empty())
+    return static_cast<void>(note_workshop(
+        workshop, {"plan", path_word(wanted.plan), "--phase", wanted.phase, "-o", path_word(wanted.folder)}));
+  const auto read = params::read_machine(wanted.machine);
+  if (!read) return;
+  for (const Axis a : kAllAxes) {
+    const auto& axis = read->machine.axes[index_of(a)];
+    if (!axis) continue;
+    const std::string letter(1, letter_of(a));
+    note_workshop(workshop,
+                  {"measure", "--axis", letter, "--sense", "E" + letter, "--from", shortest(axis->travel_mm[0]), "--to",
+                   shortest(axis->travel_mm[1]), "--step", shortest((axis->travel_mm[1] - axis->travel_mm[0]) / kSteps),
+                   "--moved", "-o", path_word(file_of_axis(wanted, a))});
+  }
+}
 
 Measured measured_by_plan(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
   const Json request{{"action", "plan"}, {"plan", wanted.plan}, {"phase", wanted.phase}, {"folder", wanted.folder}};
@@ -104,7 +152,6 @@ Measured measured_by_plan(const WorkshopClient& workshop, const EmulatedMeasurem
 
 /// Forty steps over the travel of each axis, off equal steps as ISO 230-2 asks.
 Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
-  constexpr double kSteps = 40.0;
   const auto read = params::read_machine(wanted.machine);
   if (!read) return tl::unexpected(read.error());
   std::vector<std::string> files;
@@ -113,7 +160,7 @@ Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasur
     const auto& axis = read->machine.axes[index_of(a)];
     if (!axis) continue;
     const std::string letter(1, letter_of(a));
-    files.push_back((std::filesystem::path(wanted.folder) / fmt::format("E{0}{0}.csv", letter)).string());
+    files.push_back(file_of_axis(wanted, a));
     requests.push_back({{"action", "measure"},
                         {"axis", letter},
                         {"sense", "E" + letter},
@@ -149,7 +196,10 @@ void measure_by_plan(TaskRunner& task, const std::string& workshop, const Emulat
     if (!done && control.cancelled) return problem(ProblemKind::refused, "the measurement was stopped");
     return done;
   };
-  task.start("the emulated laser measures", work, std::move(taken));
+  task.start("the emulated laser measures", work, [workshop, whole, taken = std::move(taken)](const Measured& files) {
+    if (files) note_measured(workshop, whole);
+    taken(files);
+  });
 }
 
 }  // namespace ecs::commissioning

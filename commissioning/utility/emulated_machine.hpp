@@ -16,7 +16,11 @@ namespace ecs::commissioning {
 
 /// Nothing happens while `task` runs. @param workshop  socket of the emulator's workshop
 /// @param axes  one after the other; empty: all  @param failed  to say so when it fails; outlives the task
-void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed);
+/// @param beside  it belongs to a command under way, which names it (reference_words())
+void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed,
+                       bool beside = false);
+/// As a command line.
+[[nodiscard]] std::vector<std::string> reference_words(const std::string& workshop, const std::vector<Axis>& axes);
 
 /// The request for what a person typed: "X-100 Y50 F2000" moves axes to machine coordinates in mm (F in mm/min, none:
 /// rapid), "G01 X-100 F2000" is a block of a part program, the name of a file a whole one. A usage problem otherwise.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/session/event_log.hpp"
 #include "commissioning/unit/transfer.hpp"
 
@@ -65,6 +66,7 @@ OutputController::~OutputController() {
       connection_->snapshot().open &&
       connection_->with_link_to_any_unit(control, [](UnitLink& link) { return link.client().output_off(); })
           .has_value();
+  if (off) note_on_unit(*connection_, {"utility", "output", "--off"});
   if (!off && setting_.relay)
     leave_word(
         fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after "
@@ -232,6 +234,13 @@ void OutputController::take(const Result<Taken>& taken) {
   if (now == setting_ && now.relay) return;  // renewed
   if (setting_.at_rest() && taken->before) rest_mm_ = taken->before->axes[index_of(now.axis)].position_mm;
   setting_ = now;
+  std::vector<std::string> words{"utility", "output"};
+  if (now.at_rest())
+    words.emplace_back("--off");
+  else
+    words.insert(words.end(), {std::string(1, letter_of(now.axis)), shortest(now.um)});
+  if (now.relay) words.insert(words.end(), {"--relay", "--yes"});
+  note_on_unit(*connection_, std::move(words));
   if (now.at_rest())
     message_.say("Every output is 0, every relay is open.");
   else

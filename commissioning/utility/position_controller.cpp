@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "commissioning/link/unit_commands.hpp"
 
 namespace ecs::commissioning {
 
@@ -82,6 +83,8 @@ void PositionController::take(const Result<Change>& change) {
     done_.pop_back();
   else
     done_.push_back(preset);
+  note_on_unit(*connection_,
+               {"utility", "position", std::string(1, letter_of(preset.axis)), shortest(preset.after_mm)});
   message_.say(fmt::format("Axis {} {} {:.4f} mm; it showed {:.4f} mm.{}", letter_of(preset.axis),
                            change->is_undo ? "is back at" : "now shows", preset.after_mm, preset.before_mm,
                            change->is_undo ? "" : " u takes it back."));

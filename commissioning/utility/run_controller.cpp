@@ -6,6 +6,7 @@
 
 #include "base/numbers.hpp"
 #include "base/text.hpp"
+#include "commissioning/link/unit_commands.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -133,6 +134,13 @@ void RunController::take(Result<Ended> ended) {
     say_failed(message_, ended.error(), running_.cancelled());
   else
     ended_ = std::move(*ended);
+  if (ended && ended_->returned) {
+    const UserProgram& program = ended_->program;
+    note_on_unit(*connection_, {"utility", "run", fmt::format("0x{:06X}", program.address), "--argument",
+                                fmt::format("{}", program.argument), "--wait", shortest(program.wait_s), "--yes"});
+  } else if (ended) {
+    note_remark(fmt::format("the program at 0x{:06X} was run and failed", ended_->program.address));
+  }
   if (ended_ && ended_->returned)
     message_.say(fmt::format("The program at 0x{:06X} ended after {:.1f} s.", ended_->program.address, ended_->took_s));
   else if (ended_)

@@ -8,6 +8,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/memory/view.hpp"
 #include "commissioning/unit/utility_work.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
@@ -79,11 +80,10 @@ bool StatusController::integrating() const { return read_ && read_->snapshot.sta
 void StatusController::open(const std::string& path) {
   if (opening_.running()) return;
   const auto work = [path](JobControl&) { return read_status_file(path); };
-  opening_.start("opening", work, [this](Result<StatusFile> opened) {
-    if (opened)
-      file_ = std::move(*opened);
-    else
-      message_.say(opened.error());
+  opening_.start("opening", work, [this, path](Result<StatusFile> opened) {
+    if (!opened) return message_.say(opened.error());
+    file_ = std::move(*opened);
+    opened_ = path;
   });
 }
 
@@ -99,17 +99,22 @@ bool StatusController::may_act() {
   return false;
 }
 
-void StatusController::start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobControl&)> work) {
+void StatusController::start(std::string working_on, std::vector<std::string> words,
+                             std::function<Result<std::string>(UnitLink&, JobControl&)> work) {
   work_.start(
       std::move(working_on),
       [connection = connection_, work = std::move(work)](JobControl& control) {
         return connection->with_link(control, [&](UnitLink& link) { return work(link, control); });
       },
-      [this](const Result<std::string>& done) { say_done(done, work_.cancelled()); });
+      [this, words = std::move(words)](const Result<std::string>& done) {
+        const bool refused = !done && done.error().kind == ProblemKind::refused;  // a memory test that failed
+        if (done || (refused && words.back() == "ramtest")) note_on_unit(*connection_, words, done ? 0 : 1);
+        say_done(done, work_.cancelled());
+      });
 }
 
 void StatusController::test_memory() {
-  start("memory test", [](UnitLink& link, JobControl& control) -> Result<std::string> {
+  start("memory test", {"utility", "ramtest"}, [](UnitLink& link, JobControl& control) -> Result<std::string> {
     const auto result = link.client().run_ram_test(
         [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; });
     if (!result) return tl::unexpected(result.error());
@@ -131,7 +136,7 @@ Question StatusController::clear_question() const {
 }
 
 void StatusController::clear_fault() {
-  start("clearing the fault", [](UnitLink& link, JobControl&) -> Result<std::string> {
+  start("clearing the fault", {"utility", "clear"}, [](UnitLink& link, JobControl&) -> Result<std::string> {
     if (const auto cleared = link.client().clear_fault(); !cleared) return tl::unexpected(cleared.error());
     return std::string("The fault is cleared.");
   });
@@ -158,17 +163,18 @@ Question StatusController::mode_question() const {
 
 void StatusController::change_mode() {
   if (!integrating()) {
-    start("integration mode", [](UnitLink& link, JobControl&) -> Result<std::string> {
+    start("integration mode", {"utility", "mode", "integrate"}, [](UnitLink& link, JobControl&) -> Result<std::string> {
       if (const auto entered = link.client().enter_integration(); !entered) return tl::unexpected(entered.error());
       return std::string("Integration mode: every relay is open.");
     });
     return;
   }
-  start("compensation mode", [](UnitLink& link, JobControl&) -> Result<std::string> {
-    if (const auto begun = begin_compensation(link.client()); !begun) return tl::unexpected(begun.error());
-    return fmt::format("Reference every axis of the machine now{}.",
-                       link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
-  });
+  start("compensation mode", {"utility", "mode", "compensate", "--wait", "0"},
+        [](UnitLink& link, JobControl&) -> Result<std::string> {
+          if (const auto begun = begin_compensation(link.client()); !begun) return tl::unexpected(begun.error());
+          return fmt::format("Reference every axis of the machine now{}.",
+                             link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
+        });
 }
 
 void StatusController::reference() {
@@ -186,7 +192,13 @@ void StatusController::save(const std::string& path) {
     if (const auto written = write_snapshot(path, snapshot); !written) return tl::unexpected(written.error());
     return "written: " + path;
   };
-  writing_.start("writing", work, [this](const Result<std::string>& done) { say_done(done, false); });
+  writing_.start("writing", work, [this, path, of_file = file_.has_value()](const Result<std::string>& done) {
+    if (done && of_file)
+      note_command({"utility", "status", "--from", path_word(opened_), "--save", path_word(path)});
+    else if (done)
+      note_on_unit(*connection_, {"utility", "status", "--save", path_word(path)});
+    say_done(done, false);
+  });
 }
 
 std::string StatusController::proposed_name() { return file_name_now("status", ".json"); }

@@ -64,7 +64,9 @@ class StatusController {
     StatusSnapshot snapshot;
     std::string workshop;
   };
-  void start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobControl&)> work);
+  /// @param words  of the command that does the same
+  void start(std::string working_on, std::vector<std::string> words,
+             std::function<Result<std::string>(UnitLink&, JobControl&)> work);
   void start_reading();
   void take(Result<Read> read);
   void say_done(const Result<std::string>& done, bool given_up);
@@ -81,6 +83,7 @@ class StatusController {
   bool at_once_ = true;  ///< the next reading comes without waiting
   std::string problem_;
   std::optional<StatusFile> file_;
+  std::string opened_;  ///< path of `file_`
   Message message_;
   TaskRunner reference_;
   TaskRunner work_;

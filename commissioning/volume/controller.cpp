@@ -4,6 +4,7 @@
 
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/volume/figures.hpp"
 #include "commissioning/volume/view.hpp"
 
@@ -24,6 +25,7 @@ Result<VolumeView> computed(const VolumeArguments& arguments) {
 void VolumeController::compute(const VolumeArguments& arguments) {
   if (running()) return;
   view_.reset();
+  asked_ = arguments;
   message_.clear();
   task_.start(
       "computing", [arguments](JobControl&) { return computed(arguments); },
@@ -38,7 +40,13 @@ void VolumeController::compute(const VolumeArguments& arguments) {
 bool VolumeController::advance() { return task_.advance(); }
 
 void VolumeController::export_picture(FigureWriter write) {
-  commissioning::export_picture(task_, view_->figure, "volume", std::move(write), message_);
+  const auto drawn = [asked = asked_](const std::string& picture) {
+    std::vector<std::string> words{"volume", path_word(asked.map), "--params", path_word(asked.params)};
+    if (!asked.errors.empty()) words.insert(words.end(), {"--errors", path_word(asked.errors)});
+    words.insert(words.end(), {"-o", picture});
+    note_command(std::move(words));
+  };
+  commissioning::export_picture(task_, view_->figure, "volume", std::move(write), message_, drawn);
 }
 
 }  // namespace ecs::commissioning

@@ -34,6 +34,7 @@ class VolumeController {
 
  private:
   std::optional<VolumeView> view_;
+  VolumeArguments asked_;  ///< files of the last answer
   Message message_;
   TaskRunner task_;
 };

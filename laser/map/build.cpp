@@ -333,7 +333,9 @@ class Builder {
 }  // namespace
 
 Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters, const FileReader& read) {
-  return Builder(recipe, parameters, read).build();
+  auto built = Builder(recipe, parameters, read).build();
+  if (built && !recipe.remark.empty()) built->map.header.processing.push_back("remark: " + recipe.remark);
+  return built;
 }
 
 }  // namespace ecs::laser

@@ -24,15 +24,17 @@ class RecipeReader {
     const auto table = reader_.parsed(text);
     if (!table) return tl::unexpected(table.error());
     MapRecipe recipe;
-    reader_.only(*table,
-                 {"customer", "engineer", "date", "machine", "serial_number", "shrink", "component", "declared_zero"},
-                 "recipe");
+    reader_.only(
+        *table,
+        {"customer", "engineer", "date", "machine", "serial_number", "remark", "shrink", "component", "declared_zero"},
+        "recipe");
     recipe.customer = reader_.word(*table, "customer").value_or("");
     recipe.engineer = reader_.word(*table, "engineer").value_or("");
     recipe.date = reader_.word(*table, "date").value_or("");
     if (const auto wrong = wrong_date(recipe.date)) reader_.complain(*table->get("date"), "date: " + *wrong);
     recipe.machine = reader_.word(*table, "machine").value_or("");
     recipe.serial_number = reader_.word(*table, "serial_number").value_or("");
+    recipe.remark = reader_.word(*table, "remark").value_or("");
     if (const toml::node* shrink = table->get("shrink")) {
       if (!shrink->is_boolean()) reader_.complain(*shrink, "shrink: expected true or false");
       recipe.shrink = shrink->value_or(false);

@@ -44,10 +44,11 @@ struct MapRecipe {
   std::string serial_number;                ///< empty: from the files
   std::vector<ComponentRecipe> components;  ///< curves and squareness values
   std::vector<DeclaredZero> declared_zero;
+  std::string remark{};  ///< kept with the steps of the map
 };
 
 /// Reads a recipe (docs/maps.md):
-///   customer, engineer, date, machine, serial_number, shrink (true or false)
+///   customer, engineer, date, machine, serial_number, remark, shrink (true or false)
 ///   [[component]] code, files (relative to the recipe), slope, smoothing_mm, exclude_runs, increment_mm
 ///   [[declared_zero]] code, reason
 /// Refuses unknown keys, unknown codes, a component named twice or both measured and declared zero.

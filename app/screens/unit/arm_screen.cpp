@@ -5,6 +5,7 @@
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "base/text.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
@@ -74,6 +75,7 @@ class ArmScreen final : public Screen {
       if (!armed) return message_.say(armed.error());
       connection_->know_code(*armed);
       armed_ = true;
+      note_on_unit(*connection_, {"unit", "arm", "--minutes", fmt::format("{}", protocol::kUsualArmed_min)});
       message_.say(fmt::format("The unit takes writes and commands of this host for {} minutes. Enter goes back.",
                                protocol::kUsualArmed_min));
     });

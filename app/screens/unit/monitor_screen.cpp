@@ -14,7 +14,7 @@
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/measurements/environment_watch.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/plot/picture_export.hpp"
@@ -221,6 +221,8 @@ class MonitorScreen final : public Screen {
   std::string surroundings_;
   TaskRunner drawing_;
   std::optional<MonitorRecording> recording_;
+  std::chrono::steady_clock::time_point begun_at_{};  ///< the recording
+  bool recorded_with_thermometer_ = false;
   std::uint64_t received_ = 0;     ///< samples that the connection had when it was looked at last
   mutable PlotPanel strip_panel_;  ///< as drawn last
   mutable std::chrono::steady_clock::time_point strip_at_{};
@@ -232,16 +234,35 @@ class MonitorScreen final : public Screen {
       else if (recording_->samples() == 0)
         message_.say("no sample came: nothing was written", Tone::warning);
       else
-        message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
+        note_recording();
       recording_.reset();
       return;
     }
     auto begun =
         MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
+    begun_at_ = std::chrono::steady_clock::now();
+    recorded_with_thermometer_ = environment_ != nullptr;
     if (begun)
       recording_.emplace(std::move(*begun));
     else
       message_.say(begun.error());
+  }
+
+  /// As many samples in as much time.
+  void note_recording() {
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begun_at_;
+    const std::string interval =
+        fmt::format("{:.0f}", std::max(1.0, took.count() / static_cast<double>(recording_->samples())));
+    std::vector<std::string> words{"monitor",
+                                   "--count",
+                                   fmt::format("{}", recording_->samples()),
+                                   "--interval",
+                                   interval,
+                                   "--record",
+                                   path_word(recording_->name())};
+    if (recorded_with_thermometer_) words.insert(words.end(), {"--environment", "temper"});
+    note_on_unit(*connection_, std::move(words));
+    message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
   }
 
   /// The samples that came since the last look.

@@ -18,6 +18,7 @@
 #include "app/ui/widgets.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
@@ -91,7 +92,12 @@ class LiveScreen final : public Screen {
       const int code = run_program(words, out, messages, options);
       return Answer{owned_lines_of(out.str()), code};
     };
-    task_.start("running", work, [this](Answer answer) { answer_ = std::move(answer); });
+    task_.start("running", work, [this, words](Answer answer) {
+      answer_ = std::move(answer);
+      if (answer_->exit_code > 1) return;
+      note_remark("it asks for what is typed");
+      note_command(words, answer_->exit_code);
+    });
   }
 
   [[nodiscard]] std::string title() const override { return name_; }

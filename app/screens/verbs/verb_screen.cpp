@@ -18,7 +18,7 @@
 #include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/link/unit_commands.hpp"
 #include "commissioning/session/event_log.hpp"
 #include "commissioning/session/task_runner.hpp"
 
@@ -281,7 +281,8 @@ class VerbScreen final : public Screen {
     lines_for_ = -1;
     reading_ = false;
     scroll_ = {};
-    const auto work = [words = words(), connection = uses_line() ? connection_ : nullptr](JobControl&) {
+    words_ = words();
+    const auto work = [words = words_, connection = uses_line() ? connection_ : nullptr](JobControl&) {
       std::optional<UnitConnection::Lent> lent;
       if (connection) lent.emplace(*connection);
       std::ostringstream out, messages;
@@ -297,6 +298,10 @@ class VerbScreen final : public Screen {
   void take(Answer answer) {
     stop_asking();
     answer_ = std::move(answer);
+    if (answer_->exit_code <= 1 && uses_line())
+      note_form(*connection_, words_, answer_->exit_code);
+    else if (answer_->exit_code <= 1)
+      note_command(words_, answer_->exit_code);
     for (const std::string& line : answer_->lines)
       if (answer_->exit_code > 1) log_event(Tone::bad, verb_.name() + ": " + line);
   }
@@ -343,6 +348,7 @@ class VerbScreen final : public Screen {
   std::string hint_;
   bool refused_ = false;  ///< the hint says why
   std::optional<Answer> answer_;
+  std::vector<std::string> words_;  ///< that run, or ran last
   TaskRunner task_;
 };
 

@@ -5,6 +5,7 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
+#include "commissioning/parameters/set.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"
@@ -63,7 +64,8 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
 struct SetArguments : VerbArguments {
   const std::string& file = text("FILE", "parameter file", Need::required);
   const std::vector<std::string>& words =
-      texts("KEY=VALUE", "KEY=VALUE or KEY VALUE, as many as wanted", Need::required);
+      texts("KEY=VALUE", "KEY=VALUE or KEY VALUE, as many as wanted; identity.machine and identity.serial_number too",
+            Need::required);
   const std::string& output = output_file("-o,--output", "write here in place of FILE");
   const bool& accept_incomplete =
       flag("--accept-incomplete",
@@ -93,6 +95,17 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
   return all;
 }
 
+Cell changed_cell(const params::Difference& d) {
+  return record_cell("{key}: {from} -> {to}{unit}\n", {{"key", word_cell(d.key)},
+                                                       {"from", word_cell(d.a)},
+                                                       {"to", word_cell(d.b)},
+                                                       {"unit", shown_cell(d.unit.empty() ? "" : " " + d.unit)}});
+}
+
+void add_identity_change(Cell& changed, const char* key, const std::string& from, const std::string& to) {
+  if (from != to) changed.add(changed_cell({key, "", from, to}));
+}
+
 Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) {
   auto file = arguments.accept_incomplete ? params::read_parameters(arguments.file)
                                           : params::read_whole_parameters(arguments.file);
@@ -101,22 +114,23 @@ Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) 
   const auto assignments = assignments_of(arguments.words);
   if (!assignments) return tl::unexpected(assignments.error());
   const UnitParameters before = file->parameters;
+  const params::Identity owner_before = file->identity;
+  commissioning::ParameterSet values{file->parameters, file->identity};
   std::vector<Problem> problems;
   for (const Assignment& assignment : *assignments)
-    if (auto set = params::set(file->parameters, assignment.key, assignment.value); !set)
+    if (auto set = commissioning::set_value(assignment.key, values, assignment.value); !set)
       problems.push_back(set.error());
+  file->parameters = values.parameters;
+  file->identity = values.identity;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   for (const params::Finding& finding : params::check(file->parameters))
     context.console.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
   const std::string output = arguments.output.empty() ? arguments.file : arguments.output;
   if (auto written = params::write_parameters(output, file->parameters, file->identity); !written)
     return tl::unexpected(written.error());
-  Cell changed = list_cell(params::diff(before, file->parameters), [](const params::Difference& d) {
-    return record_cell("{key}: {from} -> {to}{unit}\n", {{"key", word_cell(d.key)},
-                                                         {"from", word_cell(d.a)},
-                                                         {"to", word_cell(d.b)},
-                                                         {"unit", shown_cell(d.unit.empty() ? "" : " " + d.unit)}});
-  });
+  Cell changed = list_cell(params::diff(before, file->parameters), changed_cell);
+  add_identity_change(changed, "identity.machine", owner_before.machine, file->identity.machine);
+  add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file->identity.serial_number);
   if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
   return outcome_of(record_cell("{changed}written to {file}", {{"file", word_cell(output)}, {"changed", changed}}));
 }

@@ -23,6 +23,18 @@ TEST_CASE("setting the present value is reported as unchanged, and no line ends 
   }
 }
 
+TEST_CASE("set changes whose parameters they are, too") {
+  const Folder folder;
+  const std::string file = folder.with("p.toml", content_of(kUnit));
+  const Ran r = ran({"params", "set", file, "identity.machine=new mill", "identity.serial_number", "M-2", "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["changed"][0]["to"] == "new mill");
+  const auto identity = ran({"params", "show", file, "--json"}).json()["identity"];
+  CHECK(identity["machine"] == "new mill");
+  CHECK(identity["serial_number"] == "M-2");
+  CHECK(ran({"params", "set", file, "identity.machine=" + std::string(100, 'x')}).code == 2);
+}
+
 TEST_CASE("show gives every parameter as a typed value") {
   const auto j = ran({"params", "show", kUnit, "--json"}).json();
   CHECK(j["parameters"]["configuration.chain"] == "TXYZ");

@@ -1,0 +1,159 @@
+#include "commissioning/model_session/commands.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "commissioning/laser_session/choices.hpp"
+#include "commissioning/session/commands.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using Words = ModelCommands::Words;
+
+void add_option(Words& words, const char* name, const std::string& value) {
+  if (!value.empty()) words.insert(words.end(), {name, value});
+}
+
+Words investigation_words(const InvestigationRequest& request, const std::string& file) {
+  Words words{"ecs", "model", "investigate", path_word(request.model), "--machine", path_word(request.machine)};
+  std::error_code error;
+  const bool watches = std::filesystem::is_directory(request.place, error);
+  words.insert(words.end(), {watches ? "--watch" : "--workshop", watches ? path_word(request.place) : request.place,
+                             "--minutes", shortest(request.minutes)});
+  add_option(words, "-o", path_word(file));
+  return words;
+}
+
+}  // namespace
+
+Words ModelCommands::on_data(const std::string& verb) const {
+  Words words{"model", verb, path_word(files_.model)};
+  for (const std::string& file : files_.data) words.push_back(path_word(file));
+  add_option(words, "--machine", path_word(files_.machine));
+  const Words import = import_words(files_.import);
+  words.insert(words.end(), import.begin(), import.end());
+  return words;
+}
+
+Words ModelCommands::add(const std::string& name, const model::AddRequest& request,
+                         const std::string& alternatives) const {
+  Words words{"model", "add", path_word(files_.model), name, "--data"};
+  for (const std::string& file : files_.data) words.push_back(path_word(file));
+  if (request.approach) add_option(words, "--approach", std::string(model::name_of(*request.approach)));
+  add_option(words, "--sensor", request.sensor);
+  add_option(words, "--sensor2", request.sensor2);
+  if (request.sense) add_option(words, "--sense", std::string(name_of(*request.sense)));
+  if (request.code) add_option(words, "--code", std::string(name_of(*request.code)));
+  add_option(words, "--machine", path_word(files_.machine));
+  for (const std::string_view one : split(alternatives, ',')) add_option(words, "--or", std::string(trimmed(one)));
+  for (std::string& word : import_words(files_.import))
+    words.push_back(word == "--sense" ? "--reading-sense" : std::move(word));
+  add_option(words, "-o", path_word(files_.model));
+  return words;
+}
+
+Words ModelCommands::remove(const std::string& name) const {
+  Words words = on_data("remove");
+  words.insert(words.begin() + 2, name);
+  return words;
+}
+
+Words ModelCommands::decide(const std::string& name) const {
+  return {"model", "decide", name, path_word(files_.model)};
+}
+
+Words ModelCommands::fit() const {
+  Words words = on_data("fit");
+  add_option(words, "-o", path_word(files_.model));
+  return words;
+}
+
+Words ModelCommands::undo() const {
+  Words words{"model", "undo", path_word(files_.model)};
+  add_option(words, "--machine", path_word(files_.machine));
+  return words;
+}
+
+void ModelCommands::did(const Words& words) {
+  lost_ = lost_ || words.size() <= added_before().size();
+  steps_.push_back(words);
+}
+
+/// What was done since the file was written is left out; before that it is taken back by a command where one does it.
+void ModelCommands::undid(const Words& words) {
+  if (!steps_.empty() && steps_.back() == words) {
+    steps_.pop_back();
+    return;
+  }
+  lost_ = lost_ || words.size() < 2 || words[1] != "add";
+  steps_.push_back(undo());
+}
+
+void ModelCommands::did_again(const Words& words) {
+  if (!steps_.empty() && steps_.back() == undo())
+    steps_.pop_back();
+  else
+    did(words);
+}
+
+void ModelCommands::begun() const { note_command(on_data("new")); }
+
+void ModelCommands::saved(const std::string& toml) {
+  if (lost_) {
+    note_file(files_.model, toml);
+  } else {
+    for (const Words& words : steps_) note_command(words);
+    note_command(fit());
+  }
+  steps_.clear();
+  lost_ = false;
+}
+
+void ModelCommands::diagnosed(bool changed) const {
+  if (changed) return note_remark("diagnosed here, with changes of the model that are not saved yet");
+  note_command(on_data("diagnose"));
+}
+
+void ModelCommands::looked_after(bool changed, const std::vector<std::string>& measured_again) const {
+  if (changed) return note_remark("what-if asked here, with changes of the model that are not saved yet");
+  Words words = on_data("what-if");
+  if (!measured_again.empty()) words.emplace_back("--after");
+  for (const std::string& file : measured_again) words.push_back(path_word(file));
+  note_command(std::move(words));
+}
+
+void ModelCommands::drawn(bool changed, const std::string& picture) const {
+  if (changed) return note_remark("the picture " + picture + " is of a model with changes that are not saved yet");
+  Words words = on_data("fit");
+  add_option(words, "--plot", path_word(picture));
+  note_command(std::move(words));
+}
+
+void ModelCommands::note_map(const FromModelArguments& arguments, const std::string& params) const {
+  Words words{"map", "build", "--from-model", path_word(arguments.model), "--machine", path_word(arguments.machine)};
+  add_option(words, "--params", params);
+  add_option(words, "--zero-missing", arguments.zero_missing);
+  add_option(words, "-o", path_word(arguments.output));
+  add_option(words, "--params-out", path_word(arguments.params_out));
+  note_command(std::move(words));
+}
+
+void ModelCommands::investigated(const InvestigationRequest& request) {
+  NotedCommand command;
+  command.words = investigation_words(request, {});
+  investigation_ = note(std::move(command));
+}
+
+void ModelCommands::wrote_investigated(const InvestigationRequest& request, const std::string& file) {
+  NotedCommand command;
+  command.words = investigation_words(request, file);
+  if (investigation_)
+    amend(*investigation_, std::move(command));
+  else
+    investigation_ = note(std::move(command));
+}
+
+}  // namespace ecs::commissioning

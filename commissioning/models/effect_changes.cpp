@@ -1,0 +1,40 @@
+#include "commissioning/models/effect_changes.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "commissioning/models/effect_words.hpp"
+
+namespace ecs::commissioning {
+
+Result<std::size_t> effect_in(const model::Model& model, const std::string& name) {
+  std::vector<std::string> names;
+  for (const model::EffectInstance& effect : model.effects) names.push_back(place_text(effect));
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  return problem(ProblemKind::usage,
+                 fmt::format("expected an effect of the model: {}; found \"{}\"", fmt::join(names, ", "), name));
+}
+
+Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data, std::size_t effect,
+                                     double rms_before_um, const std::string& data_name) {
+  if (model.effects.size() == 1) return problem(ProblemKind::refused, "a model keeps at least one effect");
+  WithoutEffect without{model, {}, place_text(model.effects[effect]), rms_before_um};
+  without.model.effects.erase(without.model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  auto fit = model::fit(without.model, data);
+  if (!fit) return tl::unexpected(fit.error());
+  without.fit = std::move(*fit);
+  without.model.history.push_back({"without " + to_text(model.effects[effect]),
+                                   data_name,
+                                   rms_before_um,
+                                   without.fit.rms_um,
+                                   without.fit.peak_um,
+                                   without.fit.noise.noise_um,
+                                   {}});
+  return without;
+}
+
+}  // namespace ecs::commissioning
