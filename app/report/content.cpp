@@ -220,7 +220,8 @@ void judge_map(ReportContent& content) {
   content.map->objections = objections_to_map(content.map->map, parameters);
   const laser::Travels travels = content.machine ? travels_of(*content.machine) : laser::Travels{};
   content.map->remarks = remarks_in(laser::findings_for(content.map->map, parameters, travels));
-  auto predicted = predicted_rows(content.rows, content.map->map, parameters);
+  auto predicted =
+      predicted_rows(content.rows, content.map->map, parameters, content.status ? &content.status->identity : nullptr);
   if (!predicted) {
     content.no_prediction = fmt::format("the map cannot be sent with these parameters ({})", predicted.error().message);
     return;

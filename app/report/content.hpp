@@ -34,8 +34,9 @@ struct ReportedFile {
 
 struct ReportedMap {
   laser::ErrorMap map;
-  std::string sha256;                   ///< of the file
-  std::optional<std::uint32_t> check;   ///< CRC-32 that the unit reports for it; needs parameters
+  std::string sha256;  ///< of the file
+  std::optional<std::uint32_t>
+      check;  ///< CRC-32 that the unit reports for it; needs parameters and the unit's serial number
   std::vector<std::string> objections;  ///< why it cannot be sent with these parameters
   std::vector<std::string> remarks;
 };

@@ -9,6 +9,7 @@
 #include "app/names/commissioning.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "laser/map/error_map.hpp"
+#include "protocol/registers/unit_data.hpp"
 
 namespace ecs::app {
 
@@ -20,13 +21,15 @@ struct PredictedRow {
 };
 
 struct Predicted {
-  std::vector<PredictedRow> rows;  ///< as many as the table has
-  std::uint32_t check = 0;         ///< CRC-32 of the image, which the unit reports as its block check
+  std::vector<PredictedRow> rows;      ///< as many as the table has
+  std::optional<std::uint32_t> check;  ///< CRC-32 of the image as that unit holds it, which it reports as block check;
+                                       ///< absent where neither map nor `unit` says the unit's serial number
 };
 
 /// Every reading taken before plus the compensation at its place and approach; standing axes as if moved forward last.
 /// Refused with the reasons of laser::image_of(), or where the map is not for the parameters.
+/// @param unit  that holds the map; nullptr: not known
 [[nodiscard]] Result<Predicted> predicted_rows(const std::vector<TableRow>& rows, const laser::ErrorMap& map,
-                                               const UnitParameters& parameters);
+                                               const UnitParameters& parameters, const protocol::Identity* unit);
 
 }  // namespace ecs::app

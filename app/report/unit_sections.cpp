@@ -169,7 +169,8 @@ ReportSection map_section(const ReportContent& content) {
   const laser::MapHeader& header = content.map->map.header;
   Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
                           {"block check in the unit (CRC-32, with these parameters)",
-                           content.map->check ? fmt::format("{:08X}", *content.map->check) : ""},
+                           content.map->check ? fmt::format("{:08X}", *content.map->check)
+                                              : "needs the unit's serial number: give its state (--status)"},
                           {"date of the map", header.date},
                           {"configuration", header.configuration},
                           {"squareness", squareness_text(content)}});

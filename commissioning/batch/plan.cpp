@@ -48,6 +48,27 @@ void take_unit(TomlReader& reader, const toml::table& table, const fs::path& fol
   units.push_back(std::move(unit));
 }
 
+/// The second map would replace the first. One link may serve units that are told apart by their serial numbers.
+Result<std::vector<PlannedUnit>> each_once(std::vector<PlannedUnit> units, const std::string& name) {
+  std::vector<Problem> problems;
+  for (std::size_t i = 0; i < units.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (to_text(units[i].link) == to_text(units[k].link) && units[i].serial_number == units[k].serial_number &&
+          !units[i].link.is_emulator()) {
+        problems.push_back({ProblemKind::bad_input,
+                            fmt::format("{} and {} have the same link, {}, and no different serial numbers: each unit "
+                                        "once, or say which is which by `serial_number`",
+                                        units[k].name, units[i].name, to_text(units[i].link)),
+                            name,
+                            0,
+                            0,
+                            {}});
+        break;
+      }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return units;
+}
+
 Problem in_line_order(Problem all) {
   std::vector<Problem> problems = std::move(all.also);
   all.also.clear();
@@ -70,7 +91,7 @@ Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const s
   for (const toml::table* unit : reader.children(*table, "unit")) take_unit(reader, *unit, folder, units);
   if (units.empty() && reader.clean()) reader.complain(1, "expected at least one [[unit]]");
   if (!reader.clean()) return tl::unexpected(in_line_order(reader.all()));
-  return units;
+  return each_once(std::move(units), name);
 }
 
 Result<std::vector<PlannedUnit>> batch_plan_of(const Manifest& manifest) {
@@ -97,7 +118,7 @@ Result<std::vector<PlannedUnit>> batch_plan_of(const Manifest& manifest) {
                      manifest.from_folder(row->cells[4])});
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  return units;
+  return each_once(std::move(units), manifest.name());
 }
 
 Result<std::vector<PlannedUnit>> read_batch_plan(const fs::path& path) {

@@ -4,6 +4,7 @@
 
 #include "commissioning/link/emulator_process.hpp"
 #include "core/memory_image.hpp"
+#include "laser/measured_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -26,10 +27,9 @@ std::string mismatch_of(const params::ParametersFile& file, const std::vector<La
     if (!p.axis_present[index_of(line.group.axis)])
       return fmt::format("{} was measured, but the parameters ({}) have no axis {}.", name_of(line.component),
                          configuration_of(p), letter_of(line.group.axis));
-    const std::string machine = laser::metadata_value(*line.set, "machine").value_or("");
-    if (!machine.empty() && !file.identity.machine.empty() && machine != file.identity.machine)
-      return fmt::format("{} was measured on \"{}\", the parameters are of \"{}\".", name_of(line.component), machine,
-                         file.identity.machine);
+    const laser::MeasuredMachine at_hand{file.identity.machine, file.identity.serial_number};
+    if (const auto other = other_machine(measured_machine(line.set->metadata), at_hand, "the parameters are of"))
+      return fmt::format("{} was {}.", name_of(line.component), *other);
   }
   return {};
 }

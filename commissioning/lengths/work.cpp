@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
+#include "laser/measured_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -20,10 +21,20 @@ double sign_of(Component c, Convention convention) {
   return turned ? -1.0 : 1.0;
 }
 
-Result<void> same_machine(const UnitParameters& parameters, const params::Machine& machine, const std::string& file) {
+Result<void> measured_there(const model::LengthTest& test, const params::Machine& machine, const std::string& file) {
+  const auto other = laser::other_machine({test.machine, ""}, {machine.name, ""}, "the machine file is of");
+  if (!other) return {};
+  return tl::unexpected(Problem{ProblemKind::refused, *other, file, 0, 0, {}});
+}
+
+Result<void> same_machine(const params::ParametersFile& unit, const params::Machine& machine, const std::string& file) {
+  const UnitParameters& parameters = unit.parameters;
   const auto refuse = [&](std::string message) {
     return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file, 0, 0, {}});
   };
+  if (!unit.identity.machine.empty() && !machine.name.empty() && unit.identity.machine != machine.name)
+    return refuse(fmt::format("expected the parameters of the machine \"{}\", found those of \"{}\"", machine.name,
+                              unit.identity.machine));
   if (configuration_of(parameters) != machine.configuration)
     return refuse(fmt::format("expected the parameters of a machine {}, found {}", machine.configuration,
                               configuration_of(parameters)));
@@ -115,11 +126,13 @@ Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
   if (!test) return tl::unexpected(test.error());
   const auto machine = params::read_machine(arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
+  if (const auto there = measured_there(*test, machine->machine, arguments.file); !there)
+    return tl::unexpected(there.error());
   work.machine_name = machine->machine.name;
   if (!arguments.params.empty()) {
     auto unit = params::read_whole_parameters(arguments.params);
     if (!unit) return tl::unexpected(unit.error());
-    if (const auto same = same_machine(unit->parameters, machine->machine, arguments.params); !same)
+    if (const auto same = same_machine(*unit, machine->machine, arguments.params); !same)
       return tl::unexpected(same.error());
     work.unit = std::move(*unit);
   }

@@ -50,7 +50,10 @@ std::string completeness(const std::vector<laser::MapFinding>& findings) {
   return findings.empty() ? "complete" : "complete, " + remarks_counted(findings.size());
 }
 
-std::string verdict_text(const std::vector<laser::MapFinding>& findings) {
+std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines) {
+  if (of_two_machines)
+    return fmt::format("the map is {}, but `ecs map send` refuses it: map and parameters are of two machines\n",
+                       completeness(findings));
   if (findings.empty()) return "nothing is missing: the map can be sent\n";
   if (remarks_in(findings).size() < findings.size())
     return "the map is not complete: `ecs map send` will refuse it until this is mended\n";

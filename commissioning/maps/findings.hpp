@@ -32,6 +32,7 @@ namespace ecs::commissioning {
 [[nodiscard]] std::string completeness(const std::vector<laser::MapFinding>& findings);
 
 /// What a verb says below the findings of a map that it built.
-[[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings);
+/// @param of_two_machines  map and parameters name different ones
+[[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines = false);
 
 }  // namespace ecs::commissioning

@@ -222,6 +222,17 @@ void find_unmeasured_directions(MapFromModel& built, const Model& model, const p
 Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
+  if (model->compensated_readings > 0)
+    return tl::unexpected(
+        Problem{ProblemKind::refused,
+                fmt::format("the model was fitted to readings of which {} were taken with compensation active "
+                            "(compensated = 1): it holds what the active map leaves, and a map made from it would "
+                            "replace that map; measure in integration mode and fit the model to those readings",
+                            model->compensated_readings),
+                arguments.model,
+                0,
+                0,
+                {}});
   const auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   MapFromModel built;

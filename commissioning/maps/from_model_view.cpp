@@ -8,6 +8,7 @@
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/maps/view.hpp"
+#include "commissioning/unit/map_checks.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -67,7 +68,8 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
        {"declared", shown_cell(declared_text(b))},
        {"missing", lines_cell(objections_in(b.findings), "")},
        {"findings", findings_cell(b.findings)},
-       {"verdict", shown_cell(verdict_text(b.findings))},
+       {"verdict",
+        shown_cell(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty()))},
        {"notes", paragraphs_cell(b.notes, "note: ")},
        {"header", header_cell(b.compiled.map.header)}});
 }

@@ -184,6 +184,7 @@ std::string_view option_that_helps(const Problem& wrong) {
   if (says("give --channels")) return "";
   if (wrong.message.starts_with("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
+  if (says("across the axis")) return " (--axis X, --sense EY)";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";
   return " (--axis X, --sense EX)";

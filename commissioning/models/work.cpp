@@ -1,5 +1,6 @@
 #include "commissioning/models/work.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -8,6 +9,7 @@
 
 #include "base/file.hpp"
 #include "base/file_watch.hpp"
+#include "laser/measured_machine.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
@@ -93,6 +95,10 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   auto set = measured_in(messages, arguments.data, arguments.import);
   if (!set) return tl::unexpected(set.error());
   if (auto other = of_other_axes(*model, *set, arguments.model)) return tl::unexpected(std::move(*other));
+  if (*machine)
+    if (const auto other =
+            other_machine(measured_machine(set->metadata), {(*machine)->name, ""}, "the machine file is of"))
+      messages.warn(fmt::format("{}: {}", fmt::join(arguments.data, " "), *other));
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
@@ -124,6 +130,7 @@ Problem in_file(Problem why, const std::string& file) {
 model::Model model_to_keep(const model::Model& model, const model::Fit& fit, const model::Observations& data,
                            const std::string& data_name) {
   model::Model kept = with_values(model, fit);
+  kept.compensated_readings = static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
   if (!kept.history.empty()) return kept;
   double square = 0.0;
   for (const double reading : data.reading) square += reading * reading;

@@ -16,6 +16,7 @@
 #include "commissioning/volume/rotary_work.hpp"
 #include "commissioning/volume/true_errors.hpp"
 #include "laser/map/csv.hpp"
+#include "laser/measured_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -202,6 +203,15 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   exported.map = arguments.map;
   exported.params = arguments.params;
   exported.other_machine = arguments.other_machine;
+  if (!arguments.machine.empty() && *machine && !arguments.other_machine)
+    if (const auto other =
+            laser::other_machine({map->header.machine, ""}, {(*machine)->name, ""}, "the machine file is of"))
+      return tl::unexpected(Problem{ProblemKind::refused,
+                                    fmt::format("{}: give the right one, or --other-machine", *other),
+                                    arguments.map,
+                                    0,
+                                    0,
+                                    {}});
   auto source = export_work(messages, exported, {std::move(*map), {}, arguments.map});
   if (!source) return tl::unexpected(source.error());
   const UnitParameters& parameters = source->source.parameters;

@@ -61,6 +61,14 @@ std::optional<Span> covered_along(const ErrorMap& map, const ComponentSet& neede
 void warn_of_travel(Component c, const Pair& pair, const Span& travel, bool of_machine,
                     std::vector<MapFinding>& findings) {
   const Span span = pair.span();
+  const double beyond_mm = std::max(travel.first_mm - span.first_mm, span.last_mm - travel.last_mm);
+  if (of_machine && beyond_mm > kUsualMargin * travel.length_mm()) {
+    findings.push_back({false, fmt::format("{} was measured from {:.6g} to {:.6g} mm, but {} travels from {:.6g} to "
+                                           "{:.6g} mm: are file and machine of the same machine?",
+                                           name_of(c), span.first_mm, span.last_mm, letter_of(moving_axis(c)),
+                                           travel.first_mm, travel.last_mm)});
+    return;
+  }
   const double margin_mm = std::max(pair.spacing(), kUsualMargin * travel.length_mm()) * (1.0 + 1e-9);
   if (span.first_mm - travel.first_mm <= margin_mm && travel.last_mm - span.last_mm <= margin_mm) return;
   const double covered_mm =

@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "laser/groups.hpp"
+#include "laser/measured_machine.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -84,9 +85,8 @@ Result<Selection> without_runs(const MeasurementSet& set, const std::vector<int>
   return selection;
 }
 
-void remember(std::map<std::string, std::string>& seen, const std::optional<std::string>& value,
-              const std::filesystem::path& path) {
-  if (value && !value->empty()) seen.emplace(*value, path.filename().string());
+void remember(std::map<std::string, std::string>& seen, const std::string& value, const std::filesystem::path& path) {
+  if (!value.empty()) seen.emplace(value, path.filename().string());
 }
 
 }  // namespace
@@ -102,8 +102,9 @@ Result<const MeasuredFiles::Loaded*> MeasuredFiles::load(const std::filesystem::
   auto imported = read_(path);
   if (!imported) return tl::unexpected(imported.error());
   Loaded loaded{std::move(imported->set), sha256_hex(*bytes)};
-  remember(machines_, metadata_value(loaded.set, "machine"), path);
-  remember(serial_numbers_, metadata_value(loaded.set, "serial_number"), path);
+  const MeasuredMachine machine = measured_machine(loaded.set.metadata);
+  remember(machines_, machine.name, path);
+  remember(serial_numbers_, machine.serial_number, path);
   return &files_.emplace(path, std::move(loaded)).first->second;
 }
 

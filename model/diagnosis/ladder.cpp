@@ -155,7 +155,14 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   if (!after) return tl::unexpected(after.error());
   const Fit fit = reported(after->assembly, regressors, after->core);
   added.model = with_values(added.model, fit);
+  added.model.compensated_readings =
+      static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
   hold_nonlinear(added.model.effects.back(), fit.effects.back());
+  if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0)
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: no reading of these data depends on it (which axes, senses and columns they have "
+                               "says `ecs laser show`)",
+                               to_text(*effect)));
   added.effect = fit.effects.back();
   added.rms_before_um = rms_of(before->core.residual);
   added.rms_after_um = fit.rms_um;

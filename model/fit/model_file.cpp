@@ -19,7 +19,8 @@
 namespace ecs::model {
 namespace {
 
-const std::vector<std::string> kModelKeys{"name", "effect", "candidate", "map", "known", "history"};
+const std::vector<std::string> kModelKeys{"name",  "effect",  "candidate",           "map",
+                                          "known", "history", "compensated_readings"};
 const std::vector<std::string> kEffectKeys{"id",     "axis",    "sense",       "approach", "code",
                                            "sensor", "sensor2", "name",        "formula",  "parameters",
                                            "fitted", "curve",   "undetermined"};
@@ -391,6 +392,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
   take_map(reader, *root, folder, model);
   take_known(reader, *root, model);
   take_history(reader, *root, model);
+  model.compensated_readings = static_cast<int>(reader.number(*root, "compensated_readings").value_or(0.0));
   if (!reader.clean()) return tl::unexpected(reader.all());
   take_alternatives(text, model);
   return model;

@@ -36,6 +36,7 @@ struct Model {
   std::optional<laser::ErrorMap> map;  ///< read from it
   std::vector<KnownComponent> known;
   std::vector<LadderStep> history;
+  int compensated_readings = 0;        ///< of the last fit: taken with an error map active; what it left, no map's
   std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
 };
 

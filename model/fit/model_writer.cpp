@@ -92,6 +92,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
 
 std::string to_toml(const Model& model) {
   std::string text;
+  if (model.compensated_readings > 0) text += fmt::format("compensated_readings = {}\n", model.compensated_readings);
   if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", toml_text(model.map_file));
   for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");
   for (const EffectInstance& effect : model.candidates) text += effect_text(effect, "candidate");

@@ -188,7 +188,7 @@ Cell built_cell(const Built& b, const BuildArguments& arguments) {
        {"squareness", squareness_of(b, arguments)},
        {"missing", lines_cell(objections_in(b.findings), "")},
        {"findings", findings_cell(b.findings)},
-       {"verdict", shown_cell(verdict_text(b.findings))},
+       {"verdict", shown_cell(verdict_text(b.findings, !made_for_two_machines(b.map.map.header, b.identity).empty()))},
        {"unused", lines_cell(b.recipe.unused, "not used: ")},
        {"notes", lines_cell(b.map.notes, "note: ")},
        {"header", header_cell(b.map.map.header)}});

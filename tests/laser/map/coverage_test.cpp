@@ -60,6 +60,14 @@ TEST_CASE("an approach of two points is reported, three points are enough") {
   CHECK(remarks(map_of({exx(Approach::unknown, -100, 0, 50)})).empty());
 }
 
+TEST_CASE("a table that reaches beyond the travel is reported, for file and machine may be of two machines") {
+  const Travels bench{std::array<double, 2>{-20.0, 20.0}, std::nullopt, std::nullopt};
+  const auto found = remarks(map_of({exx(Approach::unknown, 0.0, 200.0, 100.0)}), bench);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].find("was measured from 0 to 200 mm, but X travels from -20 to 20 mm") != std::string::npos);
+  CHECK(remarks(map_of({exx(Approach::unknown, -21.0, 21.0, 3.0)}), bench).empty());  // optics run a little over
+}
+
 TEST_CASE("a table that covers part of its axis's travel is reported with the part covered") {
   const auto found = remarks(map_of({exx(Approach::unknown, -200, 0, 50)}), kTravel);
   REQUIRE(found.size() == 1);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/text.hpp"
 #include "core/terms.hpp"
 #include "laser/map/csv.hpp"
 #include "model/fit/compare.hpp"
@@ -35,6 +36,31 @@ TEST_CASE("a fitted model becomes a map whose header says where each table comes
   const auto row = text.find("X,EX,0,100,");
   REQUIRE(row != std::string::npos);
   CHECK(std::stod(text.substr(row + 11)) == Approx(-cyclic_x(100.0, 1, 1)).epsilon(0.1));
+}
+
+TEST_CASE("a model of readings taken with compensation active makes no map") {
+  const ModelWorkspace workspace;
+  std::string readings = content_of(workspace.data);
+  const auto head = readings.find("axis,");
+  REQUIRE(head != std::string::npos);
+  std::string compensated = readings.substr(0, head);
+  bool first = true;
+  for (const std::string_view line : lines_of(std::string_view(readings).substr(head))) {
+    if (!line.empty()) compensated += std::string(line) + (first ? ",compensated\n" : ",1\n");
+    first = false;
+  }
+  const std::string after = workspace.folder.with("after.csv", compensated);
+  const std::string fitted = workspace.folder / "fitted.toml", map = workspace.folder / "map.csv";
+  REQUIRE(ran({"model", "fit", workspace.model, after, "--machine", workspace.machine, "-o", fitted}).code == 0);
+  const Ran r = ran({"map", "build", "--from-model", fitted, "--machine", workspace.machine, "-o", map});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("were taken with compensation active") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(map));
+  SUBCASE("until it is fitted to readings without") {
+    REQUIRE(
+        ran({"model", "fit", fitted, workspace.data, "--machine", workspace.machine, "-o", fitted, "--force"}).code == 0);
+    CHECK(ran({"map", "build", "--from-model", fitted, "--machine", workspace.machine, "-o", map}).code == 0);
+  }
 }
 
 TEST_CASE("effects that were fitted when another was added come from the data of that step") {

@@ -1,0 +1,31 @@
+#include "laser/measured_machine.hpp"
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::laser {
+
+MeasuredMachine measured_machine(const std::vector<MetadataEntry>& metadata) {
+  MeasuredMachine machine;
+  for (const MetadataEntry& entry : metadata) {
+    const std::string key = lower(entry.key);
+    if (key == "machine" && machine.name.empty()) machine.name = entry.value;
+    if ((key == "serial_number" || key == "serial no") && machine.serial_number.empty())
+      machine.serial_number = entry.value;
+  }
+  return machine;
+}
+
+std::optional<std::string> other_machine(const MeasuredMachine& measured, const MeasuredMachine& at_hand,
+                                         std::string_view whose) {
+  if (!measured.name.empty() && !at_hand.name.empty() && measured.name != at_hand.name)
+    return fmt::format("measured on \"{}\", {} \"{}\"", measured.name, whose, at_hand.name);
+  if (!measured.serial_number.empty() && !at_hand.serial_number.empty() &&
+      measured.serial_number != at_hand.serial_number)
+    return fmt::format("measured on serial number {}, {} serial number {}", measured.serial_number, whose,
+                       at_hand.serial_number);
+  return std::nullopt;
+}
+
+}  // namespace ecs::laser
