@@ -239,7 +239,7 @@ Result<ReportedVolume> reported_volume(PreparedVolume prepared) {
   const volume::UncertaintySettings settings;
   const auto uncertainty = uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places);
   if (!uncertainty) return tl::unexpected(uncertainty.error());
-  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty};
+  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty, {}};
 }
 
 void predict_volume(ReportContent& content) {
@@ -247,10 +247,13 @@ void predict_volume(ReportContent& content) {
   if (content.predicted.empty() || !content.map || !content.parameters) return;
   auto volume = reported_volume(prepared_volume(content.map->map, content.parameters->file.parameters, content.machine,
                                                 content.model ? &content.model->fitted : nullptr));
-  if (volume)
+  if (volume) {
+    for (const laser::DeclaredZero& zero : content.map->map.header.declared_zero)
+      volume->declared_zero.push_back(zero.component);
     content.volume = std::move(*volume);
-  else
+  } else {
     content.no_volume = fmt::format("it cannot be predicted ({})", volume.error().message);
+  }
 }
 
 // --- header

@@ -62,6 +62,7 @@ struct ReportedVolume {
   PreparedVolume prepared;
   volume::VolumeAnswer answer;
   volume::VolumeUncertainty uncertainty;
+  std::vector<Component> declared_zero;  ///< not measured: each as uncertain as UncertaintySettings says
   [[nodiscard]] bool from_map() const { return prepared.errors_from == "the map"; }
 };
 

@@ -1,5 +1,6 @@
 // Predicted over the volume, beside what was achieved on the lines that were measured.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/report/sections.hpp"
 
@@ -71,11 +72,18 @@ std::string volume_sentence(const ReportedVolume& volume) {
       volume.prepared.errors_from, size(volume.answer.before.all.largest_um), size(volume.answer.before.all.rms_um));
   const std::string after =
       fmt::format("{} (rms {})", size(volume.answer.after.all.largest_um), size(volume.answer.after.all.rms_um));
-  if (volume.from_map())
+  if (volume.from_map()) {
+    std::vector<std::string_view> unmeasured;
+    for (const Component component : volume.declared_zero) unmeasured.push_back(name_of(component));
     return fmt::format(
         "{}. The unit puts out all that the map holds but {}: that is interpolation. What stays after compensation is "
-        "what the map does not hold: with the uncertainty of the map at most {} anywhere (95 %).",
-        before, after, size(volume.uncertainty.largest_95_um));
+        "what the map does not hold: with the uncertainty of the map at most {} anywhere (95 %).{}",
+        before, after, size(volume.uncertainty.largest_95_um),
+        unmeasured.empty() ? ""
+                           : fmt::format(" This assumes that what was not measured but declared zero ({}) is zero "
+                                         "within a standard uncertainty of {:g} µm or µm/m each.",
+                                         fmt::join(unmeasured, ", "), volume::UncertaintySettings{}.declared_zero));
+  }
   return fmt::format("{} and {} after.", before, after);
 }
 

@@ -103,6 +103,8 @@ void note_missing(VolumeWork& work) {
                                       [&](const laser::DeclaredZero& z) { return z.component == u.component; });
     (declared ? zero : missing).emplace_back(name_of(u.component));
   }
+  for (const laser::DeclaredZero& z : map.header.declared_zero)
+    if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
   if (!missing.empty())
     work.notes.push_back(
         fmt::format("{} {} neither in the map nor declared zero: taken as zero, the volume is "
