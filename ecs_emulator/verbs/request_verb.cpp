@@ -190,6 +190,7 @@ void add_lengths_options(RequestVerb verb) {
   verb.number("--station", "station", "of each coordinate of a station, standard deviation [mm], 0.2");
   verb.number("--tool", "tool", "of each coordinate of a tool, standard deviation [mm], 0.05");
   verb.number("--zero", "zero", "of each run, standard deviation [um], 100");
+  verb.number("--bar", "bar", "of a ball bar's length where the plan says bar_um, standard deviation [um], 1");
   verb.flag("--no-scatter", "no_scatter", "without what does not repeat of the machine");
   verb.path("-o,--output", "output", "the plan with its readings (.csv)");
   verb.force();

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <tuple>
 #include <vector>
@@ -19,6 +20,7 @@ namespace {
 /// What stands in the workshop: where it really is.
 struct TrueSetUp {
   bool along_line = false;
+  bool ball_bar = false;
   Vector3 nominal{};  ///< direction, or station [mm]
   Vector3 actual{};
   double scale_um_per_m = 0.0;
@@ -72,6 +74,7 @@ class LengthPlanReader {
   double drawn(double deviation) { return deviation > 0.0 ? deviation * simulation_.random().normal() : 0.0; }
 
   void take_head(const laser::MetadataEntry& entry) {
+    if (entry.key == "bar_um") bar_um_ = drawn(settings_.bar_um);
     if (entry.key != "tool" && entry.key != "set_up") return;
     std::istringstream words(entry.value);
     std::string name, kind;
@@ -96,7 +99,7 @@ class LengthPlanReader {
                                 laser::in_quotes(kind)));
       return;
     }
-    TrueSetUp set_up{kind == "interferometer", v, v, drawn(settings_.scale_um_per_m), false, {}};
+    TrueSetUp set_up{kind == "interferometer", kind == "ball_bar", v, v, drawn(settings_.scale_um_per_m), false, {}};
     if (set_up.along_line) {
       const double length = size_of(v);
       for (std::size_t a = 0; a < kAxes; ++a) set_up.nominal[a] = set_up.actual[a] = length > 0.0 ? v[a] / length : 0.0;
@@ -163,17 +166,19 @@ class LengthPlanReader {
       length_mm = size_of(minus(nominal_mm, set_up.nominal));
       deviation_um = (size_of(minus(is_mm, set_up.actual)) - length_mm) * kUmPerMm;
     }
-    const auto zero = zeros_.find({set_up_name, run, tool_name});
-    const double zero_um =
-        zero != zeros_.end()
-            ? zero->second
-            : zeros_.emplace(std::tuple(set_up_name, run, tool_name), drawn(settings_.zero_um)).first->second;
+    const double zero_um = set_up.ball_bar && bar_um_ ? *bar_um_ : zero_of({set_up_name, run, tool_name});
     return deviation_um + zero_um + set_up.scale_um_per_m * length_mm / kMmPerM + drawn(settings_.noise_um);
+  }
+
+  double zero_of(const std::tuple<std::string, std::string, std::string>& run) {
+    const auto zero = zeros_.find(run);
+    return zero != zeros_.end() ? zero->second : zeros_.emplace(run, drawn(settings_.zero_um)).first->second;
   }
 
   Simulation& simulation_;
   const LengthInstrumentSettings& settings_;
   laser::Findings findings_;
+  std::optional<double> bar_um_;  ///< how much longer the ball bar is than it says
   std::map<std::string, TrueTool> tools_;
   std::map<std::string, TrueSetUp> set_ups_;
   std::map<std::tuple<std::string, std::string, std::string>, double> zeros_;

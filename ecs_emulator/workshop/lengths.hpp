@@ -19,6 +19,7 @@ struct LengthInstrumentSettings {
   double station_mm = 0.2;      ///< of each coordinate of a station, from what the plan says
   double tool_mm = 0.05;        ///< of each coordinate of a tool, from what the plan says
   double zero_um = 100.0;       ///< of each run
+  double bar_um = 1.0;          ///< of a ball bar's length, in place of the zeros, where the plan says `bar_um`
   bool scatter = true;          ///< of the machine
 };
 

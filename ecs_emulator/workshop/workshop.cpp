@@ -211,10 +211,11 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
   settings.station_mm = arguments.number_or("station", settings.station_mm);
   settings.tool_mm = arguments.number_or("tool", settings.tool_mm);
   settings.zero_um = arguments.number_or("zero", settings.zero_um);
+  settings.bar_um = arguments.number_or("bar", settings.bar_um);
   settings.scatter = !arguments.flag("no_scatter");
-  for (const double deviation :
-       {settings.noise_um, settings.scale_um_per_m, settings.station_mm, settings.tool_mm, settings.zero_um})
-    if (!(deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero: expected 0 or more");
+  for (const double deviation : {settings.noise_um, settings.scale_um_per_m, settings.station_mm, settings.tool_mm,
+                                 settings.zero_um, settings.bar_um})
+    if (!(deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero, bar: expected 0 or more");
   if (workshop.unit != nullptr)
     arguments.complain("lengths: expected a machine without a unit; use `ecs-emulator lengths`");
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
