@@ -120,8 +120,8 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
-      "  single reading {residual_um} um (by itself {white_um}, parked axis {stop_um}, pass {pass_um}; "
-      "repeats {repeat_um})\n"
+      "  single reading {residual_um} um (by itself {white_um}, a stop {stop_um} um and {stop_um_per_m} um/m, a pass "
+      "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, k = 2)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       {{"file", word_cell(work.test.source)},
@@ -140,7 +140,9 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
        {"residual_um", number_cell(found.residual_um, 3)},
        {"white_um", number_cell(found.white_um, 3)},
        {"stop_um", number_cell(found.stop_um, 3)},
+       {"stop_um_per_m", number_cell(found.stop_um_per_m, 3)},
        {"pass_um", number_cell(found.pass_um, 3)},
+       {"pass_um_per_m", number_cell(found.pass_um_per_m, 3)},
        {"repeat_um", number_cell(found.repeat_um, 3)},
        {"volume_U_um", number_cell(volume, 3)},
        {"set_ups", list_cell(found.set_ups, set_up_cell)},

@@ -64,8 +64,10 @@ struct Identification {
   int degrees_of_freedom = 0;
   double residual_um = 0.0;         ///< standard deviation of a single reading: instrument and what does not repeat
   double white_um = 0.0;            ///< of it, of each reading by itself
-  double stop_um = 0.0;             ///< of it, kept by a parked axis; of each axis along each direction
-  double pass_um = 0.0;             ///< of it, common to a pass of an axis
+  double stop_um = 0.0;             ///< of it, of a stop, kept while the axis is parked: of each translation
+  double stop_um_per_m = 0.0;       ///< the same of each angle
+  double pass_um = 0.0;             ///< of it, common to a pass of an axis: of each translation
+  double pass_um_per_m = 0.0;       ///< the same of each angle
   std::optional<double> repeat_um;  ///< of a single reading, from poses measured again in other runs
   std::optional<double> volume_um;  ///< √(mean squared standard uncertainty) over the volume (k = 1), first tool
   PerAxis<double> knots_mm{};       ///< that were used

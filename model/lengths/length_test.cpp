@@ -20,6 +20,7 @@ constexpr std::string_view kDeviation = "deviation_um";
 /// Across the line of an interferometer, over its length: 1 mm a metre costs 0.5 um/m of cosine error.
 constexpr double kOffLine_mm = 0.01, kOffLine_per_mm = 1e-3;
 constexpr double kNearest_mm = 10.0;
+constexpr double kFarthest_mm = 1e6;  ///< no machine, tool or station is a kilometre away
 /// A deviation beyond this is a length, not a deviation.
 constexpr double kLargestDeviation_um = 1e5;
 
@@ -43,7 +44,7 @@ std::optional<Vector3> vector_in(const std::vector<std::string>& words, std::siz
   if (words.size() != first + kAxes) return std::nullopt;
   for (std::size_t a = 0; a < kAxes; ++a) {
     const auto number = number_in(words[first + a]);
-    if (!number) return std::nullopt;
+    if (!number || std::abs(*number) > kFarthest_mm) return std::nullopt;
     out[a] = *number;
   }
   return out;
@@ -72,6 +73,16 @@ class LengthReader {
     if (entry.key == "machine") test_.machine = entry.value;
     if (entry.key == "configuration") test_.configuration = entry.value;
     if (entry.key == "minutes") test_.minutes = number_in(entry.value);
+    if (entry.key == "bar_um") {
+      test_.bar_um = number_in(entry.value);
+      if (!test_.bar_um || !(*test_.bar_um > 0.0)) {
+        test_.bar_um.reset();
+        findings_.add(
+            0, 0,
+            fmt::format("bar_um: expected the standard uncertainty of the ball bar's length, above 0, found {}",
+                        laser::in_quotes(entry.value)));
+      }
+    }
     if (entry.key == "knots_mm") {
       const auto knots = vector_in(words, 0);
       if (!knots || std::any_of(knots->begin(), knots->end(), [](double mm) { return !(mm > 0.0); }))
@@ -84,9 +95,12 @@ class LengthReader {
     if (entry.key == "set_up") take_set_up(words, entry.value);
   }
 
+  /// Names stand in cells as they are.
+  static bool is_name(const std::string& word) { return word.find_first_of(",;\"\t") == std::string::npos; }
+
   void take_tool(const std::vector<std::string>& words, const std::string& value) {
     const auto offset = vector_in(words, 1);
-    if (!offset)
+    if (!offset || !is_name(words[0]))
       findings_.add(0, 0, fmt::format("tool: expected NAME X Y Z in mm, found {}", laser::in_quotes(value)));
     else if (find(test_.tools, words[0]))
       findings_.add(0, 0, fmt::format("tool: {} is described twice", words[0]));
@@ -98,7 +112,7 @@ class LengthReader {
     const auto place = vector_in(words, 2);
     const auto kind = std::find_if(kInstrumentWords.begin(), kInstrumentWords.end(),
                                    [&](const auto& one) { return words.size() > 1 && one.word == words[1]; });
-    if (!place || kind == kInstrumentWords.end()) {
+    if (!place || kind == kInstrumentWords.end() || !is_name(words[0])) {
       findings_.add(0, 0,
                     fmt::format("set_up: expected NAME, one of interferometer, tracker, ball_bar, and three numbers "
                                 "(direction, or station in mm), found {}",
@@ -154,7 +168,12 @@ class LengthReader {
     const auto set_up = named(row, "set_up", test_.set_ups);
     const auto tool = named(row, "tool", test_.tools);
     const auto run = number(row, "run");
-    bool whole = set_up && tool && run;
+    constexpr double kMostRuns = 1e6;
+    const bool counted = run && *run == std::floor(*run) && *run >= 1.0 && *run <= kMostRuns;
+    if (run && !counted)
+      findings_.add(row.line, row.fields[*place_of(table_, "run")].column,
+                    fmt::format("run: expected a whole number from 1, found {:g}", *run));
+    bool whole = set_up && tool && counted;
     constexpr std::array<std::string_view, kAxes> kPlaces{"x_mm", "y_mm", "z_mm"};
     constexpr std::array<std::string_view, kAxes> kApproaches{"approach_x", "approach_y", "approach_z"};
     for (std::size_t a = 0; a < kAxes; ++a) {
@@ -163,6 +182,9 @@ class LengthReader {
         findings_.add(
             row.line, row.fields[*place_of(table_, kApproaches[a])].column,
             fmt::format("{}: expected 1 or -1, the direction of the last motion, found {:g}", kApproaches[a], *side));
+      if (mm && std::abs(*mm) > kFarthest_mm)
+        findings_.add(row.line, row.fields[*place_of(table_, kPlaces[a])].column,
+                      fmt::format("{}: expected a place in mm, found {:g}", kPlaces[a], *mm));
       whole = whole && mm && side;
       reading.position_mm[a] = mm.value_or(0.0);
       reading.approach[a] = side.value_or(1.0) < 0.0 ? -1 : 1;
@@ -264,6 +286,7 @@ std::string to_csv(const LengthTest& test, bool plan) {
   if (test.knots_mm[0] && test.knots_mm[1] && test.knots_mm[2])
     text += fmt::format("# knots_mm: {:g} {:g} {:g}\n", *test.knots_mm[0], *test.knots_mm[1], *test.knots_mm[2]);
   if (test.minutes) text += fmt::format("# minutes: {:.1f}\n", *test.minutes);
+  if (test.bar_um) text += fmt::format("# bar_um: {:g}\n", *test.bar_um);
   for (const LengthTool& tool : test.tools)
     text +=
         fmt::format("# tool: {} {:g} {:g} {:g}\n", tool.name, tool.offset_mm[0], tool.offset_mm[1], tool.offset_mm[2]);

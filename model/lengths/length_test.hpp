@@ -50,6 +50,7 @@ struct LengthTest {
   std::string configuration;
   PerAxis<std::optional<double>> knots_mm{};  ///< spacing that a plan is made for
   std::optional<double> minutes;              ///< that a plan takes
+  std::optional<double> bar_um;               ///< standard uncertainty of a ball bar's length, the same in all set-ups
   std::vector<LengthTool> tools;
   std::vector<LengthSetUp> set_ups;
   std::vector<LengthReading> readings;  ///< in the order in which they are taken

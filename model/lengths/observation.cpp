@@ -1,8 +1,6 @@
 #include "model/lengths/observation.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/units.hpp"
 
@@ -20,7 +18,9 @@ NuisanceColumns nuisance_of(const LengthTest& test, Eigen::Index first) {
     if (test.set_ups[r.set_up].instrument != LengthInstrument::interferometer &&
         out.station.emplace(std::pair(r.set_up, r.tool), out.end).second)
       out.end += 3;
-    if (out.zero.emplace(std::tuple(r.set_up, r.run, r.tool), out.end).second) ++out.end;
+    const bool of_bar = test.bar_um && test.set_ups[r.set_up].instrument == LengthInstrument::ball_bar;
+    if (of_bar && !out.bar) out.bar = out.end++;
+    if (out.zero.emplace(std::tuple(r.set_up, r.run, r.tool), of_bar ? *out.bar : out.end).second && !of_bar) ++out.end;
     if (out.scale.emplace(r.set_up, out.end).second) ++out.end;
   }
   return out;
@@ -59,75 +59,6 @@ Linearised linearised(const LengthTest& test, const MachineCurves& curves, const
     out.columns(i, zero) = 1.0;
     out.columns(i, scale) = metres;
     out.nominal_um(i) += values(zero) + metres * values(scale);
-  }
-  return out;
-}
-
-SharedNoise::SharedNoise(const LengthTest& test, const LengthMachine& machine) {
-  std::map<std::tuple<std::size_t, int, std::size_t>, std::size_t> group;
-  std::map<std::tuple<std::size_t, int, std::size_t>, std::size_t> last;
-  int next = 0;
-  for (std::size_t i = 0; i < test.readings.size(); ++i) {
-    const LengthReading& r = test.readings[i];
-    const auto name = std::tuple(r.set_up, r.run, r.tool);
-    const bool begins = group.emplace(name, groups_.size()).second;
-    if (begins) groups_.emplace_back();
-    Key key;
-    for (std::size_t a = 0; a < kAxes; ++a) {
-      const auto& [low, high] = machine.travel_mm[a];
-      key.part[a] = (r.position_mm[a] - low) / (high - low);
-      key.stop[a] = key.pass[a] = ++next;
-      if (begins) continue;
-      const LengthReading& before = test.readings[last.at(name)];
-      const double moved = r.position_mm[a] - before.position_mm[a];
-      const bool turned = r.approach[a] != before.approach[a];
-      if (moved == 0.0 && !turned) key.stop[a] = keys_[last.at(name)].stop[a];
-      if (moved * r.approach[a] >= 0.0 && !turned) key.pass[a] = keys_[last.at(name)].pass[a];
-      any_parked_ = any_parked_ || (moved == 0.0 && !turned);
-    }
-    groups_[group.at(name)].push_back(i);
-    last[name] = i;
-    keys_.push_back(key);
-  }
-}
-
-/// The shape of a pass: mean square 1 over the travel, correlated over about a third of it.
-double SharedNoise::covariance(std::size_t i, std::size_t k, double cosine, const NoiseRatios& ratios) const {
-  double sum = 0.0;
-  for (std::size_t a = 0; a < kAxes; ++a) {
-    if (keys_[i].stop[a] == keys_[k].stop[a]) sum += ratios.stop;
-    if (ratios.pass > 0.0 && keys_[i].pass[a] == keys_[k].pass[a]) {
-      constexpr double kCorrelated = 0.3;
-      const double apart = (keys_[i].part[a] - keys_[k].part[a]) / kCorrelated;
-      sum += ratios.pass * std::exp(-0.5 * apart * apart);
-    }
-  }
-  return sum * cosine;
-}
-
-Eigen::MatrixXd SharedNoise::whitened(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& direction,
-                                      const NoiseRatios& ratios, double* half_log_determinant) const {
-  if (ratios.stop == 0.0 && ratios.pass == 0.0) return rows;
-  Eigen::MatrixXd out(rows.rows(), rows.cols());
-  for (const auto& group : groups_) {
-    const auto m = static_cast<Eigen::Index>(group.size());
-    Eigen::MatrixXd own(m, rows.cols()), covariance_matrix(m, m);
-    for (Eigen::Index i = 0; i < m; ++i) {
-      const auto r = static_cast<Eigen::Index>(group[static_cast<std::size_t>(i)]);
-      own.row(i) = rows.row(r);
-      for (Eigen::Index k = 0; k <= i; ++k) {
-        const auto s = static_cast<Eigen::Index>(group[static_cast<std::size_t>(k)]);
-        covariance_matrix(i, k) = covariance_matrix(k, i) =
-            covariance(static_cast<std::size_t>(r), static_cast<std::size_t>(s), direction.row(r).dot(direction.row(s)),
-                       ratios) +
-            (i == k ? 1.0 : 0.0);
-      }
-    }
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance_matrix);
-    factor.matrixL().solveInPlace(own);
-    if (half_log_determinant != nullptr) *half_log_determinant += factor.matrixLLT().diagonal().array().log().sum();
-    for (Eigen::Index i = 0; i < m; ++i)
-      out.row(static_cast<Eigen::Index>(group[static_cast<std::size_t>(i)])) = own.row(i);
   }
   return out;
 }

@@ -1,8 +1,7 @@
-// Which lengths to measure: the plan with the fewest minutes for a wanted uncertainty of the volume. Lines, or circles
-// of a ball bar, are added by what they take off the mean variance of the error vector over the volume for a minute
-// (greedy A-optimal design: V. V. Fedorov, Theory of Optimal Experiments, 1972; G. L. Nemhauser, L. A. Wolsey, M. L.
-// Fisher, Math. Programming 14 (1978) 265), then those that are not needed are taken out again.
-// Does not live here: what the lengths say (identify.hpp).
+// Which lengths to measure: the plan with the fewest minutes for a wanted uncertainty of the volume, beside what single
+// set-ups take for it.
+// Does not live here: what the lengths say (identify.hpp), candidates (plan_paths.hpp) and choice (plan_choice.hpp,
+// plan_set_ups.hpp).
 #pragma once
 
 #include <string>
@@ -13,6 +12,9 @@
 
 namespace ecs::model {
 
+/// Places along each axis by which a plan weighs the volume.
+inline constexpr int kPlanPlaces = 4;
+
 struct LengthPlanSettings {
   double volume_U_um = 2.0;  ///< wanted: root mean square over the volume and the tools, k = 2
   LengthInstrument instrument = LengthInstrument::tracker;
@@ -20,11 +22,14 @@ struct LengthPlanSettings {
   std::vector<Vector3> tools_mm{{0.0, 0.0, 0.0}};
   std::vector<Vector3> stations_mm;  ///< where a tracker or ball bar may stand; empty: around the volume, within it
   int reversal_degree = 1;
-  double instrument_um = 0.2;     ///< of a reading, standard deviation
-  double scatter_um = 1.0;        ///< of the machine at a stop, each axis, each direction
-  double scatter_um_per_m = 0.5;  ///< the same of angles, for the single set-ups
-  double scale_um_per_m = 0.1;    ///< of each set-up
-  double ball_bar_mm = 150.0;     ///< its radius
+  double instrument_um = 0.2;        ///< of a reading, standard deviation
+  double scatter_um = 1.0;           ///< of the machine at a stop, each axis, each direction
+  double scatter_um_per_m = 0.5;     ///< the same of its angles
+  double scale_um_per_m = 0.1;       ///< of each set-up
+  double targets_an_interval = 1.0;  ///< of a line, between two knots; four more
+  double ball_bar_mm = 150.0;        ///< its radius
+  double bar_um = 1.0;            ///< standard uncertainty of its length, the same in all set-ups; 0: not known at all
+  double bar_lowest_deg = -20.0;  ///< below the horizontal: the post of its ball is in the way
   double tool_minutes = 5.0;      ///< another tool at the same station
   double feed_mm_min = 2000.0;
   double dwell_s = 2.0, trigger_s = 1.0;
@@ -34,7 +39,8 @@ struct LengthPlanSettings {
 /// One component after the other, each with its own set-up (thesis 6.3).
 struct SingleSetUps {
   int set_ups = 0;
-  int runs = 0;  ///< of each, both ways
+  int targets = 0;  ///< of each, 25 at most: as few as suffice
+  int runs = 0;     ///< of each, both ways
   double minutes = 0.0;
   double volume_U_um = 0.0;
   bool reached = false;  ///< with fifty runs at most
@@ -48,8 +54,9 @@ struct LengthPlan {
   double first_tool_U_um = 0.0;  ///< over the volume with the first tool
   bool reached = false;          ///< the wanted uncertainty
   std::size_t set_ups = 0, paths = 0;
-  SingleSetUps single;             ///< for the same uncertainty over the volume and the tools
-  SingleSetUps single_first_tool;  ///< for that with the first tool alone, and the components that act there
+  SingleSetUps single;                    ///< for the same uncertainty over the volume and the tools
+  SingleSetUps single_first_tool;         ///< for that with the first tool alone, and the components that act there
+  std::vector<std::string> undetermined;  ///< components of which no candidate determines all
   std::vector<std::string> notes;
 };
 

@@ -52,6 +52,29 @@ TEST_CASE("a longer tool shows the pitch: EBX of 10 um/m moves a tool of -200 mm
   CHECK(read[1] == doctest::Approx(-2.0).epsilon(1e-3));
 }
 
+TEST_CASE(
+    "a ball bar of known length is off by the same in all set-ups, one of unknown length by another zero each run") {
+  const std::string rows = "S1,1,A,-100,0,0,1,1,1\nS2,1,A,-100,0,0,1,1,1\n";
+  const std::string head = "# tool: A 0 0 0\n# set_up: S1 ball_bar -200 0 0\n# set_up: S2 ball_bar -100 100 0\n";
+  LengthInstrumentSettings settings = perfect();
+  settings.zero_um = 100.0, settings.bar_um = 2.0;
+  for (const bool known : {true, false}) {
+    Simulation simulation = simulation_of("", small_machine(), 3);
+    const auto measured =
+        measured_lengths(simulation,
+                         (known ? "# bar_um: 2\n" : "") + head +
+                             "set_up,run,tool,x_mm,y_mm,z_mm,approach_x,approach_y,approach_z\n" + rows,
+                         "plan.csv", settings);
+    REQUIRE_MESSAGE(measured.has_value(), (measured ? "" : to_text(measured.error())));
+    std::vector<std::string> last;
+    for (const auto line : lines_of(measured->csv))
+      if (line.starts_with("S")) last.emplace_back(split(line, ',').back());
+    REQUIRE(last.size() == 2);
+    CHECK((last[0] == last[1]) == known);
+    CHECK((std::abs(*number_in(last[0])) < 12.0) == known);
+  }
+}
+
 TEST_CASE("the same seed gives the same lengths, another seed others") {
   const std::string rows = "S,1,A,-100,0,0,1,1,1\nS,1,A,-200,0,0,1,1,1\n";
   CHECK(deviations("", rows, {}, 5) == deviations("", rows, {}, 5));

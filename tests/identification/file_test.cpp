@@ -44,6 +44,13 @@ TEST_CASE("every fault at once, with line and column") {
   CHECK(contains(said, "deviation_um: expected measured less nominal length"));
 }
 
+TEST_CASE("a run is a whole number, a name holds no separator, a ball bar's uncertainty is above 0") {
+  CHECK(contains(refusal(kHead + kColumns + "S1,1.5,A,0,0,0,1,1,1,0\nL1,1e30,A,0,0,0,1,1,1,0\n"),
+                 "lengths.csv:7:4: run: expected a whole number from 1, found 1.5"));
+  CHECK(contains(refusal("# tool: A,B 0 0 0\n" + kHead + kColumns), "tool: expected NAME X Y Z in mm"));
+  CHECK(contains(refusal("# bar_um: 0\n" + kHead + kColumns), "bar_um: expected the standard uncertainty"));
+}
+
 TEST_CASE("what the head lacks is named") {
   const std::string said = refusal(kColumns + "S1,1,A,0,0,0,1,1,1,0\n");
   CHECK(contains(said, "expected a line `# tool: NAME X Y Z`"));

@@ -187,6 +187,29 @@ TEST_CASE("uncertainties hold: with white noise values lie within k = 2 as often
   CHECK(static_cast<double>(inside) / static_cast<double>(all) < 0.995);
 }
 
+TEST_CASE("angles that scatter at every stop are told from translations, and uncertainties count their levers") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(5);
+  lengths.stop_um = 0.4, lengths.stop_um_per_m = 3.0;
+  double translations = 0.0, angles = 0.0, off2 = 0.0, stated2 = 0.0;
+  constexpr unsigned kSeeds = 8;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const MadeComponents made(40 + seed);
+    lengths.measure(made, 0.1, seed);
+    const Identification found = identified(lengths, {});
+    translations += found.stop_um / kSeeds;
+    angles += found.stop_um_per_m / kSeeds;
+    for (const auto& square : found.squareness) {
+      off2 += std::pow(square.um_per_m - made.value(square.component, 0.0, 0), 2);
+      stated2 += square.u_um_per_m * square.u_um_per_m;
+    }
+  }
+  CHECK(translations == doctest::Approx(0.4).epsilon(0.25));
+  CHECK(angles == doctest::Approx(3.0).epsilon(0.15));
+  CHECK(off2 < 1.8 * stated2);  // 24 values: beyond once in a hundred
+  CHECK(off2 > 0.4 * stated2);
+}
+
 TEST_CASE("poses from one side only: the reversal is said to be unknown") {
   MadeLengths lengths("XYTZ");
   lengths.stations(7);

@@ -1,4 +1,7 @@
 // Plans of lengths: they reach what was asked, and measured they give the uncertainty that they promised.
+#include <algorithm>
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 #include "model/lengths/plan_lengths.hpp"
@@ -58,6 +61,53 @@ TEST_CASE("an interferometer pays for each line, and its plan is whole too") {
   lengths.test = plan->test;
   lengths.measure(MadeComponents(12), 0.5, 4);
   CHECK(identified(lengths, {}).whole());
+}
+
+model::LengthPlanSettings ball_bar_plan() {
+  model::LengthPlanSettings settings = small_plan();
+  settings.instrument = model::LengthInstrument::ball_bar;
+  settings.ball_bar_mm = 120.0;
+  settings.instrument_um = 0.2;
+  settings.volume_U_um = 15.0;
+  settings.tools_mm = {{0.0, 0.0, 0.0}, {0.0, 0.0, -150.0}, {100.0, 0.0, -80.0}};
+  return settings;
+}
+
+TEST_CASE(
+    "a ball bar of known length: balls in the volume, the same poses with each tool, and all components come back") {
+  MadeLengths lengths("XYTZ");
+  const auto plan = model::planned_lengths(lengths.machine, ball_bar_plan());
+  REQUIRE_MESSAGE(plan.has_value(), (plan ? "" : to_text(plan.error())));
+  CHECK(plan->reached);
+  CHECK(plan->undetermined.empty());
+  CHECK(plan->test.bar_um == 1.0);
+  for (const model::LengthReading& r : plan->test.readings) {
+    const Vector3 point = model::point_of(plan->test, r), ball = plan->test.set_ups[r.set_up].place;
+    CHECK(std::hypot(point[0] - ball[0], point[1] - ball[1], point[2] - ball[2]) ==
+          doctest::Approx(120.0).epsilon(1e-4));
+  }
+  lengths.test = plan->test;
+  lengths.measure(MadeComponents(13), 0.2, 5);
+  const model::Identification found = identified(lengths, {});
+  CHECK(found.whole());
+  REQUIRE(found.volume_um.has_value());
+  CHECK(2.0 * *found.volume_um == doctest::Approx(plan->first_tool_U_um).epsilon(0.2));
+}
+
+TEST_CASE("a ball bar whose length is not known leaves the scale that all axes share, and the plan says so") {
+  MadeLengths lengths("XYTZ");
+  model::LengthPlanSettings settings = ball_bar_plan();
+  settings.bar_um = 0.0;
+  const auto plan = model::planned_lengths(lengths.machine, settings);
+  REQUIRE_MESSAGE(plan.has_value(), (plan ? "" : to_text(plan.error())));
+  for (const char* name : {"EXX", "EYY", "EZZ"})
+    CHECK(std::find(plan->undetermined.begin(), plan->undetermined.end(), name) != plan->undetermined.end());
+  REQUIRE(!plan->notes.empty());
+  CHECK(contains(plan->notes[0], "EXX"));
+  lengths.test = plan->test;
+  lengths.measure(MadeComponents(14), 0.2, 6);
+  const model::Identification found = identified(lengths, {});
+  CHECK(contains(found.curves[index_of(Component::EXX)].why_not, "only together with"));
 }
 
 TEST_CASE("a ball bar that fits nowhere is refused") {

@@ -110,14 +110,30 @@ struct MadeLengths {
       for (std::size_t t = 0; t < test.tools.size(); ++t) volume(s, t, targets);
     }
   }
+  /// What every translation and every angle of an axis keeps from its last stop, standard deviations.
+  double stop_um = 0.0, stop_um_per_m = 0.0;
+
   /// Fills in the deviations. @param noise_um  white
   void measure(const MadeComponents& made, double noise_um = 0.0, unsigned seed = 1,
                const Vector3& station_off_mm = {0.2, -0.1, 0.15}) {
     std::mt19937 generator(seed);
     std::normal_distribution<double> normal;
+    ComponentValues stop{};
+    const model::LengthReading* before = nullptr;
     for (model::LengthReading& r : test.readings) {
       const model::LengthSetUp& set_up = test.set_ups[r.set_up];
-      const Vector3 error = made.error_um(machine, r.position_mm, r.approach, test.tools[r.tool].offset_mm);
+      const Vector3& tool = test.tools[r.tool].offset_mm;
+      Vector3 error = made.error_um(machine, r.position_mm, r.approach, tool);
+      for (std::size_t c = 0; c < kCurves && stop_um + stop_um_per_m > 0.0; ++c) {
+        const std::size_t a = index_of(moving_axis(static_cast<Component>(c)));
+        const bool parked = before != nullptr && before->set_up == r.set_up && before->tool == r.tool &&
+                            before->position_mm[a] == r.position_mm[a] && before->approach[a] == r.approach[a];
+        if (!parked) stop[c] = (is_angular(static_cast<Component>(c)) ? stop_um_per_m : stop_um) * normal(generator);
+      }
+      const Vector3 off = tool_error_um(*terms_of(*params::chain_of(machine), Convention::iso, CurveKind::measured),
+                                        stop, r.position_mm, params::measurement_lines_of(machine), tool);
+      for (std::size_t a = 0; a < kAxes; ++a) error[a] += off[a];
+      before = &r;
       const Vector3 point = model::point_of(test, r);
       if (set_up.instrument == model::LengthInstrument::interferometer) {
         r.deviation_um = 7.0 + 3.0 * r.run;
@@ -128,8 +144,8 @@ struct MadeLengths {
           nominal[a] = point[a] - set_up.place[a];
           actual[a] = nominal[a] + error[a] / 1000.0 - station_off_mm[a];
         }
-        r.deviation_um = 30.0 + 1000.0 * (std::hypot(actual[0], actual[1], actual[2]) -
-                                          std::hypot(nominal[0], nominal[1], nominal[2]));
+        r.deviation_um = (test.bar_um ? 0.5 : 30.0) + 1000.0 * (std::hypot(actual[0], actual[1], actual[2]) -
+                                                                std::hypot(nominal[0], nominal[1], nominal[2]));
       }
       if (noise_um > 0.0) r.deviation_um += noise_um * normal(generator);
     }

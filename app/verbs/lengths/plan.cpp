@@ -33,10 +33,15 @@ struct LengthsPlanArguments : VerbArguments {
       number("--instrument-um", "of a reading, standard deviation [um]", 0.2, Need::optional, 0.001);
   const double& scatter_um =
       number("--scatter-um", "of a stop of the machine, each axis and direction [um]", 1.0, Need::optional, 0.0);
-  const double& scatter_angle =
-      number("--scatter-um-per-m", "the same of angles, for the single set-ups [um/m]", 0.5, Need::optional, 0.0);
+  const double& scatter_angle = number("--scatter-um-per-m", "the same of its angles [um/m]", 0.5, Need::optional, 0.0);
   const double& scale = number("--scale", "of each set-up, standard uncertainty [um/m]", 0.1, Need::optional, 0.0);
-  const double& ball_bar = number("--ball-bar-mm", "radius of a ball bar", 150.0, Need::optional, 1.0);
+  const double& ball_bar = number("--ball-bar-mm", "reach of a ball bar: its radius [mm]", 150.0, Need::optional, 1.0);
+  const double& bar_um =
+      number("--bar-um", "of a ball bar's length, standard uncertainty [um]; 0: not known", 1.0, Need::optional, 0.0);
+  const double& bar_lowest = number("--bar-lowest-deg", "elevation below which the post of the ball is in the way",
+                                    -20.0, Need::optional, -90.0, 0.0);
+  const double& density =
+      number("--targets", "of a line, between two knots (and four more)", 1.0, Need::optional, 0.1, 10.0);
   const double& feed = number("--feed", "between targets [mm/min]", 2000.0, Need::optional, 1.0);
   const double& dwell = number("--dwell", "before each reading [s]", 2.0, Need::optional, 0.0);
   const double& set_up = number("--set-up-minutes", "instrument to another station or line",
@@ -86,6 +91,9 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanArguments& a) {
   s.scatter_um_per_m = a.scatter_angle;
   s.scale_um_per_m = a.scale;
   s.ball_bar_mm = a.ball_bar;
+  s.bar_um = a.bar_um;
+  s.bar_lowest_deg = a.bar_lowest;
+  s.targets_an_interval = a.density;
   s.feed_mm_min = a.feed;
   s.dwell_s = a.dwell;
   s.times.line_minutes = s.times.align_minutes = a.set_up;
@@ -95,10 +103,12 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanArguments& a) {
 
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
-      "single set-ups for {wanted} um: {set_ups} of {runs} runs{not_reached}, {minutes} minutes; ratio {ratio}\n",
+      "single set-ups for {wanted} um: {set_ups} of {runs} runs of {targets} targets{not_reached}, {minutes} minutes; "
+      "ratio {ratio}\n",
       {{"wanted", shown_cell(number_cell(U_um, 3).text)},
        {"set_ups", integer_cell(single.set_ups)},
        {"runs", integer_cell(single.runs)},
+       {"targets", integer_cell(single.targets)},
        {"minutes", number_cell(single.minutes, 1)},
        {"volume_U_um", number_cell(single.volume_U_um, 3)},
        {"reached", yes_cell(single.reached, "", "")},
@@ -119,7 +129,7 @@ Cell plan_cell(const model::LengthPlan& plan, const LengthsPlanArguments& a) {
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
       "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
-      "{stations}{single}  with the first tool alone: {single_first_tool}{plan}",
+      "{stations}{notes}{single}  with the first tool alone: {single_first_tool}{plan}",
       {{"reached_text", shown_cell(plan.reached ? "reached" : "NOT REACHED with three runs of every path")},
        {"reached", yes_cell(plan.reached, "", "")},
        {"wanted_U_um", number_cell(a.volume, 3)},
@@ -131,6 +141,8 @@ Cell plan_cell(const model::LengthPlan& plan, const LengthsPlanArguments& a) {
        {"paths", count_cell(plan.paths)},
        {"readings", count_cell(plan.test.readings.size())},
        {"stations", list_cell(plan.test.set_ups, set_up)},
+       {"not_determined", {Json(plan.undetermined), {}}},
+       {"notes", lines_cell(plan.notes, "note: ")},
        {"single", single_cell(plan.single, plan.volume_U_um, plan.minutes)},
        {"single_first_tool", single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)},
        {"plan", written_cell("plan", a.output, "plan not written: give -o plan.csv\n")}});

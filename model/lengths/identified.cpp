@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+#include "model/lengths/fitted_lengths.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr double kPartner = 0.05;  ///< share of a combination from which a component is named
+/// Standard uncertainty [um, um/m] that is as good as not determined: poses a micrometre off their sphere or plane show
+/// what they should not, so little that it is uncertain by millimetres.
+constexpr double kAsGoodAsNothing = 1000.0;
+constexpr int kVolumePlaces = 5;  ///< along each axis
+constexpr double kLeastRepeats = 10.0;
+
+class LengthReport {
+ public:
+  explicit LengthReport(const FittedLengths& fitted) : fitted_(fitted) {
+    for (std::size_t c = 0; c < kComponents; ++c) largest_u_[c] = largest_u(static_cast<Component>(c));
+  }
+
+  void fill(Identification& out) const {
+    for (std::size_t c = 0; c < kCurves; ++c) out.curves.push_back(curve_of_component(static_cast<Component>(c)));
+    for (const Component c : {Component::C0Y, Component::B0Z, Component::A0Z}) out.squareness.push_back(square_of(c));
+    out.outliers = fitted_.outliers;
+    out.readings = fitted_.test.readings.size();
+    out.unknowns = fitted_.solution.rank;
+    out.degrees_of_freedom = fitted_.degrees_of_freedom;
+    const auto deviation = [&](Scatter scatter) { return std::sqrt(fitted_.variances[index_of(scatter)]); };
+    out.white_um = deviation(Scatter::reading);
+    out.stop_um = deviation(Scatter::stop);
+    out.stop_um_per_m = deviation(Scatter::stop_angle);
+    out.pass_um = deviation(Scatter::pass);
+    out.pass_um_per_m = deviation(Scatter::pass_angle);
+    out.residual_um = fitted_.single_um;
+    out.repeat_um = repeats();
+    report_set_ups(out);
+    if (out.whole()) {
+      const Eigen::MatrixXd weight =
+          volume_weight(fitted_.curves, {fitted_.test.tools.front().offset_mm}, kVolumePlaces);
+      const auto m = fitted_.curves.size();
+      out.volume_um = std::sqrt(std::max(0.0, (weight * fitted_.covariance.topLeftCorner(m, m)).trace()));
+    }
+    compare_repeats(out);
+  }
+
+ private:
+  /// Standard uncertainty of a component where it is greatest.
+  [[nodiscard]] double largest_u(Component component) const {
+    const auto& block = fitted_.curves.block(component);
+    if (block.size() == 0) return 0.0;
+    const Eigen::MatrixXd own = fitted_.covariance.block(block.first, block.first, block.size(), block.size());
+    if (is_squareness(component)) return std::sqrt(own(0, 0));
+    double most = 0.0;
+    const auto& [low, high] = fitted_.curves.machine().travel_mm[index_of(moving_axis(component))];
+    for (const double p : {low, 0.5 * (low + high), high}) {
+      const Eigen::VectorXd row = fitted_.curves.value_row(component, p, 1);
+      most = std::max(most, row.dot(own * row));
+    }
+    return std::sqrt(most);
+  }
+
+  /// Components in the combinations that are free together with this one.
+  [[nodiscard]] std::vector<Component> together_with(Component component) const {
+    const auto& own = fitted_.curves.block(component);
+    const Eigen::MatrixXd weights =
+        fitted_.solution.free.middleRows(own.first, own.size()) * fitted_.solution.free.transpose();
+    std::vector<Component> out;
+    for (std::size_t c = 0; c < kComponents; ++c) {
+      const auto& other = fitted_.curves.block(static_cast<Component>(c));
+      if (other.size() == 0 || static_cast<Component>(c) == component) continue;
+      const bool both_faint = largest_u_[index_of(component)] > kAsGoodAsNothing && largest_u_[c] > kAsGoodAsNothing;
+      if (both_faint || weights.middleCols(other.first, other.size()).norm() > kPartner * weights.norm())
+        out.push_back(static_cast<Component>(c));
+    }
+    return out;
+  }
+
+  IdentifiedCurve curve_of_component(Component component) const {
+    IdentifiedCurve out;
+    out.component = component;
+    const auto& block = fitted_.curves.block(component);
+    out.acts = fitted_.curves.acts(component);
+    if (!out.acts || block.size() == 0) return out;
+    const std::size_t a = index_of(moving_axis(component));
+    const int points = 2 * fitted_.curves.intervals(moving_axis(component)) + 1;
+    const Eigen::MatrixXd own = fitted_.covariance.block(block.first, block.first, block.size(), block.size());
+    Eigen::MatrixXd rows(points, block.size());
+    out.determined = largest_u_[index_of(component)] <= kAsGoodAsNothing;
+    for (int i = 0; i < points; ++i) {
+      const double p = std::lerp(fitted_.curves.machine().travel_mm[a][0], fitted_.curves.machine().travel_mm[a][1],
+                                 i / (points - 1.0));
+      out.position_mm.push_back(p);
+      rows.row(i) = fitted_.curves.value_row(component, p, 0).transpose();
+      for (const int side : {1, -1}) {
+        const Eigen::VectorXd row = fitted_.curves.value_row(component, p, side);
+        if (is_free(fitted_.solution, row, block.first)) out.determined = false;
+        const double value = row.dot(fitted_.solution.x.segment(block.first, block.size()));
+        const double u = std::sqrt(std::max(0.0, row.dot(own * row)));
+        (side > 0 ? out.forward : out.reverse).push_back(value);
+        (side > 0 ? out.u_forward : out.u_reverse).push_back(u);
+      }
+    }
+    if (!out.determined) {
+      out.why_not =
+          what_is_missing(component, fitted_.test, fitted_.curves, fitted_.linear.direction, together_with(component));
+      out.forward.clear(), out.reverse.clear(), out.u_forward.clear(), out.u_reverse.clear();
+      return out;
+    }
+    state_for_map(out, rows * own * rows.transpose());
+    return out;
+  }
+
+  /// Two numbers for the header of a map, which counts errors from the reference: what lies between neighbours, and
+  /// what is common to the table.
+  static void state_for_map(IdentifiedCurve& out, const Eigen::MatrixXd& covariance) {
+    const auto n = covariance.rows();
+    double second = 0.0;
+    for (Eigen::Index i = 0; i + 2 < n; ++i) {
+      Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
+      d(i) = d(i + 2) = 1.0;
+      d(i + 1) = -2.0;
+      second += d.dot(covariance * d);
+    }
+    constexpr double kOfNoise = 6.0;  // variance of a second difference of unit noise
+    const double value2 = second / kOfNoise / std::max<double>(1.0, static_cast<double>(n - 2));
+    double mean2 = 0.0;
+    for (std::size_t i = 0; i < out.u_forward.size(); ++i)
+      mean2 += 0.5 * (out.u_forward[i] * out.u_forward[i] + out.u_reverse[i] * out.u_reverse[i]);
+    mean2 /= static_cast<double>(out.u_forward.size());
+    out.value = std::sqrt(std::min(value2, 0.5 * mean2));
+    // from the reference the shapes of a pass differ by about √2 of their own size (volume/shapes.hpp)
+    out.pass = std::sqrt(std::max(0.0, 0.5 * mean2 - out.value * out.value));
+  }
+
+  IdentifiedSquareness square_of(Component component) const {
+    IdentifiedSquareness out;
+    out.component = component;
+    const auto& block = fitted_.curves.block(component);
+    out.acts = fitted_.curves.acts(component);
+    if (!out.acts || block.size() == 0) return out;
+    out.determined = largest_u_[index_of(component)] <= kAsGoodAsNothing &&
+                     !is_free(fitted_.solution, Eigen::VectorXd::Ones(1), block.first);
+    if (!out.determined) {
+      out.why_not =
+          what_is_missing(component, fitted_.test, fitted_.curves, fitted_.linear.direction, together_with(component));
+      return out;
+    }
+    out.um_per_m = fitted_.solution.x(block.first);
+    out.u_um_per_m = std::sqrt(fitted_.covariance(block.first, block.first));
+    return out;
+  }
+
+  void report_set_ups(Identification& out) const {
+    for (std::size_t s = 0; s < fitted_.test.set_ups.size(); ++s) {
+      IdentifiedSetUp one;
+      one.name = fitted_.test.set_ups[s].name;
+      double squares = 0.0;
+      bool first = true;
+      for (std::size_t i = 0; i < fitted_.test.readings.size(); ++i) {
+        const LengthReading& r = fitted_.test.readings[i];
+        if (r.set_up != s) continue;
+        ++one.readings;
+        squares += std::pow(fitted_.residual_um(static_cast<Eigen::Index>(i)), 2);
+        if (!std::exchange(first, false)) continue;
+        const auto station = fitted_.nuisance.station.find({r.set_up, r.tool});
+        if (station != fitted_.nuisance.station.end())
+          for (std::size_t a = 0; a < kAxes; ++a)
+            one.station_correction_mm[a] =
+                fitted_.solution.x(station->second + static_cast<Eigen::Index>(a)) / kUmPerMm;
+      }
+      if (one.readings > 0) one.rms_um = std::sqrt(squares / static_cast<double>(one.readings));
+      out.set_ups.push_back(one);
+    }
+  }
+
+  /// Of a single reading, from poses that were measured again in another run; the zero of each run is taken off.
+  [[nodiscard]] std::optional<double> repeats() const {
+    std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>>, std::map<int, double>> poses;
+    for (const LengthReading& r : fitted_.test.readings)
+      poses[{r.set_up, r.tool, r.position_mm, r.approach}][r.run] = r.deviation_um;
+    std::map<std::tuple<std::size_t, std::size_t, int, int>, std::vector<double>> differences;
+    for (const auto& [pose, runs] : poses)
+      for (auto a = runs.begin(); a != runs.end(); ++a)
+        if (const auto b = std::next(a); b != runs.end())
+          differences[{std::get<0>(pose), std::get<1>(pose), a->first, b->first}].push_back(b->second - a->second);
+    double squares = 0.0, freedom = 0.0;
+    for (const auto& [runs, list] : differences) {
+      const double mean = std::accumulate(list.begin(), list.end(), 0.0) / static_cast<double>(list.size());
+      for (const double d : list) squares += (d - mean) * (d - mean);
+      freedom += static_cast<double>(list.size()) - 1.0;
+    }
+    if (freedom < kLeastRepeats) return std::nullopt;
+    return std::sqrt(squares / freedom / 2.0);
+  }
+
+  void compare_repeats(Identification& out) const {
+    if (!out.repeat_um) {
+      out.notes.push_back("no pose is measured in two runs: noise is known from the residuals alone");
+      return;
+    }
+    constexpr double kMuchMore = 1.3;
+    if (out.residual_um > kMuchMore * *out.repeat_um)
+      out.notes.push_back(
+          fmt::format("residuals {:.2f} um, repeats {:.2f} um: the machine holds form that the curves do not: take "
+                      "knots closer together (--knots) or look for drift; uncertainties count the residuals",
+                      out.residual_um, *out.repeat_um));
+  }
+
+  const FittedLengths& fitted_;
+  std::array<double, kComponents> largest_u_{};
+};
+
+}  // namespace
+
+bool Identification::whole() const {
+  const auto right = [](const auto& one) { return one.why_not.empty(); };
+  return std::all_of(curves.begin(), curves.end(), right) && std::all_of(squareness.begin(), squareness.end(), right);
+}
+
+void report_on(const FittedLengths& fitted, Identification& out) { LengthReport(fitted).fill(out); }
+
+}  // namespace ecs::model

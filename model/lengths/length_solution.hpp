@@ -1,0 +1,31 @@
+// Linear least squares of whitened observations: the solution, its covariance, and what the observations leave free.
+// Does not live here: the noise by which they are whitened (noise_fit.hpp), what the unknowns mean (identify.hpp).
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace ecs::model {
+
+struct LengthSolution {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd covariance;  ///< of unit variance of the whitened observations
+  Eigen::MatrixXd free;        ///< orthonormal basis of what is not determined, columns scaled by `norm`
+  Eigen::VectorXd norm;        ///< of the columns
+  Eigen::MatrixXd basis;       ///< orthonormal, of what the columns reach
+  double squares = 0.0;        ///< of the whitened residuals
+  int rank = 0;
+};
+
+/// By QR and the singular values of its triangle: of what is not determined, the solution of least norm.
+[[nodiscard]] LengthSolution solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// Values alone, by the normal equations: good enough to make linear about.
+[[nodiscard]] Eigen::VectorXd near_solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// Columns divided by their lengths; those of nothing but rounding become nothing, their `norm` 1.
+[[nodiscard]] Eigen::MatrixXd scaled_columns(const Eigen::MatrixXd& columns, Eigen::VectorXd& norm);
+
+/// Whether the observations leave a linear value of unknowns free. @param first  of the unknowns that `row` weighs
+[[nodiscard]] bool is_free(const LengthSolution& solution, const Eigen::VectorXd& row, Eigen::Index first);
+
+}  // namespace ecs::model
