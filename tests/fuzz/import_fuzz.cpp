@@ -1,6 +1,6 @@
-// libFuzzer over every reader of measurement files, controller tables and maps: whatever the bytes are, a Result comes
-// back, and what was read is finite. ECS_FUZZ_READER in the environment is the id of a format, "any" or "map".
-// The seeds of each are in corpus/<id>.
+// libFuzzer over every reader of measurement files, controller tables, maps and lengths: whatever the bytes are, a
+// Result comes back, and what was read is finite. ECS_FUZZ_READER in the environment is the id of a format, "any",
+// "map" or "lengths". The seeds of each are in corpus/<id>.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include "laser/import/registry.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
+#include "model/lengths/length_test.hpp"
 
 namespace {
 
@@ -144,6 +145,23 @@ void map(std::string_view bytes) {
   if (!again || again->tables != read->tables) std::abort();
 }
 
+/// Lengths, or a plan of them: what was read is finite and, written, is as many lengths again or refused.
+void lengths(std::string_view bytes, bool plan) {
+  const auto read = model::parse_lengths(bytes, "lengths.csv", plan);
+  if (!read) {
+    if (read.error().message.empty()) std::abort();
+    return;
+  }
+  for (const model::LengthReading& reading : read->readings) {
+    if (reading.set_up >= read->set_ups.size() || reading.tool >= read->tools.size()) std::abort();
+    for (const double number : {reading.position_mm[0], reading.position_mm[1], reading.position_mm[2],
+                                reading.deviation_um, model::point_of(*read, reading)[0]})
+      if (!std::isfinite(number)) std::abort();
+  }
+  const auto again = model::parse_lengths(model::to_csv(*read, plan), "again.csv", plan);
+  if (again && again->readings.size() != read->readings.size()) std::abort();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -156,6 +174,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     any(bytes, options);
   else if (kReader == "map")
     map(bytes);
+  else if (kReader == "lengths")
+    lengths(bytes, (data[0] & 1u) != 0);
   else if (kReader == "mapped_matrix")
     mapped_matrix(bytes, options);
   else if (kReader == "mapped_columns")
