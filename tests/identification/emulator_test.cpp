@@ -15,7 +15,7 @@ const std::string kPlanHead =
     "# tool: A 0 0 0\n# tool: B 0 0 -200\n# set_up: L interferometer 1 0 0\n# set_up: S tracker 300 0 0\n"
     "set_up,run,tool,x_mm,y_mm,z_mm,approach_x,approach_y,approach_z\n";
 
-LengthInstrumentSettings perfect() { return {0.0, 0.0, 0.0, 0.0, 0.0, false}; }
+LengthInstrumentSettings perfect() { return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, false}; }
 
 std::vector<double> deviations(const std::string& errors, const std::string& rows,
                                const LengthInstrumentSettings& settings, std::uint64_t seed = 1) {
