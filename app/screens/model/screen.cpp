@@ -168,7 +168,8 @@ bool ModelScreen::on_causes_key(const Key& key) {
   return clicked || cause_.on_key(key, count);
 }
 
-/// One of several that these data cannot tell apart is added only after a question.
+/// One of several that these data cannot tell apart, and one that an adequate model does not lack, is added only after a
+/// question.
 void ModelScreen::add_chosen() {
   const std::size_t chosen = chosen_cause();
   const auto add = [this, chosen] {
@@ -178,6 +179,12 @@ void ModelScreen::add_chosen() {
     controller_->start_adding(chosen);
   };
   const auto& candidates = controller_->diagnosis()->candidates;
+  if (controller_->diagnosis()->verdict == model::Verdict::adequate && !candidates.empty())
+    return asking_.ask({fmt::format("Add {} to an adequate model?", place_text(candidates[chosen].effect)),
+                        "What the model leaves is noise. This effect would be fitted to that noise and predicts no new "
+                        "readings better.",
+                        "add it", "not now"},
+                       add);
   if (candidates.empty() || candidates[chosen].rivals.empty()) return add();
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : candidates[chosen].rivals) rivals.push_back(place_text(rival));
