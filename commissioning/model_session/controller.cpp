@@ -236,6 +236,24 @@ void ModelController::redo() {
   step_over(future_, past_, "done again");
 }
 
+namespace {
+
+void log_saved_model(const ModelArguments& files, const model::Model& model) {
+  if (!logbook_is_kept()) return;
+  std::vector<std::string> inputs = files.data;
+  inputs.push_back(files.machine);
+  const std::string last = model.history.empty() ? "" : model.history.back().effect;
+  LogRecord made;
+  made.kind = "model";
+  made.summary = last.empty() ? "MODEL: saved" : fmt::format("MODEL: saved, the last effect added is {}", last);
+  made.content = one_line(Json{{"screen", "MODEL"}, {"model", files.model}});
+  made.files = seen_files("input", inputs);
+  made.files.push_back({"output", files.model, std::make_shared<const std::string>(to_toml(model))});
+  record(std::move(made));
+}
+
+}  // namespace
+
 void ModelController::save() {
   if (busy()) return;
   model::Model model = model_to_keep(model_, fit_, data(), work_->data_name);
@@ -252,6 +270,7 @@ void ModelController::save() {
   if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
   model_ = std::move(model);
   commands_.saved(to_toml(model_));
+  log_saved_model(files_, model_);
   saved_ = true;
   changed_ = false;
   values_kept_ = true;
