@@ -49,6 +49,8 @@ MeasurementProposal run_on(const InvestigatedLine& line, const params::Machine& 
   MeasurementProposal run;
   run.axis = line.axis;
   run.sense = line.sense;
+  run.against_square = line.against_square;
+  if (!is_rotation(line.sense) && direction_of(line.sense) != line.axis) run.reversed = false;
   run.runs = runs;
   const params::MachineAxis& axis = facts_of(machine, line.axis);
   const auto [low_mm, high_mm] = axis.travel_mm;
@@ -61,17 +63,21 @@ MeasurementProposal run_on(const InvestigatedLine& line, const params::Machine& 
   return run;
 }
 
-void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, Axis axis, Sense sense) {
-  const InvestigatedLine line{axis, sense};
-  const bool known = std::find(lines.begin(), lines.end(), line) != lines.end();
-  if (!known && machine.axes[index_of(axis)]) lines.push_back(line);
+void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, const InvestigatedLine& line) {
+  const auto known = std::find_if(lines.begin(), lines.end(), [&](const InvestigatedLine& other) {
+    return other.axis == line.axis && other.sense == line.sense;
+  });
+  if (known != lines.end())
+    known->against_square = known->against_square || line.against_square;
+  else if (machine.axes[index_of(line.axis)])
+    lines.push_back(line);
 }
 
 std::string sentence_of(const MeasurementProposal& look, const std::string& parked) {
   return fmt::format(
-      "Measure {} along {}, {}{}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
+      "Measure {} along {}{}, {}{}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
       "about {:.0f} min.",
-      name_of(look.sense), letter_of(look.axis), look.condition,
+      name_of(look.sense), letter_of(look.axis), look.against_square ? " against a square" : "", look.condition,
       look.load_kg ? fmt::format(" of {:g} kg", *look.load_kg) : "", look.targets_mm.size(), look.targets_mm.front(),
       look.targets_mm.back(), look.runs, look.runs == 1 ? "run" : "runs", look.feed_mm_min,
       look.dwell_s > 0.0 ? fmt::format("{:g} s dwell", look.dwell_s) : "readings on the fly", parked, look.minutes);
@@ -95,20 +101,28 @@ std::string parked_text(const MeasurementProposal& look, const params::Machine& 
 
 Sense positioning_of(Axis axis) { return static_cast<Sense>(index_of(axis)); }
 
+/// A squareness shows in readings along its second axis against a square nulled along the first.
+InvestigatedLine line_of(Component squareness) {
+  return {squareness == Component::C0Y ? Axis::Y : Axis::Z, squareness == Component::A0Z ? Sense::EY : Sense::EX, true};
+}
+
 }  // namespace
 
 std::vector<InvestigatedLine> lines_of_model(const model::Model& model, const params::Machine& machine) {
   std::vector<InvestigatedLine> lines;
   for (const model::EffectInstance& effect : model.effects)
-    if (effect.axis) add(lines, machine, *effect.axis, effect.sense.value_or(positioning_of(*effect.axis)));
+    if (effect.code && is_squareness(*effect.code))
+      add(lines, machine, line_of(*effect.code));
+    else if (effect.axis)
+      add(lines, machine, {*effect.axis, effect.sense.value_or(positioning_of(*effect.axis))});
   if (lines.empty())
-    for (const Axis a : kAllAxes) add(lines, machine, a, positioning_of(a));
+    for (const Axis a : kAllAxes) add(lines, machine, {a, positioning_of(a)});
   return lines;
 }
 
 std::vector<InvestigatedLine> other_lines(const std::vector<InvestigatedLine>& lines, const params::Machine& machine) {
   std::vector<InvestigatedLine> all = lines;
-  for (const Axis a : kAllAxes) add(all, machine, a, positioning_of(a));
+  for (const Axis a : kAllAxes) add(all, machine, {a, positioning_of(a)});
   return {all.begin() + static_cast<std::ptrdiff_t>(lines.size()), all.end()};
 }
 
@@ -160,6 +174,17 @@ MeasurementProposal look_with_load(const MeasurementProposal& look, const model:
   loaded.set_up_minutes += times.load_minutes;
   loaded.minutes += times.load_minutes;
   return loaded;
+}
+
+MeasurementProposal look_turned_over(const MeasurementProposal& look, const model::MeasuringTimes& times) {
+  MeasurementProposal turned = look;
+  turned.condition = model::kTurnedOver;
+  turned.reversed = true;
+  turned.runs = 1;
+  turned = again(std::move(turned), times);
+  turned.set_up_minutes += times.align_minutes;
+  turned.minutes += times.align_minutes;
+  return turned;
 }
 
 IsoProgramme iso_programme(const std::vector<InvestigatedLine>& lines, const params::Machine& machine,

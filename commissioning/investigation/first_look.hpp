@@ -16,6 +16,7 @@ namespace ecs::commissioning {
 struct InvestigatedLine {
   Axis axis = Axis::X;
   Sense sense = Sense::EX;
+  bool against_square = false;  ///< the model has a squareness of these axes: the slope is of the machine
   friend bool operator==(const InvestigatedLine&, const InvestigatedLine&) = default;
 };
 
@@ -44,6 +45,10 @@ inline constexpr const char* kWithLoad = "with a load";
 /// The same line once both ways with a load on the machine. @param is_on  the load is on already
 [[nodiscard]] model::MeasurementProposal look_with_load(const model::MeasurementProposal& look,
                                                         const model::MeasuringTimes& times, bool is_on);
+
+/// The same line once both ways with its artefact turned over: what is the artefact's changes its sign (ISO 230-1).
+[[nodiscard]] model::MeasurementProposal look_turned_over(const model::MeasurementProposal& look,
+                                                          const model::MeasuringTimes& times);
 
 /// ISO 230-2:2014, 5.3: five bidirectional runs a line; targets every 50 mm as in thesis 6.3, 25 at least.
 struct IsoProgramme {

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/investigation/level.hpp"
 #include "commissioning/investigation/readings.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
@@ -98,6 +99,11 @@ class Investigator {
   }
 
  private:
+  struct Look {
+    MeasurementProposal proposal;
+    laser::MeasurementSet set;
+  };
+
   /// A line of the first look, measured in another way.
   using Change = std::function<MeasurementProposal(const MeasurementProposal&, const model::MeasuringTimes&)>;
 
@@ -122,6 +128,7 @@ class Investigator {
       result_.notes.push_back(fmt::format("{} along {} was not measured: {:.0f} minutes were left, it takes {:.0f}",
                                           name_of(line.sense), letter_of(line.axis), minutes_left(), look.minutes));
     }
+    if (auto turned = artefact_not_turned_over()) return turned;
     if (!diagnosis_ || settled()) return std::nullopt;
     return separating_run(false);
   }
@@ -159,7 +166,8 @@ class Investigator {
     const model::NextMeasurement next =
         model::next_measurement(readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, times);
     bool too_long = false;
-    for (const MeasurementProposal& proposal : next.proposals) {
+    for (const MeasurementProposal& proposed : next.proposals) {
+      const MeasurementProposal proposal = as_looked_at(proposed);
       if (made_.contains(key_of(proposal)) || switches_map(proposal)) continue;
       if (here && (moves_optics(proposal) || proposal.wait_minutes > 0.0)) continue;
       MeasurementProposal whole = with_set_up(seeing ? once(proposal) : proposal);
@@ -182,10 +190,42 @@ class Investigator {
   /// is named, where anything is.
   [[nodiscard]] std::optional<MeasurementProposal> look_not_made(const Change& change) const {
     for (auto look = looks_.rbegin(); look != looks_.rend(); ++look) {
-      MeasurementProposal other = with_set_up(change(look->proposal, options_.times));
+      MeasurementProposal other = change(look->proposal, options_.times);
+      if (!moves_optics(other)) other.reversed = last_->reversed;
+      other = with_set_up(other);
       if (!made_.contains(key_of(other)) && is_in_question(other) && other.minutes <= minutes_left()) return other;
     }
     return std::nullopt;
+  }
+
+  /// In one position the angle error of a square and the squareness of the machine are one figure, which every
+  /// diagnosis finds adequate; so are the form of a straight edge and whatever bends the ways.
+  [[nodiscard]] std::optional<MeasurementProposal> artefact_not_turned_over() const {
+    for (const Look& look : looks_) {
+      if (!look.proposal.against_square && !(is_against_straight_edge(look.proposal) && is_named_on(look.proposal)))
+        continue;
+      MeasurementProposal turned = with_set_up(look_turned_over(look.proposal, options_.times));
+      if (!made_.contains(key_of(turned)) && turned.minutes <= minutes_left()) return turned;
+    }
+    return std::nullopt;
+  }
+
+  /// A cause that could as well be the artefact's: what depends on the approach is not.
+  [[nodiscard]] bool is_named_on(const MeasurementProposal& line) const {
+    return diagnosis_ &&
+           std::any_of(diagnosis_->candidates.begin(), diagnosis_->candidates.end(), [&](const Candidate& candidate) {
+             return candidate.named && candidate.effect.axis == line.axis && candidate.effect.sense == line.sense &&
+                    !candidate.effect.traits().of_approach;
+           });
+  }
+
+  /// Turned over on all targets of the first look: on few, two curves are not told apart.
+  [[nodiscard]] MeasurementProposal as_looked_at(const MeasurementProposal& proposal) const {
+    if (proposal.condition != model::kTurnedOver) return proposal;
+    for (const Look& look : looks_)
+      if (look.proposal.axis == proposal.axis && look.proposal.sense == proposal.sense)
+        return look_turned_over(look.proposal, options_.times);
+    return proposal;
   }
 
   [[nodiscard]] bool is_in_question(const MeasurementProposal& proposal) const {
@@ -241,8 +281,19 @@ class Investigator {
            *proposal.compensated != *all.back().compensated;
   }
 
-  Result<void> step(const MeasurementProposal& proposal) {
+  static bool is_against_straight_edge(const MeasurementProposal& proposal) {
+    return !is_rotation(proposal.sense) && direction_of(proposal.sense) != proposal.axis && !proposal.against_square;
+  }
+
+  /// The line is measured against a square: what a proposal of model/planning does not know.
+  [[nodiscard]] bool is_against_square(const MeasurementProposal& proposal) const {
+    return std::find(lines_.begin(), lines_.end(), InvestigatedLine{proposal.axis, proposal.sense, true}) !=
+           lines_.end();
+  }
+
+  Result<void> step(MeasurementProposal proposal) {
     if (cancelled()) return stopped();
+    proposal.against_square = is_against_square(proposal);
     const bool first =
         proposal.condition == first_look({proposal.axis, proposal.sense}, machine_, options_.times).condition;
     auto run = workshop_.measure({static_cast<int>(result_.steps.size()) + 1, proposal, false});
@@ -257,13 +308,13 @@ class Investigator {
     loaded_ = proposal.load_kg.value_or(loaded_ ? 1.0 : 0.0) > 0.0;
     if (first) {
       looks_.push_back({proposal, run->set});
-      measured_lines_.push_back({proposal.axis, proposal.sense});
+      measured_lines_.push_back({proposal.axis, proposal.sense, proposal.against_square});
     }
     InvestigationStep step;
     step.minutes = run->minutes;
     step.measured = short_text(proposal);
     step.readings = run->set.readings.size();
-    readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes);
+    readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes, proposal.against_square);
     if (auto diagnosed = diagnose(); !diagnosed) return diagnosed;
     step.verdict = diagnosis_->verdict;
     step.set = members_left(*diagnosis_);
@@ -304,11 +355,17 @@ class Investigator {
     std::stable_sort(result_.causes.begin(), result_.causes.end(),
                      [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
     result_.model = without_zeros(model::with_values(std::move(whole), *fit));
+    for (const Look& look : looks_)
+      if (is_against_straight_edge(look.proposal))
+        if (auto level = make_level(result_.model, {look.proposal.axis, look.proposal.sense}, machine_); !level)
+          return level;
     return {};
   }
 
   Result<void> compensate() {
-    result_.rms_before_um = rms_of_looks();
+    const auto before = rms_of_looks();
+    if (!before) return tl::unexpected(before.error());
+    result_.rms_before_um = *before;
     if (cancelled()) return stopped();
     if (was_compensated()) {
       result_.notes.emplace_back(
@@ -332,7 +389,9 @@ class Investigator {
       look.set = std::move(run->set);
       result_.compensated_minutes += run->minutes;
     }
-    result_.rms_compensated_um = rms_of_looks();
+    const auto after = rms_of_looks();
+    if (!after) return tl::unexpected(after.error());
+    result_.rms_compensated_um = *after;
     return {};
   }
 
@@ -341,24 +400,56 @@ class Investigator {
     return std::any_of(all.begin(), all.end(), [](const laser::Reading& r) { return r.compensated.value_or(false); });
   }
 
-  /// Without the zero of each run, which says nothing of the machine.
-  [[nodiscard]] double rms_of_looks() const {
+  /// Without the zero of each run, the slope of a straight edge, and what was found to be the artefact's: these say
+  /// nothing of the machine.
+  [[nodiscard]] Result<double> rms_of_looks() const {
     double squares = 0.0, count = 0.0;
     for (const Look& look : looks_) {
-      double sum = 0.0;
-      const auto readings = static_cast<double>(look.set.readings.size());
-      for (const laser::Reading& reading : look.set.readings) sum += reading.error;
-      for (const laser::Reading& reading : look.set.readings)
-        squares += (reading.error - sum / readings) * (reading.error - sum / readings);
-      count += readings;
+      const auto artefact = errors_of_artefact(look.set);
+      if (!artefact) return tl::unexpected(artefact.error());
+      squares += squares_about_zero(look, *artefact);
+      count += static_cast<double>(look.set.readings.size());
     }
     return std::sqrt(squares / std::max(count, 1.0));
   }
 
-  struct Look {
-    MeasurementProposal proposal;
-    laser::MeasurementSet set;
-  };
+  /// About the mean of the readings; of a straight edge about a straight line (least squares).
+  [[nodiscard]] static double squares_about_zero(const Look& look, const std::vector<double>& artefact_um) {
+    const auto readings = static_cast<double>(look.set.readings.size());
+    const bool straight_edge = is_against_straight_edge(look.proposal);
+    double place = 0.0, mean = 0.0, moment = 0.0, inertia = 0.0, squares = 0.0;
+    const auto error_um = [&](std::size_t k) { return look.set.readings[k].error - artefact_um[k]; };
+    for (std::size_t k = 0; k < artefact_um.size(); ++k) {
+      place += target_mm(look.set.readings[k]) / readings;
+      mean += error_um(k) / readings;
+    }
+    for (std::size_t k = 0; k < artefact_um.size(); ++k) {
+      const double arm_mm = target_mm(look.set.readings[k]) - place;
+      moment += arm_mm * error_um(k);
+      inertia += arm_mm * arm_mm;
+      squares += (error_um(k) - mean) * (error_um(k) - mean);
+    }
+    return straight_edge && inertia > 0.0 ? std::max(0.0, squares - moment * moment / inertia) : squares;
+  }
+
+  /// What the artefacts of the model give to these readings.
+  [[nodiscard]] Result<std::vector<double>> errors_of_artefact(const laser::MeasurementSet& set) const {
+    Model artefacts = result_.model;
+    std::erase_if(artefacts.effects, [](const model::EffectInstance& effect) { return !is_of_artefact(effect); });
+    std::vector<double> values(set.readings.size());
+    if (artefacts.effects.empty()) return values;
+    laser::MeasurementSet numbered = set;
+    for (std::size_t k = 0; k < numbered.readings.size(); ++k) numbered.readings[k].row = static_cast<int>(k) + 1;
+    const model::Observations at = model::observations_of(numbered, artefacts, machine_);
+    const auto predicted = model::predicted(artefacts, at);
+    if (!predicted) return tl::unexpected(predicted.error());
+    for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted)[k];
+    return values;
+  }
+
+  static bool is_of_artefact(const model::EffectInstance& effect) {
+    return effect.definition().has_need(model::Need::reversed);
+  }
 
   const Model& base_;
   const params::Machine& machine_;

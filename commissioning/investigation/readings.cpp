@@ -54,12 +54,12 @@ bool is_zero_of_run(std::string_view effect_name) {
   return effect_name.starts_with(kZeroName);
 }
 
-void InvestigationReadings::add(laser::MeasurementSet run, double pause_minutes) {
+void InvestigationReadings::add(laser::MeasurementSet run, double pause_minutes, bool against_square) {
   if (run.readings.empty()) return;
   const laser::Reading& first = run.readings.front();
   const bool known_sense = std::any_of(all_.readings.begin(), all_.readings.end(),
                                        [&](const laser::Reading& r) { return r.sense == first.sense; });
-  const bool straight_edge = !is_rotation(first.sense) && direction_of(first.sense) != first.axis;
+  const bool straight_edge = !against_square && !is_rotation(first.sense) && direction_of(first.sense) != first.axis;
   const int number = static_cast<int>(zeros_.size()) + 1;
   zeros_.push_back({first.sense, number, known_sense || !has_usual(base_, first, true),
                     straight_edge && (known_sense || !has_usual(base_, first, false))});

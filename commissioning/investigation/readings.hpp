@@ -23,9 +23,10 @@ class InvestigationReadings {
 
   /// Rows and runs are numbered on; times before the end of the last run are moved behind it.
   /// @param pause_minutes  between the last run and this one, where its times begin anew
-  void add(laser::MeasurementSet run, double pause_minutes);
+  /// @param against_square  its slope is that of the machine, not of a straight edge
+  void add(laser::MeasurementSet run, double pause_minutes, bool against_square = false);
 
-  /// The base model with a zero for each run; a straight-edge has a slope of its own as well. The first run of a sense
+  /// The base model with a zero for each run; a straight edge has a slope of its own as well. The first run of a sense
   /// needs none where the model has an offset of that sense.
   [[nodiscard]] model::Model model_with_zeros() const;
   [[nodiscard]] model::Observations observations(const params::Machine& machine) const;

@@ -51,6 +51,12 @@ bool compensates(const Json& state) {
   return unit != state.end() && unit->is_object() && unit->value("mode", std::string()) == "compensating";
 }
 
+/// The square or straight edge, as it is to lie.
+void add_artefact(Json& request, const MeasurementProposal& proposal) {
+  if (proposal.against_square) request["instrument"] = "square";
+  if (proposal.reversed) request["reversed"] = *proposal.reversed ? 1 : 0;
+}
+
 /// What the instrument is asked for, for readings without a stop and for optics that were aligned anew.
 Json measuring_request(const MeasurementProposal& proposal, const params::Machine& machine, double feed_mm_min) {
   std::vector<double> targets = proposal.targets_mm;
@@ -69,6 +75,7 @@ Json measuring_request(const MeasurementProposal& proposal, const params::Machin
                {"dwell", proposal.dwell_s},
                {"overrun", proposal.overrun_mm},
                {"on_the_fly", proposal.dwell_s <= 0.0}};
+  add_artefact(request, proposal);
   if (proposal.set_up > 1) {
     request["misalignment"] = 0.0;
     request["dead_path"] = 0.0;
@@ -191,8 +198,9 @@ Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
 /// A part program where the machine stops for its readings, else the instrument's own request.
 Result<laser::MeasurementSet> SocketWorkshop::readings_of(const MeasurementProposal& proposal) {
   if (proposal.dwell_s > 0.0 && proposal.set_up <= 1) {
-    const auto answer = hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine),
-                                    {{"axis", letter(proposal.axis)}, {"sense", name_of(proposal.sense)}});
+    Json request{{"axis", letter(proposal.axis)}, {"sense", name_of(proposal.sense)}};
+    add_artefact(request, proposal);
+    const auto answer = hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine), std::move(request));
     if (!answer) return tl::unexpected(answer.error());
     return set_in(*answer);
   }

@@ -54,6 +54,9 @@ Result<laser::MeasurementSet> read_for(const std::filesystem::path& file, const 
     read = read_measurements(file.string(), import);
   }
   if (!read) return tl::unexpected(read.error());
+  if (proposal.reversed)  // a file that says nothing of the artefact holds what was asked for
+    for (laser::Reading& reading : read->set.readings)
+      reading.extras.try_emplace("reversed", *proposal.reversed ? 1.0 : 0.0);
   return std::move(read->set);
 }
 

@@ -27,6 +27,15 @@ struct FileEffect {
   std::optional<ErrorCurve> curve;  ///< over positions from the axis's datum
 };
 
+/// `[[artefact]]`: the square or straight edge that a line across an axis is measured against.
+struct Artefact {
+  Axis axis = Axis::X;  ///< that moves
+  Sense sense = Sense::EY;
+  double angle_um_per_m = 0.0;
+  std::optional<ErrorCurve> form;  ///< over positions of the axis [um]
+  int line = 0;                    ///< of its table
+};
+
 /// `[temperature]`: a sensor that is a formula of time.
 struct TemperatureFormula {
   std::string name;
@@ -49,6 +58,7 @@ struct ErrorParts {
   std::vector<TemperatureFormula> temperatures;
   std::vector<Contribution> contributions;
   std::vector<FileEffect> effects;
+  std::vector<Artefact> artefacts;
   ComponentValues constants{};  ///< squareness
   ComponentValues pass_sigma{};
   ComponentValues reading_sigma{};

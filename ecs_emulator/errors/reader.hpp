@@ -24,6 +24,7 @@ void read_heat(ErrorsReading& reading);
 void read_curves(ErrorsReading& reading);  ///< [squareness], [[contribution]], [scatter]
 void read_effects(ErrorsReading& reading);
 void read_gravity(ErrorsReading& reading);
+void read_artefacts(ErrorsReading& reading);
 
 /// Exactly one of `formula`, `points`, `csv`; complains as `what`.
 [[nodiscard]] std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what);

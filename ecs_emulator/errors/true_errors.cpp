@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 #include "ecs_emulator/random/random.hpp"
@@ -147,13 +148,14 @@ Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& f
   errors.parts_->file = file;
   reader.only(*table,
               {"squareness", "contribution", "effect", "scatter", "temperature", "gravity", "ram", "bed", "table",
-               "air", "column", "material", "spindle", "screw", "sensor"},
+               "air", "column", "material", "spindle", "screw", "sensor", "artefact"},
               "errors file");
   ErrorsReading reading{reader, *table, folder, *errors.parts_};
   read_heat(reading);
   read_curves(reading);
   read_effects(reading);
   read_gravity(reading);
+  read_artefacts(reading);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return errors;
 }
@@ -189,6 +191,8 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
           one.line);
   for (const FileEffect& one : parts_->effects)
     if (one.curve) judge("effect " + name_of(one.effect), *one.effect.axis, true, *one.curve, 0);
+  for (const Artefact& one : parts_->artefacts)
+    if (one.form) judge("artefact", one.axis, false, *one.form, one.line);
   for (const TemperatureFormula& sensor : parts_->temperatures)
     if (auto wrong = parts_->no_temperature(sensor))
       problems.push_back({ProblemKind::bad_input, *wrong, parts_->file, 0, 0, {}});
@@ -239,6 +243,19 @@ ComponentValues TrueErrors::at(const MachineState& state, const Heat& heat) cons
   add_gravity(parts.gravity, parts.place, state.position_mm, state.load_kg, values);
   heat.add_errors(state.position_mm, state.time_s, values);
   return values;
+}
+
+double TrueErrors::artefact_um(Axis axis, Sense sense, double position_mm) const {
+  double sum_um = 0.0;
+  for (const Artefact& one : parts_->artefacts) {
+    if (one.axis != axis || one.sense != sense) continue;
+    sum_um += one.angle_um_per_m * (position_mm - parts_->place.datum_mm[index_of(axis)]) / kMmPerM;
+    if (!one.form) continue;
+    parts_->variables.p = position_mm;
+    parts_->variables.d = 1.0;
+    sum_um += one.form->value(parts_->variables);
+  }
+  return sum_um;
 }
 
 ComponentValues TrueErrors::pass_scatter(const MachineState& state, const PerAxis<std::array<double, 2>>& travel_mm,

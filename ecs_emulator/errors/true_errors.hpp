@@ -56,6 +56,9 @@ class TrueErrors {
   /// @param heat  made from heat()
   [[nodiscard]] ComponentValues at(const MachineState& state, const Heat& heat) const;
 
+  /// What the square or straight edge, as it was first, adds to readings of that line [um]; turned over: minus that.
+  [[nodiscard]] double artefact_um(Axis axis, Sense sense, double position_mm) const;
+
   /// What does not repeat: the shape of this state's passes (the same whenever the pass is the same).
   /// @param travel_mm  range over which each axis's shape is drawn
   [[nodiscard]] ComponentValues pass_scatter(const MachineState& state, const PerAxis<std::array<double, 2>>& travel_mm,

@@ -51,6 +51,11 @@ bool Arguments::flag(const char* key) {
   return false;
 }
 
+std::optional<bool> Arguments::zero_or_one(const char* key) {
+  const auto value = integer(key, 0, 1);
+  return value ? std::optional(*value == 1) : std::nullopt;
+}
+
 std::vector<double> Arguments::numbers(const char* key) {
   const auto* value = find(key);
   if (value == nullptr) return {};

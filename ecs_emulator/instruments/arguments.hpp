@@ -22,6 +22,8 @@ class Arguments {
   [[nodiscard]] std::optional<long long> integer(const char* key, long long low, long long high);
   [[nodiscard]] std::string word(const char* key);  ///< empty where it is absent
   [[nodiscard]] bool flag(const char* key);         ///< false where it is absent
+  /// 0 or 1, as in a column; nothing where it is absent.
+  [[nodiscard]] std::optional<bool> zero_or_one(const char* key);
   [[nodiscard]] std::vector<double> numbers(const char* key);
   [[nodiscard]] std::vector<std::string> words(const char* key);  ///< one text or a list of them
   [[nodiscard]] std::optional<Axis> axis(const char* key);

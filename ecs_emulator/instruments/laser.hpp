@@ -28,6 +28,10 @@ enum class InstrumentKind : std::uint8_t {
 [[nodiscard]] std::optional<InstrumentKind> instrument_named(std::string_view name);
 /// The instrument that measures `sense` along `moving` by default.
 [[nodiscard]] InstrumentKind instrument_for(Sense sense, Axis moving);
+/// It measures against a square or a straight edge, which has errors of its own.
+[[nodiscard]] constexpr bool has_artefact(InstrumentKind kind) {
+  return kind == InstrumentKind::straightness || kind == InstrumentKind::square;
+}
 /// Why this instrument cannot measure that; empty if it can.
 [[nodiscard]] std::string_view refusal(InstrumentKind kind, Sense sense, Axis moving);
 

@@ -46,7 +46,7 @@ class Measuring {
  private:
   Result<void> check() const {
     const auto& targets = plan_.targets_mm;
-    if (auto fit = MeasuringPost::fits(simulation_, plan_.axis, plan_.sense, kind_); !fit) return fit;
+    if (auto fit = MeasuringPost::fits(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting); !fit) return fit;
     if (targets.size() < 2) return refused("targets: expected at least 2");
     for (std::size_t i = 1; i < targets.size(); ++i)
       if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)

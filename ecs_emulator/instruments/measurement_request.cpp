@@ -71,6 +71,7 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   plan.overrun_mm = arguments.number_or("overrun", plan.overrun_mm);
   plan.on_the_fly = arguments.flag("on_the_fly");
   plan.setting = setting_in(arguments);
+  plan.setting.reversed = arguments.zero_or_one("reversed");
   if (const auto reading = arguments.integer("beam_broken_at", 1, 100'000'000))
     plan.beam_broken_at = static_cast<std::size_t>(*reading);
   plan.date = arguments.word("date");

@@ -15,12 +15,16 @@ constexpr int kNullingStops = 101;  ///< along the first leg of a square
 
 }  // namespace
 
-Result<void> MeasuringPost::fits(const Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind) {
+Result<void> MeasuringPost::fits(const Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind,
+                                 const InstrumentSetting& setting) {
   if (!simulation.machine().has(axis)) return refused(fmt::format("axis: this machine has no {}", letter_of(axis)));
   if (const auto why = refusal(kind, sense, axis); !why.empty())
     return refused(fmt::format("instrument {}: {}", name_of(kind), why));
   if (kind == InstrumentKind::square && !simulation.machine().has(direction_of(sense)))
     return refused(fmt::format("square: this machine has no {} to null it along", letter_of(direction_of(sense))));
+  if (setting.reversed && !has_artefact(kind))
+    return refused(
+        fmt::format("reversed: expected straightness or square, {} has nothing to turn over", name_of(kind)));
   return {};
 }
 
@@ -31,6 +35,7 @@ MeasuringPost::MeasuringPost(Simulation& simulation, Axis axis, Sense sense, Ins
       sense_(sense),
       kind_(kind),
       settings_(with(simulation.description().settings.laser, setting)),
+      reversed_(setting.reversed),
       instrument_(set_up(kind, sense, axis, settings_, simulation.random())) {
   set_.columns = {"axis", "x_mm", "y_mm", "z_mm", "sense", "reading", "approach", "run", "time_s"};
   describe("machine", simulation_.description().machine.name);
@@ -63,7 +68,8 @@ void MeasuringPost::take(const MachineState& state, const ReadingPlace& place, c
   if (lost_) return;
   const std::size_t a = index_of(axis_);
   const double target_mm = place.target_mm[a];
-  const Sight sight{pose, target_mm, state.time_s, place.stood_s, simulation_.air(), simulation_.material_degC()};
+  const Sight sight{against_artefact(pose, target_mm), target_mm, state.time_s, place.stood_s, simulation_.air(),
+                    simulation_.material_degC()};
   if (set_.readings.empty()) instrument_->zero(sight);
   laser::Reading reading;
   reading.axis = axis_;
@@ -77,10 +83,18 @@ void MeasuringPost::take(const MachineState& state, const ReadingPlace& place, c
   if (state.load_kg > 0.0) reading.load_kg = state.load_kg;
   reading.travel_since_reversal_mm = std::round(state.travel_since_reversal_mm[a] * 1e3) / 1e3;
   reading.compensated = compensated();
+  if (reversed_) reading.extras["reversed"] = *reversed_ ? 1.0 : 0.0;
   for (const auto& [sensor, degC] : simulation_.sensors_degC(state.time_s))
     reading.sensors_degC.emplace(fmt::format("t_{}_degC", sensor), degC);
   add_weather(reading, sight);
   set_.readings.push_back(std::move(reading));
+}
+
+ToolPose MeasuringPost::against_artefact(ToolPose pose, double target_mm) const {
+  if (!has_artefact(kind_)) return pose;
+  const double side = reversed_.value_or(false) ? -1.0 : 1.0;
+  pose.error_um[index_of(direction_of(sense_))] += side * simulation_.errors().artefact_um(axis_, sense_, target_mm);
+  return pose;
 }
 
 void MeasuringPost::lose_beam(const ReadingPlace& place) {

@@ -24,8 +24,9 @@ struct ReadingPlace {
 
 class MeasuringPost {
  public:
-  /// Why `sense` along `axis` cannot be measured here with that instrument: a `usage` problem.
-  [[nodiscard]] static Result<void> fits(const Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind);
+  /// Why `sense` along `axis` cannot be measured here with that instrument, set up so: a `usage` problem.
+  [[nodiscard]] static Result<void> fits(const Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind,
+                                         const InstrumentSetting& setting = {});
 
   /// @pre fits()
   MeasuringPost(Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind,
@@ -55,12 +56,15 @@ class MeasuringPost {
   void lose_beam(const ReadingPlace& place);
   /// What the instrument's own weather station shows goes into its files, if the workshop has weather at all.
   void add_weather(laser::Reading& reading, const Sight& sight) const;
+  /// With what the square or straight edge adds, as it lies.
+  [[nodiscard]] ToolPose against_artefact(ToolPose pose, double target_mm) const;
 
   Simulation& simulation_;
   Axis axis_;
   Sense sense_;
   InstrumentKind kind_;
   LaserSettings settings_;
+  std::optional<bool> reversed_;
   std::unique_ptr<Instrument> instrument_;
   laser::MeasurementSet set_;
   std::optional<std::size_t> interrupted_at_;

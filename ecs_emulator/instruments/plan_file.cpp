@@ -60,7 +60,7 @@ class PlanReader {
   void take(const toml::table& row, const Json& common, std::vector<std::string>& requests) {
     reader_.only(row,
                  {"name", "title", "axis", "sense", "instrument", "from_mm", "to_mm", "step_mm", "parked_mm", "phase",
-                  "on_the_fly", "slope", "published_before", "published_after"},
+                  "on_the_fly", "reversed", "slope", "published_before", "published_after"},
                  "measure");
     const std::string name = reader_.word(row, "name").value_or("");
     const std::string phase = reader_.word(row, "phase").value_or("both");
@@ -82,6 +82,10 @@ class PlanReader {
     if (const toml::node* fly = row.get("on_the_fly")) {
       if (!fly->is_boolean()) reader_.complain(*fly, "on_the_fly: expected true or false");
       request["on_the_fly"] = fly->value_or(false);
+    }
+    if (const auto reversed = reader_.number(row, "reversed")) {
+      if (*reversed != 0.0 && *reversed != 1.0) reader_.complain(*row.get("reversed"), "reversed: expected 0 or 1");
+      request["reversed"] = static_cast<int>(*reversed);
     }
     if (choice_.moved) request["moved"] = true;
     request["output"] = Json::array({(choice_.folder / (name + ".csv")).string()});

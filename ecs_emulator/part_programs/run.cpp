@@ -19,6 +19,12 @@ tl::unexpected<Problem> stopped_early() {
 }
 tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
+InstrumentSetting setting_of(const ProgramOrder& order) {
+  InstrumentSetting setting;
+  setting.reversed = order.reversed;
+  return setting;
+}
+
 /// The instrument with what a program knows about its readings.
 class TriggeredPost {
  public:
@@ -26,7 +32,7 @@ class TriggeredPost {
       : simulation_(simulation),
         axis_(index_of(*order.axis)),
         approach_(simulation.machine().axis(*order.axis).approach()),
-        post_(simulation, *order.axis, *order.sense, kind) {
+        post_(simulation, *order.axis, *order.sense, kind, setting_of(order)) {
     post_.describe("date", order.date);
     post_.describe("engineer", order.engineer);
   }
@@ -92,7 +98,7 @@ class ProgramRunner {
     if (result_.summary.readings > kMostReadings)
       return wrong(
           fmt::format("expected at most {} readings, the program takes {}", kMostReadings, result_.summary.readings));
-    return MeasuringPost::fits(simulation_, *order_.axis, *order_.sense, kind());
+    return MeasuringPost::fits(simulation_, *order_.axis, *order_.sense, kind(), setting_of(order_));
   }
 
   [[nodiscard]] InstrumentKind kind() const {

@@ -17,6 +17,7 @@ struct ProgramOrder {
   std::optional<Axis> axis;  ///< whose component is measured, with `sense`; absent: nothing is measured
   std::optional<Sense> sense;
   std::optional<InstrumentKind> instrument;  ///< absent: instrument_for()
+  std::optional<bool> reversed;              ///< square or straight edge turned over, column `reversed`
   std::filesystem::path trace;               ///< empty: none
   double trace_period_s = 0.001;
   std::string date;  ///< into the metadata, as the next

@@ -97,6 +97,7 @@ LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
   settings.dead_path_m = setting.dead_path_m.value_or(settings.dead_path_m);
   settings.misalignment_mrad = setting.misalignment_mrad.value_or(settings.misalignment_mrad);
   settings.trigger_latency_s = setting.trigger_latency_s.value_or(settings.trigger_latency_s);
+  if (setting.reversed.value_or(false)) settings.square_error_um_per_m = -settings.square_error_um_per_m;
   return settings;
 }
 

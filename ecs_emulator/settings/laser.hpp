@@ -84,6 +84,7 @@ struct InstrumentSetting {
   std::optional<double> dead_path_m;
   std::optional<double> misalignment_mrad;
   std::optional<double> trigger_latency_s;
+  std::optional<bool> reversed;  ///< square or straight edge turned over; absent: as it was first, nothing is written
 };
 [[nodiscard]] LaserSettings with(LaserSettings settings, const InstrumentSetting& setting);
 

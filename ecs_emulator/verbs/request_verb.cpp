@@ -42,6 +42,10 @@ void add_settings(RequestVerb& verb) {
   verb.number("--trigger-latency", "trigger_latency", "of readings on the fly, s");
 }
 
+void add_reversed(RequestVerb& verb) {
+  verb.integer("--reversed", "reversed", "square or straight edge: 1 turned over, 0 as it was; writes the column");
+}
+
 /// The kind of problem that ends the program with this code.
 ProblemKind kind_of(int exit_code) {
   for (const ProblemKind kind : {ProblemKind::refused, ProblemKind::usage, ProblemKind::bad_input, ProblemKind::link})
@@ -132,6 +136,7 @@ void add_measure_options(RequestVerb verb) {
   verb.flag("--on-the-fly", "on_the_fly");
   verb.word("--instrument", "instrument");
   add_settings(verb);
+  add_reversed(verb);
   verb.integer("--beam-broken-at", "beam_broken_at", "somebody steps into the beam before this reading");
   verb.word("--date", "date");
   verb.word("--engineer", "engineer");
@@ -201,6 +206,7 @@ void add_run_options(RequestVerb verb) {
   verb.word("--axis", "axis", "axis whose component every M08 reads");
   verb.word("--sense", "sense", "EX, EY, EZ, EA, EB or EC");
   verb.word("--instrument", "instrument", "linear, straightness, angular, level or square");
+  add_reversed(verb);
   verb.paths("-o,--output", "output", "readings; the form follows the name, as with measure");
   verb.path("--trace", "trace", "the track, sample by sample (.csv)");
   verb.number("--trace-period", "trace_period", "between samples, s (0.001); 0: every tick");

@@ -37,6 +37,7 @@ ProgramOrder order_in(Arguments& arguments) {
   order.axis = arguments.axis("axis");
   order.sense = sense_in(arguments);
   order.instrument = instrument_in(arguments);
+  order.reversed = arguments.zero_or_one("reversed");
   order.trace = arguments.word("trace");
   order.trace_period_s = arguments.number_or("trace_period", order.trace_period_s);
   order.date = arguments.word("date");

@@ -62,12 +62,15 @@ double range_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *greatest - *least;
 }
 
+/// A constant: it shifts the zero of a table, which counts from the reference position anyway.
+bool is_zero(const EffectInstance& effect) { return effect.traits().is_usual && effect.traits().shows_at_zero; }
+
 /// A table takes effects that collide with one another only, for their sum is determined.
 std::vector<Problem> undetermined_beside_others(const Model& fitted,
                                                 const std::vector<const EffectInstance*>& carried) {
   std::vector<Problem> problems;
   for (const EffectInstance* effect : carried) {
-    if (!effect->undetermined) continue;
+    if (!effect->undetermined || is_zero(*effect)) continue;
     std::vector<std::string> outside = *effect->undetermined;
     std::erase_if(outside, [&](const std::string& name) {
       const auto is_named = [&](const EffectInstance& one) { return to_text(one) == name; };

@@ -19,6 +19,9 @@ struct PairSeparation {
   double sigma = 0.0;  ///< that the run adds to what the present readings say
 };
 
+/// The condition of a run that differs by that.
+inline constexpr const char* kTurnedOver = "with the square or straight edge turned over";
+
 /// One run as a person sets it up. Positions in machine coordinates.
 struct MeasurementProposal {
   std::string condition;  ///< what differs from the present set-up, in words: "as now", "at a quarter of the feed", …
@@ -43,6 +46,7 @@ struct MeasurementProposal {
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
   std::optional<double> pressure_hPa, humidity_pct, load_kg;
   std::optional<bool> compensated;    ///< absent: no map is known
+  bool against_square = false;        ///< an indicator against a square nulled along the axis of the sense
   std::optional<bool> reversed;       ///< the artefact turned over, column `reversed`; absent: the data have none
   double wait_minutes = 0.0;          ///< until the condition holds
   double set_up_minutes = 5.0;        ///< work before the first reading

@@ -103,7 +103,8 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   now.humidity_pct = last_of(data.humidity_pct, rows);
   if (const auto column = data.extras.find("set_up"); column != data.extras.end())
     now.set_up = static_cast<int>(last_of(column->second, rows).value_or(1.0));
-  if (const auto column = data.extras.find("reversed"); column != data.extras.end())
+  const bool against_artefact = !is_rotation(sense) && direction_of(sense) != axis;
+  if (const auto column = data.extras.find("reversed"); against_artefact && column != data.extras.end())
     now.reversed = last_of(column->second, rows).value_or(0.0) != 0.0;
   for (const auto& [sensor, column] : data.sensors_degC)
     if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
@@ -226,7 +227,7 @@ class Conditions {
         p.set_up_minutes += times_.map_minutes;
       });
     if (now_.reversed)
-      add("with the square or straight edge turned over", [&](MeasurementProposal& p) {
+      add(kTurnedOver, [&](MeasurementProposal& p) {
         p.reversed = !*now_.reversed;
         p.set_up_minutes += times_.align_minutes;
       });

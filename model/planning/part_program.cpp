@@ -73,8 +73,11 @@ class ProgramWriter {
     for (const Axis a : kAllAxes)
       if (a != plan_.axis && machine_.axes[index_of(a)])
         where += fmt::format(" {} {} mm", letter_of(a), word(plan_.parked_mm[index_of(a)]));
-    note(fmt::format("  optics for {} on the line with{}", name_of(plan_.sense),
-                     where.empty() ? " the other axes as now" : where));
+    const std::string instrument = plan_.against_square
+                                       ? fmt::format("indicator for {} against a square nulled along {},",
+                                                     name_of(plan_.sense), letter_of(direction_of(plan_.sense)))
+                                       : fmt::format("optics for {}", name_of(plan_.sense));
+    note(fmt::format("  {} on the line with{}", instrument, where.empty() ? " the other axes as now" : where));
     if (plan_.new_set_up)
       note(fmt::format("  align the beam and reset anew, optics close together; write set_up = {}", plan_.set_up));
     if (plan_.reversed)

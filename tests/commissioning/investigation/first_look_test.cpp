@@ -43,5 +43,26 @@ TEST_CASE("a model names its lines; positioning of the axes that it does not spe
   CHECK(lines_of_model({}, machine).size() == 2);
 }
 
+TEST_CASE("a squareness is looked at along its second axis, against a square; the artefact lies as it was first") {
+  params::Machine machine = one_axis_machine();
+  machine.axes[1] = machine.axes[0];
+  model::EffectInstance squareness;
+  squareness.id = model::effect_named("squareness");
+  squareness.code = Component::C0Y;
+  squareness.axis = Axis::Y;
+  model::Model model;
+  model.effects = {squareness};
+  const auto lines = lines_of_model(model, machine);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front() == InvestigatedLine{Axis::Y, Sense::EX, true});
+  const auto look = first_look(lines.front(), machine, workshop_times());
+  CHECK(look.reversed == false);
+  CHECK(look.sentence.find("Measure EX along Y against a square, first look") == 0);
+  CHECK_FALSE(first_look({Axis::X, Sense::EX}, machine, workshop_times()).reversed.has_value());
+  const auto turned = look_turned_over(look, workshop_times());
+  CHECK(turned.reversed == true);
+  CHECK(turned.set_up_minutes == doctest::Approx(4.0));
+}
+
 }  // namespace
 }  // namespace ecs::commissioning

@@ -31,6 +31,20 @@ TEST_CASE("a second run of a line has a zero of its own, which is no part of the
   CHECK(without_zeros(with).effects == usual_model().effects);
 }
 
+TEST_CASE("a straight edge has a slope of its own in each run, a square only a zero") {
+  model::MeasurementProposal run = a_run();
+  run.sense = Sense::EY;
+  const auto zero_of_second = [&](bool against_square) {
+    InvestigationReadings readings(model::Model{});
+    for (const unsigned seed : {1U, 2U}) {
+      readings.add(made_readings(run, slope_only, 0.01, seed, 0.0), 5.0, against_square);
+    }
+    return readings.model_with_zeros().effects.back().user.size();
+  };
+  CHECK(zero_of_second(false) == 2);
+  CHECK(zero_of_second(true) == 1);
+}
+
 TEST_CASE("rows, runs and times of a later run are numbered on") {
   InvestigationReadings readings(usual_model());
   readings.add(made_readings(a_run(), slope_only, 0.0, 1, 0.0), 0.0);

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include "controllers/tables.hpp"
+#include "params/parameters_toml.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -16,9 +18,9 @@ const std::string kInvestigation = "samples/investigation/";
 /// The emulator of the sample with its workshop, until the end of the test.
 class ServedSample {
  public:
-  ServedSample() {
-    process_ = started({kEmulator, "serve", "--machine", kInvestigation + "machine.toml", "--workshop", workshop,
-                        "--mode", "integrate", "--with-parent"},
+  explicit ServedSample(std::string sample = kInvestigation) : sample_(std::move(sample)) {
+    process_ = started({kEmulator, "serve", "--machine", sample_ + "machine.toml", "--workshop", workshop, "--mode",
+                        "integrate", "--with-parent"},
                        folder / "ready.json");
     constexpr int kLooks = 400;
     for (int i = 0; i < kLooks && content_of(folder / "ready.json").empty(); ++i)
@@ -31,9 +33,9 @@ class ServedSample {
   [[nodiscard]] Ran investigate(const std::string& minutes, std::vector<std::string> more = {}) const {
     std::vector<std::string> words{"model",
                                    "investigate",
-                                   kInvestigation + "model.toml",
+                                   sample_ + "model.toml",
                                    "--machine",
-                                   kInvestigation + "machine.toml",
+                                   sample_ + "machine.toml",
                                    "--workshop",
                                    workshop,
                                    "--minutes",
@@ -46,6 +48,7 @@ class ServedSample {
   std::string workshop = folder / "shop";
 
  private:
+  std::string sample_;
   pid_t process_ = -1;
 };
 
@@ -65,6 +68,31 @@ TEST_CASE("the cause that the machine hides is found, added, compensated and mea
   CHECK(answer["minutes"].get<double>() < 0.6 * answer["programme_minutes"].get<double>());
   CHECK(content_of(found).find("cyclic") != std::string::npos);
   CHECK(content_of(found).find("zero") == std::string::npos);
+}
+
+TEST_CASE("square and straight edge are turned over: what is theirs is named and no part of the machine") {
+  const ServedSample served("samples/artefacts/");
+  const std::string found = served.folder / "found.toml";
+  const Ran investigated = served.investigate("600", {"-o", found, "--json"});
+  REQUIRE_MESSAGE(investigated.code == 0, investigated.all());
+  const auto answer = investigated.json();
+  std::vector<std::string> names;
+  for (const auto& cause : answer["causes"]) {
+    names.push_back(cause["name"]);
+    if (names.back() == "artefact_angle:Y:EX")
+      CHECK(cause["parameters"]["um_per_m"].get<double>() == doctest::Approx(12.0).epsilon(0.15));
+  }
+  std::sort(names.begin(), names.end());
+  CHECK(names == std::vector<std::string>{"artefact_angle:Y:EX", "artefact_form:X:EY", "progressive:X:EY"});
+  CHECK(answer["rms_before_um"].get<double>() > 3.0);
+  CHECK(answer["rms_compensated_um"].get<double>() < 1.5);
+  const std::string map = served.folder / "map.csv", parameters = served.folder / "parameters.toml";
+  REQUIRE(ran({"map", "build", "--from-model", found, "--machine", "samples/artefacts/machine.toml", "--zero-missing",
+               "test", "-o", map, "--params-out", parameters})
+              .code == 0);
+  const auto kept = params::read_parameters(parameters);
+  REQUIRE(kept.has_value());
+  CHECK(controllers::squareness_of(kept->parameters)[index_of(Component::C0Y)] == doctest::Approx(35.0).epsilon(0.06));
 }
 
 TEST_CASE("the ledger is a table that a person can follow") {
