@@ -81,13 +81,13 @@ Result<FleetResult> diagnosed(const MachineSet& set, const std::string& hash, st
   model::DiagnoseOptions options;
   options.noise_replicates = noise_replicates;
   options.cancelled = cancelled;
-  const auto diagnosis = model::diagnose(work->model, work->data, options);
-  if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), set.data));
-  FleetResult result{set.id, hash, std::string(name_of(diagnosis->verdict)), {}, set.type, set.batch, 0.0, {}, false};
-  for (const model::Candidate& candidate : diagnosis->candidates)
-    if (candidate.named)
-      result.causes.push_back(
-          {to_text(candidate.effect), candidate.probability, candidate.e_value, candidate.false_naming});
+  options.p_values = true;
+  const auto names = model::named_causes(work->model, work->data, options);
+  if (!names) return tl::unexpected(in_file(names.error(), set.data));
+  FleetResult result{set.id, hash,          std::string(name_of(names->verdict)), {}, set.type, set.batch, 0.0, {},
+                     false,  names->p_value};
+  for (const model::NamedCause& cause : names->causes)
+    result.causes.push_back({cause.name, cause.probability, cause.e_value, cause.false_naming, cause.p_value});
   return result;
 }
 

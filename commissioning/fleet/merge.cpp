@@ -11,11 +11,19 @@
 namespace ecs::commissioning {
 namespace {
 
-/// e-value of the machine: the largest of its causes.
-double e_value_of(const FleetResult& result) {
-  double largest = 0.0;
-  for (const FleetCause& cause : result.causes) largest = std::max(largest, cause.e_value.value_or(0.0));
-  return largest;
+/// Nothing where neither the results nor an e-value say it.
+std::optional<double> p_value_of(const FleetCause& cause) {
+  if (cause.p_value) return cause.p_value;
+  if (cause.e_value) return 1.0 / std::max(1.0, *cause.e_value);
+  return std::nullopt;
+}
+
+double p_value_of(const FleetResult& result) {
+  if (result.causes.empty()) return 1.0;
+  if (result.p_value) return *result.p_value;
+  double least = 1.0;
+  for (const FleetCause& cause : result.causes) least = std::min(least, p_value_of(cause).value_or(1.0));
+  return least;
 }
 
 /// ln n! without lgamma, which writes a global sign: tests of many groups may run beside a diagnosis.
@@ -132,16 +140,15 @@ std::vector<SharedCause> shared_causes(const std::vector<FleetResult>& results,
 
 }  // namespace
 
-std::vector<double> e_bh_q_values(const std::vector<double>& e_values) {
-  std::vector<std::size_t> order(e_values.size());
+std::vector<double> q_values_of(const std::vector<double>& p_values) {
+  std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return e_values[a] > e_values[b]; });
-  const auto all = static_cast<double>(e_values.size());
-  std::vector<double> q(e_values.size(), 1.0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  const auto all = static_cast<double>(p_values.size());
+  std::vector<double> q(p_values.size(), 1.0);
   double least = 1.0;
   for (std::size_t k = order.size(); k-- > 0;) {
-    const double e = e_values[order[k]];
-    if (e > 0.0) least = std::min(least, all / (static_cast<double>(k + 1) * e));
+    least = std::min(least, all * p_values[order[k]] / static_cast<double>(k + 1));
     q[order[k]] = least;
   }
   return q;
@@ -153,35 +160,37 @@ double shared_by_chance(std::size_t all, std::size_t with_cause, std::size_t dra
 
 FleetNames fleet_names(const std::vector<FleetResult>& results, double rate) {
   FleetNames names;
-  std::vector<double> e_values;
+  std::vector<double> p_values;
   std::vector<const FleetResult*> answered;
   for (const FleetResult& result : results) {
     if (!result.error.empty()) continue;
     answered.push_back(&result);
-    e_values.push_back(e_value_of(result));
+    p_values.push_back(p_value_of(result));
     if (result.verdict == "unexplained_structure") names.unexplained.push_back(result.id);
   }
   names.machines = answered.size();
-  const std::vector<double> q = e_bh_q_values(e_values);
-  const auto rejected = static_cast<double>(std::count_if(q.begin(), q.end(), [&](double one) { return one <= rate; }));
+  const std::vector<double> q = q_values_of(p_values);
+  const auto rejected =
+      std::max<std::ptrdiff_t>(1, std::count_if(q.begin(), q.end(), [&](double one) { return one <= rate; }));
+  const double tests_a_name = static_cast<double>(answered.size()) / static_cast<double>(rejected);
   std::vector<std::pair<double, NamedMachine>> named;
-  for (std::size_t i = 0; i < answered.size(); ++i)
-    for (const FleetCause& cause : answered[i]->causes) {
-      NamedMachine one{answered[i]->id, cause.name, std::nullopt, answered[i]->type, answered[i]->batch};
-      if (cause.e_value) {
-        one.q_value = q[i];
-        if (*cause.e_value < e_values[i]) {  // not the machine's first
-          const double level = std::max(1.0, rejected) * *cause.e_value;
-          one.q_value = std::max(q[i], level > 0.0 ? std::min(1.0, static_cast<double>(answered.size()) / level) : 1.0);
-        }
-      }
+  for (std::size_t i = 0; i < answered.size(); ++i) {
+    const std::vector<FleetCause>& causes = answered[i]->causes;
+    const auto surest = std::min_element(causes.begin(), causes.end(), [](const FleetCause& a, const FleetCause& b) {
+      return p_value_of(a).value_or(2.0) < p_value_of(b).value_or(2.0);
+    });
+    for (auto cause = causes.begin(); cause != causes.end(); ++cause) {
+      NamedMachine one{answered[i]->id, cause->name, std::nullopt, answered[i]->type, answered[i]->batch};
+      const std::optional<double> p = p_value_of(*cause);
+      if (p) one.q_value = cause == surest ? q[i] : std::max(q[i], std::min(1.0, tests_a_name * *p));
       if (one.q_value && *one.q_value <= rate)
-        named.emplace_back(*cause.e_value, std::move(one));
+        named.emplace_back(*p, std::move(one));
       else
         names.unconfirmed.push_back(std::move(one));
     }
-  std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (auto& [e_value, one] : named) names.named.push_back(std::move(one));
+  }
+  std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [p_value, one] : named) names.named.push_back(std::move(one));
   names.groups = shared_causes(results, names.named);
   return names;
 }

@@ -12,10 +12,11 @@
 
 namespace ecs::commissioning {
 
-/// q-values of e-values, one hypothesis each: the smallest rate at which the e-BH procedure rejects it (Wang and Ramdas
-/// 2022, J. R. Statist. Soc. B 84, 822). At most that share of the rejected ones is false on average, however the
-/// e-values depend on one another.
-[[nodiscard]] std::vector<double> e_bh_q_values(const std::vector<double>& e_values);
+/// q-values of p-values, one hypothesis each: the smallest rate at which the procedure of Benjamini and Hochberg (1995,
+/// J. R. Statist. Soc. B 57, 289) rejects it. At most that share of the rejected ones is false on average, if the
+/// p-values of the true hypotheses are independent of one another and of the others, or depend positively on each
+/// (Benjamini and Yekutieli 2001, Annals of Statistics 29, 1165).
+[[nodiscard]] std::vector<double> q_values_of(const std::vector<double>& p_values);
 
 /// Chance that of `drawn` machines at least `hits` have a cause that `with_cause` of `all` have: the upper tail of the
 /// hypergeometric law (Fisher's exact test, one-sided). @pre drawn, with_cause <= all
@@ -24,7 +25,7 @@ namespace ecs::commissioning {
 struct NamedMachine {
   std::string id;
   std::string cause;
-  std::optional<double> q_value;  ///< absent: no e-value, so nothing can be said of many machines
+  std::optional<double> q_value;  ///< absent: no evidence that counts among many machines
   std::string type, batch;
 };
 
@@ -49,10 +50,10 @@ struct FleetNames {
   std::vector<SharedCause> groups;        ///< by rising p_holm
 };
 
-/// The hypothesis of a machine: its readings are what its model says, and noise. Its e-value is the largest of its
-/// named causes; each is divided by the number of candidates tried, so that the largest is no larger than their mean. A
-/// machine without names has the e-value 0. A further cause of a named machine counts where its own e-value reaches the
-/// level at which machines are named.
+/// The hypothesis of a machine: its readings are what its model says, and noise. Its p-value is that of its results;
+/// one without names has the p-value 1, whatever its readings: that makes no p-value smaller. Where older results have
+/// none it is 1/e of the largest e-value (Markov). Of the causes of a named machine the surest is named, a further one
+/// where its own p-value is as small as a machine's must be.
 /// @param results  one a machine; those with errors take no part  @param rate  of false discoveries, 0 … 1
 [[nodiscard]] FleetNames fleet_names(const std::vector<FleetResult>& results, double rate);
 

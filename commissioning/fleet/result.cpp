@@ -28,10 +28,12 @@ std::string to_line(const FleetResult& result) {
     causes.push_back({{"name", cause.name},
                       {"probability", number_or_null(cause.probability)},
                       {"e_value", number_or_null(cause.e_value)},
-                      {"false_naming", number_or_null(cause.false_naming)}});
+                      {"false_naming", number_or_null(cause.false_naming)},
+                      {"p_value", number_or_null(cause.p_value)}});
   return one_line({{"id", result.id},
                    {"hash", result.hash},
                    {"verdict", result.verdict},
+                   {"p_value", number_or_null(result.p_value)},
                    {"causes", std::move(causes)},
                    {"type", text_or_null(result.type)},
                    {"batch", text_or_null(result.batch)},
@@ -52,6 +54,7 @@ std::optional<FleetResult> result_in(std::string_view line) {
   result.type = word_or_none(object, "type");
   result.batch = word_or_none(object, "batch");
   result.processor_s = number_or_none(object, "processor_s").value_or(0.0);
+  result.p_value = number_or_none(object, "p_value");
   const auto causes = object.find("causes");
   if (causes == object.end() || !causes->is_array()) return std::nullopt;
   for (const Json& one : *causes) {
@@ -61,6 +64,7 @@ std::optional<FleetResult> result_in(std::string_view line) {
     cause.probability = number_or_none(one, "probability").value_or(0.0);
     cause.e_value = number_or_none(one, "e_value");
     cause.false_naming = number_or_none(one, "false_naming").value_or(1.0);
+    cause.p_value = number_or_none(one, "p_value");
     result.causes.push_back(std::move(cause));
   }
   return result;

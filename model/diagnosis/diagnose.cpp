@@ -57,6 +57,7 @@ struct RankedCandidate {
   std::vector<Choice> values{};  ///< of the searched parameter that fit as well
   std::optional<double> e_value{};
   bool denied = false;
+  double p_value = 1.0, p_value_alone = 1.0;
 };
 
 /// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
@@ -95,8 +96,17 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
       members.push_back({to_text(member), shares[i], place_text(member)});
       probability_in[g].try_emplace(members.back().name, shares[i]);
     }
-    RankedCandidate one{instance(group.member),           group.member, named,         {},          shares.front(),
-                        credible_set(std::move(members)), group.values, group.e_value, group.denied};
+    RankedCandidate one{instance(group.member),
+                        group.member,
+                        named,
+                        {},
+                        shares.front(),
+                        credible_set(std::move(members)),
+                        group.values,
+                        group.e_value,
+                        group.denied,
+                        group.p_value,
+                        group.p_value_alone};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
     list.push_back(std::move(one));
   }
@@ -150,22 +160,27 @@ struct ReportInput {
   const Model& model;
   const Regressors& regressors;
   const Base& base;
-  const VectorXd before;            ///< what the model leaves: told_residual()
   const std::vector<OwnTerm>& own;  ///< where the solution has them
   const LinearProblem problem;      ///< of the model with them
   const Found& found;
   const DiagnoseOptions& options;
 };
 
-Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const Whitener& whitener,
-                       const Parts& parts, const FittedWith& after, double held_out_before, bool prove) {
+double false_naming_of(const Found& found, const Choice& choice) {
+  const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
+  return std::max(least, tail_probability(found.replicate_scores, choice.score()));
+}
+
+Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const VectorXd& before,
+                       const Whitener& whitener, const Parts& parts, const FittedWith& after, double held_out_before,
+                       bool prove) {
   Candidate candidate;
   candidate.effect = ranked.effect;
   candidate.named = ranked.named;
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
   const VectorXd left = residual_with(in.model, {ranked.effect, ranked.choice}, problem, whitener, in.regressors.data(),
                                       in.options.plain);
-  const TrialNumbers numbers = trial_numbers(in.before, left, after);
+  const TrialNumbers numbers = trial_numbers(before, left, after);
   candidate.rms_after_um = numbers.rms_after_um;
   candidate.explained = numbers.explained;
   candidate.kept_rms_before_um = numbers.kept_rms_before_um;
@@ -179,8 +194,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
       probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, after.noise.pure.dof)));
-  const double least = 1.0 / (static_cast<double>(in.found.replicate_scores.size()) + 1.0);  // they show no less
-  candidate.false_naming = std::max(least, tail_probability(in.found.replicate_scores, ranked.choice.score()));
+  candidate.false_naming = false_naming_of(in.found, ranked.choice);
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
   candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.problem.columns.cols());
   if (prove) {
@@ -332,21 +346,44 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
                     held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
 }
 
+/// The verdict, and the candidates in their order with those that it names.
+struct Answer {
+  Verdict verdict = Verdict::adequate;
+  std::vector<RankedCandidate> order;
+};
+Answer answer_of(const ReportInput& in) {
+  Answer answer{verdict_of(in.found, in.options), {}};
+  answer.order = ranked_candidates(in.found, answer.verdict == Verdict::missing_effect);
+  if (answer.verdict == Verdict::unexplained_structure && !in.found.groups.empty() &&
+      explains_most(in, answer.order.front())) {
+    answer.verdict = Verdict::partly_explained;
+    answer.order.front().named = true;
+  }
+  return answer;
+}
+
+Result<NamedCauses> names_alone(const ReportInput& in) {
+  const Answer answer = answer_of(in);
+  NamedCauses names{answer.verdict, {}, 1.0};
+  for (const RankedCandidate& ranked : answer.order) {
+    if (!ranked.named) continue;
+    names.causes.push_back({to_text(ranked.effect), ranked.probability, ranked.e_value,
+                            false_naming_of(in.found, ranked.choice), ranked.p_value});
+    names.p_value = std::min(names.p_value, ranked.p_value_alone);
+  }
+  return names;
+}
+
 Result<Diagnosis> reported(const ReportInput& in) {
   const Observations& data = in.regressors.data();
+  const VectorXd before = told_residual(in.model, data, in.options.plain, in.base.residual);
   Diagnosis diagnosis;
   diagnosis.observations = data.size();
-  diagnosis.rms_um = rms_of(in.before);
-  diagnosis.verdict = verdict_of(in.found, in.options);
+  diagnosis.rms_um = rms_of(before);
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
-
-  std::vector<RankedCandidate> order = ranked_candidates(in.found, diagnosis.verdict == Verdict::missing_effect);
-  if (diagnosis.verdict == Verdict::unexplained_structure && !in.found.groups.empty() &&
-      explains_most(in, order.front())) {
-    diagnosis.verdict = Verdict::partly_explained;
-    order.front().named = true;
-  }
+  const auto [verdict, order] = answer_of(in);
+  diagnosis.verdict = verdict;
   diagnosis.own_terms = in.own;
   std::vector<FoundEffect> named;
   for (const RankedCandidate& ranked : order)
@@ -366,7 +403,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const double held_out_before =
       order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.problem.columns, in.problem.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    Candidate candidate = candidate_of(in, order[i], whitener, parts, *with, held_out_before, i < kMostProved);
+    Candidate candidate = candidate_of(in, order[i], before, whitener, parts, *with, held_out_before, i < kMostProved);
     candidate.found = i < in.found.groups.size();
     if (candidate.named) {  // named ones are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
@@ -379,7 +416,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   }
   const auto joint = joint_proof(in, order, *with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
-  diagnosis.where = dependences(data, in.before, noise, in.found.before);
+  diagnosis.where = dependences(data, before, noise, in.found.before);
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy)
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   diagnosis.notes = untried_effects(data);
@@ -413,43 +450,57 @@ std::string_view name_of(Verdict verdict) {
 
 namespace {
 
-Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const DiagnoseOptions& options) {
-  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
-  const Regressors regressors(data);
-  const auto base = base_of(model, regressors, options.plain, nullptr);
-  if (!base) return tl::unexpected(base.error());
-  if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare)
-    return too_few(data, *base);
-  const auto report = [&](const Found& found) {
+/// Searches the readings, of large sets an even choice.
+/// @param answer  from a ReportInput about all readings
+template <class Answered>
+Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), const Model& model,
+                              const Regressors& regressors, const Base& base, const DiagnoseOptions& options) {
+  const Observations& data = regressors.data();
+  const auto from = [&](const Found& found) {
     std::vector<OwnTerm> own;
     for (const Choice& term : found.solution.own)
-      own.push_back({base->own[term.family - found.candidates_tried], term.nonlinear});
-    return reported({model, regressors, *base, told_residual(model, data, options.plain, base->residual), own,
-                     problem_with_own(model, *base, regressors, own), found, options});
+      own.push_back({base.own[term.family - found.candidates_tried], term.nonlinear});
+    return answer({model, regressors, base, own, problem_with_own(model, base, regressors, own), found, options});
   };
   if (data.size() <= options.largest_search)
-    return report(searched(model, regressors, *base, all_candidates(model, regressors), options));
-
+    return from(searched(model, regressors, base, all_candidates(model, regressors), options));
   const Observations part = searched_part(data, options.largest_search);
   const Regressors part_regressors(part);
   const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
   if (!part_base) return tl::unexpected(part_base.error());
-  auto diagnosis =
-      report(searched(model, part_regressors, *part_base, all_candidates(model, part_regressors), options));
-  if (diagnosis)
-    diagnosis->notes.push_back(
-        fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}", part.size(), data.size()));
-  return diagnosis;
+  return from(searched(model, part_regressors, *part_base, all_candidates(model, part_regressors), options));
+}
+
+/// @param few  what is said where there are too few readings to say anything
+template <class Answered, class Few>
+Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
+                           const Observations& data, const DiagnoseOptions& options) {
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
+  try {
+    const Regressors regressors(data);
+    const auto base = base_of(model, regressors, options.plain, nullptr);
+    if (!base) return tl::unexpected(base.error());
+    if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare) return few(*base);
+    return searched_and(answer, model, regressors, *base, options);
+  } catch (const SearchStopped&) {
+    return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
+  }
 }
 
 }  // namespace
 
 Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
-  try {
-    return diagnosed(model, data, options);
-  } catch (const SearchStopped&) {
-    return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
-  }
+  auto diagnosis = diagnosed<Diagnosis>(
+      reported, [&](const Base& base) { return too_few(data, base); }, model, data, options);
+  if (diagnosis && diagnosis->candidates_tried > 0 && data.size() > options.largest_search)
+    diagnosis->notes.push_back(fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}",
+                                           searched_part(data, options.largest_search).size(), data.size()));
+  return diagnosis;
+}
+
+Result<NamedCauses> named_causes(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+  return diagnosed<NamedCauses>(
+      names_alone, [](const Base&) { return NamedCauses{}; }, model, data, options);
 }
 
 }  // namespace ecs::model

@@ -33,6 +33,7 @@ struct DiagnoseOptions {
   std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all
   bool plain = false;                            ///< no outliers
   const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread: `refused`, soon; null: nobody stops it
+  bool p_values = false;                         ///< also p_value.hpp of each effect found
 };
 
 /// A member of a credible set.
@@ -111,5 +112,22 @@ struct Diagnosis {
 /// Refuses data without readings, a model that cannot act on them, and a flag that was set.
 [[nodiscard]] Result<Diagnosis> diagnose(const Model& model, const Observations& data,
                                          const DiagnoseOptions& options = {});
+
+/// A cause that a diagnosis names, as one machine of many needs it.
+struct NamedCause {
+  std::string name;  ///< "effect:axis:sense-or-code"
+  double probability = 0.0;
+  std::optional<double> e_value;  ///< as of Candidate
+  double false_naming = 1.0;
+  double p_value = 1.0;  ///< beside the other causes
+};
+struct NamedCauses {
+  Verdict verdict = Verdict::adequate;
+  std::vector<NamedCause> causes;
+  double p_value = 1.0;  ///< that nothing is missing: the least of the causes, each alone beside the model
+};
+/// What diagnose() names, without the fits, proofs and words for those who read it: they are most of its time.
+[[nodiscard]] Result<NamedCauses> named_causes(const Model& model, const Observations& data,
+                                               const DiagnoseOptions& options = {});
 
 }  // namespace ecs::model

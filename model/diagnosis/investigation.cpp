@@ -8,6 +8,7 @@
 
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/noise_level.hpp"
+#include "model/diagnosis/p_value.hpp"
 #include "model/diagnosis/wander.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
@@ -144,12 +145,46 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
   }
   if (found.groups.empty()) return;
   const LinearProblem all = joined(base, search, found.solution);
-  const bool wanders = is_wandering(regressors.data(), found.noise, found.left_out, all.columns, all.target);
+  found.wander_is_evident = is_wandering(regressors.data(), found.noise, found.left_out, all.columns, all.target);
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     std::optional<double>& e_value = found.groups[i].e_value;
-    if (wanders || may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
+    if (found.wander_is_evident || may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
       e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
     if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
+  }
+}
+
+/// Tests that a family is one of: every candidate, at every value tried, with every set of its columns.
+double tests_of(const Family& family, std::size_t candidates) {
+  const EffectDefinition& definition = family.effect.definition();
+  const std::size_t sets = definition.traits.is_curve
+                               ? definition.column_count()
+                               : std::max(definition.column_sets.size(), definition.column_sets_elsewhere.size());
+  return static_cast<double>(candidates) * static_cast<double>(family.grid.size() + family.facts.size()) *
+         static_cast<double>(std::max<std::size_t>(sets, 1));
+}
+
+/// p-values of the effects found. An effect is tested at the best of the values tried, not at one sought nearby. Where
+/// a wander is evident noise alone is no hypothesis, and a formula begins where the readings are fitted best: there the
+/// e-value stands for the p-value (Markov).
+void state_p_values(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
+  const auto p_value_beside = [&](const Solution& rest, const Group& group) {
+    const Family& family = found.families[group.member.family];
+    if (found.wander_is_evident || family.effect.is_user()) return 1.0 / std::max(1.0, group.e_value.value_or(1.0));
+    const std::vector<Choice> values = search.peaks_of(rest.space, group.member.family);
+    if (values.empty()) return 1.0;
+    const Columns columns = search.columns_of(values.front());
+    const LinearProblem without = joined(base, search, rest);
+    return p_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
+                      columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of,
+                      tests_of(family, found.candidates_tried));
+  };
+  for (std::size_t i = 0; i < found.groups.size(); ++i) {
+    Group& group = found.groups[i];
+    group.p_value_alone = p_value_beside(search.alone(), group);
+    group.p_value = found.groups.size() < 2
+                        ? group.p_value_alone
+                        : p_value_beside(search.solution(others(found.solution.chosen, i), found.solution.own), group);
   }
 }
 
@@ -383,6 +418,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.closest = search.expand(alone, kClosest);
     } else {
       judge(regressors, base, search, whitener, noise_freedom, found);
+      if (options.p_values) state_p_values(regressors, base, search, found);
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }

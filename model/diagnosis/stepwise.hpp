@@ -29,6 +29,8 @@ struct Group {
   std::vector<Choice> values;
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
+  double p_value = 1.0;           ///< p_value.hpp, beside the other effects of the solution
+  double p_value_alone = 1.0;     ///< the same beside the model
 };
 /// One group per effect of the solution, in its order.
 [[nodiscard]] std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score);

@@ -22,7 +22,7 @@ struct FleetMergeArguments : VerbArguments {
 };
 
 Cell q_value_cell(const std::optional<double>& q) {
-  return {number_or_null(q), q ? fmt::format("{:.1e}", *q) : "no e-value"};
+  return {number_or_null(q), q ? fmt::format("{:.1e}", *q) : "no evidence"};
 }
 
 Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {

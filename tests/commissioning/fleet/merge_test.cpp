@@ -18,33 +18,27 @@ FleetResult with_cause(const std::string& id, const std::string& batch, const st
   return {id, "h", "missing_effect", {{cause, 0.9, e_value, 0.005}}, "mill", batch, 0.1, {}, false};
 }
 
-TEST_CASE("q-values of e-values are those of the e-BH procedure") {
-  const auto q = e_bh_q_values({20.0, 1.0, 100.0, 0.0});
-  CHECK(q[2] == Approx(4.0 / (1 * 100.0)));
-  CHECK(q[0] == Approx(4.0 / (2 * 20.0)));
-  CHECK(q[1] == 1.0);
-  CHECK(q[3] == 1.0);
-  const auto together = e_bh_q_values({10.0, 10.0});
-  CHECK(together[0] == Approx(0.1));
-  CHECK(together[1] == Approx(0.1));
+TEST_CASE("q-values are those of the procedure of Benjamini and Hochberg") {
+  const auto q = q_values_of({0.04, 0.9, 0.01, 0.05});
+  CHECK(q[2] == Approx(0.01 * 4.0 / 1.0));
+  CHECK(q[3] == Approx(0.05 * 4.0 / 3.0));
+  CHECK(q[0] == Approx(0.05 * 4.0 / 3.0));  // the third makes the second hold
+  CHECK(q[1] == Approx(0.9));
 }
 
-TEST_CASE(
-    "of the names that e-BH lets stand at most five per cent are false, with e-values that depend on each other") {
+TEST_CASE("of the names that stand at most five per cent are false where the p-values are valid") {
   std::mt19937_64 random(17);
-  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
   double share_sum = 0.0;
   constexpr int kTrials = 400, kMachines = 200, kChanged = 20;
   int found = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
-    const double common = normal(random);  // one laser for all
-    std::vector<double> e;
+    std::vector<double> p;
     for (int i = 0; i < kMachines; ++i) {
-      const double shift = i < kChanged ? 5.0 : 0.0;
-      const double z = std::sqrt(0.5) * common + std::sqrt(0.5) * normal(random) + shift;
-      e.push_back(std::exp(3.0 * z - 4.5));  // likelihood ratio: mean 1 without a shift
+      const double any = uniform(random);
+      p.push_back(i < kChanged ? std::pow(any, 16.0) : any);
     }
-    const auto q = e_bh_q_values(e);
+    const auto q = q_values_of(p);
     int named = 0, wrong = 0;
     for (int i = 0; i < kMachines; ++i)
       if (q[static_cast<std::size_t>(i)] <= 0.05) ++named, wrong += i >= kChanged ? 1 : 0;
@@ -62,7 +56,7 @@ TEST_CASE("the chance of a shared cause is that of Fisher's exact test") {
   CHECK(shared_by_chance(10, 10, 3, 3) == 1.0);
 }
 
-TEST_CASE("an e-value that is enough for one machine is not enough among a thousand") {
+TEST_CASE("results without p-values count by the inverse of their e-values, enough for one, not among a thousand") {
   std::vector<FleetResult> results{with_cause("odd", "b", "cyclic:X:EX", 150.0)};
   const FleetNames alone = fleet_names(results, 0.05);
   REQUIRE(alone.named.size() == 1);
@@ -74,7 +68,24 @@ TEST_CASE("an e-value that is enough for one machine is not enough among a thous
   CHECK(among.machines == 1000);
 }
 
-TEST_CASE("a machine without an answer takes no part, one without an e-value is not confirmed") {
+TEST_CASE("the p-value of a machine counts, that of a cause beside the others names a further one") {
+  FleetResult two = with_cause("m", "b", "scale", 1.0);
+  two.causes[0].p_value = 1e-12;
+  two.causes.push_back({"cyclic:X:EX", 0.9, 1e9, 0.005, 0.3});
+  two.p_value = 1e-5;
+  std::vector<FleetResult> results{two};
+  for (int i = 0; i < 99; ++i) results.push_back(healthy(fmt::format("{}", i), "mill", "b"));
+  const FleetNames names = fleet_names(results, 0.05);
+  REQUIRE(names.named.size() == 1);
+  CHECK(names.named[0].cause == "scale");
+  CHECK(*names.named[0].q_value == Approx(1e-5 * 100.0));
+  REQUIRE(names.unconfirmed.size() == 1);
+  CHECK(names.unconfirmed[0].cause == "cyclic:X:EX");
+  results[0].p_value = 1e-3;
+  CHECK(fleet_names(results, 0.05).named.empty());
+}
+
+TEST_CASE("a machine without an answer takes no part, one without any evidence is not confirmed") {
   FleetResult unread;
   unread.id = "gone";
   unread.error = "no such file";
