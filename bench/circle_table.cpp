@@ -1,9 +1,11 @@
 // Circular tests of emulated machines that hide one fault, and the share of them whose first cause is right.
-//   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show]
+//   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show] [--model [--lines]]
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
 // another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
-// with model/circle.
+// with model/circle. --model diagnoses by the library of the error model (`ecs model diagnose`) instead, with the same
+// names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the first;
+// seeds whose fault such a line would show as well are passed over.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +22,11 @@
 #include "laser/standards/circle_file.hpp"
 #include "laser/writers/circle_writer.hpp"
 #include "model/circle/diagnosis.hpp"
+#include "model/data/path_sets.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/model_file.hpp"
+#include "model/regression/candidates.hpp"
+#include "params/machine.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -35,6 +42,7 @@ struct HiddenCircle {
   std::string machine, errors;  ///< TOML
   CirclePlan plan;
   std::string cause;  ///< name that the diagnosis should give
+  std::string fault;  ///< as hidden: friction makes reversal spikes too
 };
 
 double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
@@ -112,6 +120,7 @@ HiddenCircle hidden_circle(std::uint64_t seed, bool second) {
   Drives drives;
   const std::size_t fault = one_of(random, kFaults.size());
   const double size_um = between(random, 1.0, 8.0);
+  hidden.fault = kFaults[fault];
   hidden.cause = hide_fault(kFaults[fault], size_um, random, hidden, drives);
   if (second) {
     const std::size_t next = (fault + 1 + one_of(random, kFaults.size() - 1)) % kFaults.size();
@@ -158,8 +167,99 @@ double rms_about_centre(const laser::CircleTest& test) {
 }
 
 struct Tally {
-  int cases = 0, right = 0, grouped = 0;
+  int cases = 0, right = 0, grouped = 0, wrong = 0;
 };
+
+/// A cause as the error model names it, in the words of the circle's faults: "backlash:X:EX" → "backlash:X".
+std::string fault_of(std::string_view effect, const std::string& plane) {
+  const auto parts = split(effect, ':');
+  const std::string id(parts.front()), axis(parts.size() > 1 ? parts[1] : ""), at(parts.size() > 2 ? parts[2] : "");
+  const bool own = at == "E" + axis;
+  if (id == "scale" && own) return "scale_mismatch:" + plane;
+  if (id == "squareness" || (id == "scale" && !own)) return "squareness:" + plane;
+  if (id == "servo_lag") return "servo_mismatch:" + plane;
+  if ((id == "progressive" || id == "sag") && !own) return "straightness:" + axis;
+  if (own && (id == "backlash" || id == "reversal_spike" || id == "cyclic")) return id + ":" + axis;
+  return std::string(effect);
+}
+
+/// What a diagnosis named, first alternatives included.
+struct Named {
+  std::string first = "none";
+  std::vector<std::string> alike{};  ///< that these readings cannot tell from it
+  std::string verdict{};
+  std::vector<std::string> notes{};  ///< where nothing is named: what was closest, and why
+};
+
+/// A line along an axis both ways, five runs of 21 targets, with lost motion and noise.
+void add_line(laser::MeasurementSet& set, Axis axis, double lost_um, double sigma_um, Random& random) {
+  constexpr double kFrom_mm[] = {50.0, 50.0, -380.0}, kStep_mm[] = {35.13, 20.17, 18.05};
+  for (int run = 1; run <= 5; ++run)
+    for (const int approach : {1, -1})
+      for (int i = 0; i <= 20; ++i) {
+        laser::Reading reading;
+        const int place = approach > 0 ? i : 20 - i;
+        reading.axis = axis;
+        reading.sense = static_cast<Sense>(axis);
+        reading.position_mm[index_of(axis)] = kFrom_mm[index_of(axis)] + kStep_mm[index_of(axis)] * place;
+        reading.approach = static_cast<Approach>(approach);
+        reading.run = run;
+        reading.error = 0.5 * lost_um * approach + sigma_um * random.normal();
+        set.readings.push_back(reading);
+      }
+}
+
+Result<Named> named_by_model(const laser::CircleTest& test, const std::filesystem::path& machine_file, bool lines,
+                             double sigma_um, Random& random) {
+  const auto machine = params::read_machine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  laser::MeasurementSet set = model::set_of_circle(test);
+  model::Model model;
+  if (lines) {
+    const double lost_um = 6.0 * sigma_um;
+    laser::MeasurementSet all;
+    for (const Axis axis : test.plane) add_line(all, axis, axis == test.plane[0] ? lost_um : 0.0, sigma_um, random);
+    for (laser::Reading& reading : set.readings) {
+      const model::Path path = *model::path_in(reading.text_extras.find(model::kPathColumn)->second);
+      const auto place = place_on(path, reading.position_mm, static_cast<int>(reading.approach));
+      const std::size_t u = index_of(test.plane[0]);
+      reading.error += 0.5 * lost_um * place.approach[u] * place.direction[u];
+      all.readings.push_back(reading);
+    }
+    set = std::move(all);
+  }
+  int row = 0;
+  for (laser::Reading& reading : set.readings) reading.row = ++row;
+  const auto data = model::observations_of(set, model, machine->machine);
+  model.effects = model::usual_effects(data);
+  const auto diagnosis = model::diagnose(model, data);
+  if (!diagnosis) return tl::unexpected(diagnosis.error());
+  Named named;
+  named.verdict = name_of(diagnosis->verdict);
+  const std::string plane = laser::plane_name(test.plane);
+  for (const model::Candidate& candidate : diagnosis->candidates) {
+    if (!candidate.named) continue;
+    const std::string fault = fault_of(to_text(candidate.effect), plane);
+    if (named.first != "none") {
+      named.verdict += " + " + to_text(candidate.effect);
+      continue;
+    }
+    named.first = fault;
+    named.verdict += " " + to_text(candidate.effect);
+    for (const std::string& rival : candidate.indistinguishable_from) named.alike.push_back(fault_of(rival, plane));
+  }
+  if (named.first == "none" && diagnosis->verdict != model::Verdict::adequate) {
+    for (const model::Candidate& candidate : diagnosis->candidates)
+      if (candidate.found)
+        named.notes.push_back(fmt::format("{} leaves {:.3f} of {:.3f} um, noise {:.3f} um, e-value {:.3g}",
+                                          place_text(candidate.effect), candidate.rms_after_um, diagnosis->rms_um,
+                                          diagnosis->noise.noise_um, candidate.e_value.value_or(-1.0)));
+    for (const model::Dependence& one : diagnosis->where)
+      named.notes.push_back(fmt::format("depends on {} ({:.2f})", one.variable, one.strength));
+    named.notes.insert(named.notes.end(), diagnosis->notes.begin(), diagnosis->notes.end());
+  }
+  return named;
+}
 
 }  // namespace
 
@@ -167,7 +267,7 @@ int main(int argc, char** argv) {
   long long first = 1, last = 20;
   double snr = 3.0, step_deg = 1.0;
   int runs = 2;
-  bool second = false, show = false, blank = false;
+  bool second = false, show = false, blank = false, by_model = false, lines = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--seeds" && i + 1 < argc) {
@@ -185,6 +285,8 @@ int main(int argc, char** argv) {
       second |= word == "--second";
       show |= word == "--show";
       blank |= word == "--blank";
+      by_model |= word == "--model";
+      lines |= word == "--lines";
     }
   }
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("ecs-circles-{}", first);
@@ -193,6 +295,8 @@ int main(int argc, char** argv) {
   Tally all;
   for (long long seed = first; seed <= last; ++seed) {
     HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second);
+    const bool on_lines = hidden.fault == "backlash" || hidden.fault == "scale" || hidden.fault == "cyclic";
+    if (lines && on_lines && !blank) continue;
     hidden.plan.step_deg = step_deg;
     const auto machine = folder / "machine.toml", errors = folder / "errors.toml";
     if (!write_file(machine, hidden.machine) || !write_file(errors, hidden.errors.empty() ? "\n" : hidden.errors))
@@ -207,6 +311,31 @@ int main(int argc, char** argv) {
       for (laser::CircleReading& reading : bare.readings) reading.deviation_um = 0.0;
     const double sigma_um = blank ? 1.0 : rms_about_centre(*clean) / snr;
     const laser::CircleTest test = with_noise(bare, sigma_um, runs, random);
+    if (by_model) {
+      const auto named = named_by_model(test, machine, lines, sigma_um, random);
+      if (!named) return fmt::print(stderr, "seed {}: {}\n", seed, to_text(named.error())), 3;
+      const bool among = std::find(named->alike.begin(), named->alike.end(), hidden.cause) != named->alike.end();
+      const bool right = blank ? named->first == "none" : named->first == hidden.cause || among;
+      Tally& tally = tallies[blank ? "blank" : hidden.fault];
+      for (Tally* one : {&tally, &all}) {
+        ++one->cases;
+        one->right += right;
+        one->grouped += right && !named->alike.empty();
+        one->wrong += !right && named->first != "none";
+      }
+      if (show || !right) {
+        fmt::print("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um: {}", seed, right ? "right" : "WRONG",
+                   laser::plane_name(hidden.plan.plane), hidden.cause, hidden.plan.radius_mm, hidden.plan.feed_mm_min,
+                   sigma_um, named->verdict);
+        for (const std::string& other : named->alike) fmt::print(" or {}", other);
+        fmt::print("\n");
+        if (show && !right) fmt::print("    hidden by {}\n{}", hidden.fault, hidden.errors);
+        if (show)
+          for (const std::string& note : named->notes) fmt::print("    {}\n", note);
+        std::fflush(stdout);
+      }
+      continue;
+    }
     std::array<std::vector<double>, 2> pitches;
     for (std::size_t i = 0; i < 2; ++i) pitches[i] = {kPitch_mm[index_of(hidden.plan.plane[i])]};
     const auto diagnosis = model::diagnose_circle(test, pitches);
@@ -230,8 +359,8 @@ int main(int argc, char** argv) {
   }
   std::filesystem::remove_all(folder);
   for (const auto& [name, tally] : tallies)
-    fmt::print("{:<16} {:>4} of {:>4} right, {} of them with others that cannot be told apart\n", name, tally.right,
-               tally.cases, tally.grouped);
+    fmt::print("{:<16} {:>4} of {:>4} right, {} of them with others that cannot be told apart{}\n", name, tally.right,
+               tally.cases, tally.grouped, by_model ? fmt::format("; {} wrongly named", tally.wrong) : "");
   fmt::print("all, SNR {:g}, seeds {}..{}: {} of {} ({:.1f} %)\n", snr, first, last, all.right, all.cases,
              100.0 * all.right / std::max(all.cases, 1));
 }

@@ -77,7 +77,8 @@ Markup directions_table(const ReportedModel& model) {
                      {"unit"}});
   for (const AfterDirection& one : model.directions) {
     const int decimals = decimals_for(one.predicted_um);
-    table.row({element("strong", name_of(one.sense)), text(std::string(1, letter_of(one.axis))),
+    table.row({element("strong", one.path.empty() ? std::string(name_of(one.sense)) : one.path),
+               text(one.path.empty() ? std::string(1, letter_of(one.axis)) : one.axes),
                text(direction_text(one.approach)), cell(one.now_um, decimals), cell(one.predicted_um, decimals),
                cell(one.achieved_um, decimals),
                cell(one.achieved_um && one.predicted_um > 0.0 ? std::optional(*one.achieved_um / one.predicted_um)

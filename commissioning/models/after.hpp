@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "model/fit/fit.hpp"
@@ -18,6 +19,8 @@ struct AfterDirection {
   std::optional<double> achieved_um;  ///< rms of the readings taken afterwards
   std::size_t readings = 0;           ///< before
   std::size_t readings_after = 0;     ///< measured again
+  std::string path{};                 ///< "circle XY": of readings along a path, by its first axis above; else ""
+  std::string axes{};                 ///< that move along the path
 };
 
 /// @param fit  of the model to `before`

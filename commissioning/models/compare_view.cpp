@@ -19,8 +19,8 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
     lack_of_fit.text.erase(0, comma + 2);
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
-      {{"sense", word_cell(name_of(d.sense))},
-       {"axis", word_cell(axis_json(d.axis, rotary))},
+      {{"sense", word_cell(d.path.empty() ? std::string(name_of(d.sense)) : d.path)},
+       {"axis", word_cell(d.path.empty() ? axis_json(d.axis, rotary) : d.axes)},
        {"approach", {d.approach, std::string(direction_text(d.approach))}},
        {"bias_um", number_cell(d.bias_um, 3)},
        {"rms_um", number_cell(d.rms_um, 3)},
@@ -43,8 +43,8 @@ Cell worst_cell(const Comparison& c) {
             fmt::format("\nworst places\n   row sense axis          {} dir  run   reading  residual\n", letters)};
   for (const model::WorstPlace& w : c.worst) {
     AnswerFields fields{{"row", integer_cell(w.row)},
-                        {"axis", word_cell(axis_json(w.axis, c.rotary))},
-                        {"sense", word_cell(name_of(w.sense))}};
+                        {"axis", word_cell(w.path.empty() ? axis_json(w.axis, c.rotary) : w.axes)},
+                        {"sense", word_cell(w.path.empty() ? std::string(name_of(w.sense)) : w.path)}};
     add_position(fields, w.position_mm, c.rotary);
     fields.insert(fields.end(), {{"approach", {w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")}},
                                  {"run", integer_cell(w.run)},

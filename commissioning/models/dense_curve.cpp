@@ -9,6 +9,7 @@
 
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/data/motions.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -49,7 +50,7 @@ std::optional<std::vector<double>> predicted_at(const LineReadings& line, const 
                                                 const std::vector<double>& places_mm) {
   std::vector<std::size_t> rows;
   for (const Share& share : shares) rows.push_back(share.row);
-  Observations at = subset(line.data, rows);
+  Observations at = without_paths(subset(line.data, rows));
   for (std::size_t i = 0; i < shares.size(); ++i) at.position_mm[i][index_of(line.axis)] = places_mm[shares[i].place];
   model::Model model;
   for (const EffectFit& one : effects) model.effects.push_back(one.effect);
@@ -71,7 +72,7 @@ std::vector<PlotPoint> summed(const LineReadings& line, const std::vector<Effect
 }
 
 bool acts_on(const model::EffectInstance& effect, const Observations& data, std::size_t k) {
-  if (effect.sense != data.sense[k]) return false;
+  if (effect.sense != data.sense[k] || data.on_path(k)) return false;
   if (effect.approach == model::ApproachMode::both) return true;
   return data.axis[k] == effect.axis && data.approach[k] == (effect.approach == model::ApproachMode::forward ? 1 : -1);
 }

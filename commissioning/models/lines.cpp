@@ -9,11 +9,11 @@
 namespace ecs::commissioning {
 
 std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
-  std::map<std::tuple<Sense, Axis, Vector3>, MeasuredLine> lines;
+  std::map<std::tuple<model::Channel, Axis, Vector3>, MeasuredLine> lines;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    Vector3 parked = data.position_mm[k];
-    parked[index_of(data.axis[k])] = 0.0;
-    MeasuredLine& line = lines[{data.sense[k], data.axis[k], parked}];
+    const Vector3 parked = data.parked_of(k);
+    MeasuredLine& line = lines[{data.channel(k), data.axis[k], parked}];
+    if (line.rows.empty()) line.path = data.path_name(k);
     line.axis = data.axis[k];
     line.sense = data.sense[k];
     line.rotary = data.rotary;
@@ -25,7 +25,20 @@ std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
   return list;
 }
 
+std::vector<double> places_along(const model::Observations& data, Axis axis) {
+  std::vector<double> x;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    x.push_back(data.on_path(k) ? data.along[k] : data.position_mm[k][index_of(axis)]);
+  return x;
+}
+
+std::string label_along(const model::Observations& data, const MeasuredLine& line) {
+  if (!line.path.empty()) return std::string(variable_along(data.path_of(line.rows.front())));
+  return fmt::format("{} position [{}]", data.letter(line.axis), data.position_unit());
+}
+
 std::string title_of(const MeasuredLine& line) {
+  if (!line.path.empty()) return line.path;
   const std::string text = fmt::format("{} along {}", name_of(line.sense), laser::letter_of(line.axis, line.rotary));
   std::vector<std::string> parked;
   for (const Axis a : kAllAxes)

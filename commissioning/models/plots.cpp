@@ -96,15 +96,10 @@ PlotSeries at_targets(const Drawn& drawn, const Values& y, int approach, const s
 /// The model of a fit along a line, also between its targets; at the targets alone where its waves are too many to see.
 PlotSeries model_curve(const Drawn& drawn, const Fit& fit, Axis axis, int approach, const std::string& name) {
   const LineReadings line = readings_of(drawn, axis, approach);
+  if (!line.rows.empty() && drawn.data.on_path(line.rows.front())) return curve(drawn, fit.predicted, approach, name);
   if (!can_be_seen(line, fit.effects)) return at_targets(drawn, fit.predicted, approach, name);
   PlotSeries series{name, line_mark(approach), dense_curve(line, fit.effects, dense_places(line, fit.effects))};
   return series.points.empty() ? curve(drawn, fit.predicted, approach, name) : series;
-}
-
-Values along(const Observations& data, Axis axis) {
-  Values x;
-  for (const Vector3& position : data.position_mm) x.push_back(position[index_of(axis)]);
-  return x;
 }
 
 /// A panel for the terminal: short names. @param model  null: means of the points as lines
@@ -113,12 +108,13 @@ PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const Sho
   std::vector<std::size_t> rows;
   for (const std::size_t k : line.rows)
     if (!shown.run || data.run[k] == *shown.run) rows.push_back(k);
-  const Values x = along(data, line.axis);
+  const Values x = places_along(data, line.axis);
   const Drawn drawn{data, rows, x};
-  PlotPanel panel{title,
-                  fmt::format("{} {}", data.letter(line.axis), data.position_unit()),
-                  is_rotation(line.sense) ? "um/m" : "um",
-                  {}};
+  PlotPanel panel{
+      title,
+      line.path.empty() ? fmt::format("{} {}", data.letter(line.axis), data.position_unit()) : label_along(data, line),
+      is_rotation(line.sense) ? "um/m" : "um",
+      {}};
   for (const int approach : kApproaches) {
     const bool means = shown.means && !shown.run;
     PlotSeries dots = means ? curve(drawn, points, approach, "") : readings(drawn, points, approach, "");
@@ -131,10 +127,6 @@ PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const Sho
                                  : curve(drawn, points, approach, name));
   }
   return panel;
-}
-
-std::string position_label(const Observations& data, Axis axis) {
-  return fmt::format("{} position [{}]", data.letter(axis), data.position_unit());
 }
 
 /// A column that is no position; empty where the data have none of that name.
@@ -164,6 +156,7 @@ struct Explained {
 PlotSeries explained_curve(const Drawn& drawn, const Fit& before, const Explained& explained, Axis axis, int approach,
                            const std::string& name) {
   const LineReadings line = readings_of(drawn, axis, approach);
+  if (!line.rows.empty() && drawn.data.on_path(line.rows.front())) return curve(drawn, explained.um, approach, name);
   if (!can_be_seen(line, explained.after.effects)) return at_targets(drawn, explained.um, approach, name);
   const Values places = dense_places(line, explained.after.effects);
   PlotSeries series{name, line_mark(approach), dense_curve(line, explained.after.effects, places)};
@@ -178,15 +171,14 @@ PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Expla
                            const std::string& title) {
   PlotFigure figure{title, {}, 2, false};
   for (const MeasuredLine& line : lines_worth_showing(data, explained != nullptr ? explained->um : fit.residual)) {
-    const Values x = along(data, line.axis);
+    const Values x = places_along(data, line.axis);
     const Drawn drawn{data, line.rows, x};
-    PlotPanel measured{
-        title_of(line), position_label(data, line.axis), fmt::format("error [{}]", unit_label(line.sense)), {}};
+    PlotPanel measured{title_of(line), label_along(data, line), fmt::format("error [{}]", unit_label(line.sense)), {}};
     add_readings(measured, drawn, data.reading, "measured");
     for (const int approach : kApproaches)
       take(measured, model_curve(drawn, fit, line.axis, approach, with_direction("model", approach)));
     PlotPanel left{title_of(line) + ": what the model leaves",
-                   position_label(data, line.axis),
+                   label_along(data, line),
                    fmt::format("residual [{}]", unit_label(line.sense)),
                    {}};
     add_readings(left, drawn, fit.residual, "residual");
@@ -204,7 +196,9 @@ void add_folded(PlotFigure& figure, const Fit& fit, const Observations& data, st
   constexpr std::size_t kMostFolded = 2;
   std::vector<std::size_t> effects = folding_effects(fit, first);
   effects.resize(std::min(effects.size(), kMostFolded));
-  for (const std::size_t effect : effects) figure.panels.push_back(folded_panel(fit, data, effect));
+  for (const std::size_t effect : effects)
+    if (PlotPanel panel = folded_panel(fit, data, effect); !panel.series.empty())
+      figure.panels.push_back(std::move(panel));
 }
 
 /// Panels over the variables, other than positions, on which the residual depends most: at most two.
@@ -277,7 +271,9 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
                                                     const MeasuredLine& line) {
   std::vector<PlotPanel> panels;
   for (const std::size_t effect : folding_effects(fit, 0)) {
-    panels.push_back(folded_panel(fit, data, effect));
+    PlotPanel folded = folded_panel(fit, data, effect);
+    if (folded.series.empty()) continue;  // no line shows it, only circles or diagonals
+    panels.push_back(std::move(folded));
     panels.back().x_label = data.position_unit();
     panels.back().y_label = "um";
   }

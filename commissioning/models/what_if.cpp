@@ -62,8 +62,8 @@ Cell directions_cell(const WhatIfAnswer& answer) {
     directions.add(record_cell(
         "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {rms_now_um:>10} "
         "{rms_after_um:>10}{achieved_rms_um}{ratio}\n",
-        {{"sense", word_cell(name_of(one.sense))},
-         {"axis", word_cell(axis_json(one.axis, answer.rotary))},
+        {{"sense", word_cell(one.path.empty() ? std::string(name_of(one.sense)) : one.path)},
+         {"axis", word_cell(one.path.empty() ? axis_json(one.axis, answer.rotary) : one.axes)},
          {"approach", {one.approach, std::string(direction_text(one.approach))}},
          {"rms_now_um", number_cell(one.now_um, 3)},
          {"rms_after_um", number_cell(one.predicted_um, 3)},
@@ -100,11 +100,12 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
   for (const AfterDirection& one : directions)
     if (one.predicted_um > kWorse * one.now_um)
       notes.push_back(fmt::format(
-          "compensating with this model would make {} along {}, {}, worse, {:.3g} -> {:.3g}: there the effects that "
+          "compensating with this model would make {}, {}, worse, {:.3g} -> {:.3g}: there the effects that "
           "the "
           "unit carries cancel others, or errors that the model lacks",
-          name_of(one.sense), laser::letter_of(one.axis, rotary), direction_text(one.approach), one.now_um,
-          one.predicted_um));
+          one.path.empty() ? fmt::format("{} along {}", name_of(one.sense), laser::letter_of(one.axis, rotary))
+                           : one.path,
+          direction_text(one.approach), one.now_um, one.predicted_um));
   return notes;
 }
 

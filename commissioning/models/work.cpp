@@ -9,6 +9,7 @@
 
 #include "base/file.hpp"
 #include "base/file_watch.hpp"
+#include "commissioning/models/path_files.hpp"
 #include "laser/measured_machine.hpp"
 #include "model/regression/candidates.hpp"
 
@@ -60,26 +61,59 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
   return std::nullopt;
 }
 
+Result<laser::MeasurementSet> read_lines(const std::string& file, const ImportArguments& import) {
+  auto read = read_measurements(file, import);
+  if (!read) return tl::unexpected(read.error());
+  return std::move(read->set);
+}
+
+/// A path along an axis that the machine does not have.
+std::optional<Problem> of_other_machine(const model::Observations& data, const std::vector<std::string>& files) {
+  for (const model::Path& path : data.paths)
+    for (const Axis axis : kAllAxes)
+      if (axes_of(path).find(letter_of(axis)) != std::string::npos && !data.machine.axes[index_of(axis)])
+        return Problem{
+            ProblemKind::bad_input,
+            fmt::format("{}: expected axes of the machine, and it has no {}", name_of(path), letter_of(axis)),
+            files.front(),
+            0,
+            0,
+            {}};
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
                                           const ImportArguments& import) {
-  std::vector<laser::MeasurementSet> sets;
+  std::vector<laser::MeasurementSet> sets, paths;
   int rows = 0;
   ImportArguments any_axis = import;
   any_axis.takes_rotary = true;
   for (const std::string& file : files) {
-    auto read = read_measurements(file, any_axis);
+    auto path = import.columns.empty() && import.profile.empty() ? read_path_file(file)
+                                                                 : std::optional<laser::MeasurementSet>();
+    if (!path) return tl::unexpected(path.error());
+    if (*path && files.size() > 1 && !(*path)->notes.empty())
+      return tl::unexpected(
+          Problem{ProblemKind::bad_input,
+                  (*path)->notes.front() + "; beside other files its readings need their true place: add that line",
+                  file,
+                  0,
+                  0,
+                  {}});
+    auto read = *path ? Result<laser::MeasurementSet>(std::move(**path)) : read_lines(file, any_axis);
     if (!read) return tl::unexpected(read.error());
-    for (const std::string& note : read->set.notes) messages.note(fmt::format("{}: {}", file, note));
-    if (read->set.readings.empty())
+    for (const std::string& note : read->notes) messages.note(fmt::format("{}: {}", file, note));
+    if (read->readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    if (!sets.empty()) messages.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
-    for (laser::Reading& reading : read->set.readings) reading.row = ++rows;
-    read->set.notes.clear();
-    sets.push_back(std::move(read->set));
+    if (rows > 0) messages.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
+    for (laser::Reading& reading : read->readings) reading.row = ++rows;
+    read->notes.clear();
+    (*path ? paths : sets).push_back(std::move(*read));
   }
   auto all = joined(sets);
+  if (all) all = joined_with_paths(std::move(*all), std::move(paths));
   if (all)
     if (auto mixed = axes_mixed(*all, files.front()); mixed) return tl::unexpected(std::move(*mixed));
   if (all)
@@ -102,6 +136,8 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
+  if (work.machine)
+    if (auto other = of_other_machine(work.data, arguments.data)) return tl::unexpected(std::move(*other));
   return work;
 }
 

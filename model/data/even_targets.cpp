@@ -27,7 +27,8 @@ std::string hidden_pitches(const Observations& data, Axis axis, double least_mm)
 std::vector<EvenTargets> even_targets(const Observations& data) {
   std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
   for (std::size_t k = 0; k < data.size(); ++k)
-    targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
+    if (!data.on_path(k))
+      targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
   std::map<std::pair<Axis, double>, std::string> senses;  // by axis and step
   for (const auto& [line, targets] : targets_mm) {
     const auto step_mm = even_step_mm(targets);

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 
 #include <fmt/format.h>
+
+#include "model/data/motions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -13,22 +17,53 @@ namespace {
 using laser::MeasurementSet;
 using laser::Reading;
 
-/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable.
-auto key_of(const Reading& r, bool by_time) {
-  const double travelled = laser::target_of(r) * (r.approach == Approach::reverse ? -1.0 : 1.0);
-  Vector3 parked = r.rotary ? r.angle_deg : r.position_mm;
-  parked[index_of(r.axis)] = 0.0;
-  return std::make_tuple(by_time ? *r.time_s : 0.0, r.axis, r.sense, parked, r.run, -static_cast<int>(r.approach),
-                         travelled, r.error, r.feed_mm_min, r.load_kg, r.row);
+/// The path of each reading of a set.
+struct Paths {
+  std::vector<Path> all;
+  std::vector<std::size_t> of;  ///< per reading, from 1; 0: none
+  std::vector<double> along;    ///< per reading
+};
+
+Paths paths_of(const MeasurementSet& set) {
+  Paths paths;
+  paths.of.assign(set.readings.size(), 0);
+  paths.along.assign(set.readings.size(), kNotMeasured);
+  std::map<std::string, std::size_t, std::less<>> known;
+  for (std::size_t k = 0; k < set.readings.size(); ++k) {
+    const Reading& r = set.readings[k];
+    const auto text = r.text_extras.find(kPathColumn);
+    if (text == r.text_extras.end() || r.rotary) continue;
+    const auto [found, is_new] = known.try_emplace(text->second, 0);
+    if (is_new)
+      if (auto path = path_in(text->second)) {
+        paths.all.push_back(std::move(*path));
+        found->second = paths.all.size();
+      }
+    paths.of[k] = found->second;
+    if (paths.of[k] > 0) paths.along[k] = place_on(paths.all[paths.of[k] - 1], r.position_mm, 0).along;
+  }
+  return paths;
 }
 
-std::vector<std::size_t> canonical_order(const MeasurementSet& set) {
+/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable.
+auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool by_time) {
+  const Reading& r = set.readings[k];
+  const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
+  const double travelled = along * (r.approach == Approach::reverse ? -1.0 : 1.0);
+  Vector3 parked = r.rotary ? r.angle_deg : r.position_mm;
+  parked[index_of(r.axis)] = 0.0;
+  if (paths.of[k] > 0) parked = {};
+  return std::make_tuple(by_time ? *r.time_s : 0.0, paths.of[k], r.axis, r.sense, parked, r.run,
+                         -static_cast<int>(r.approach), travelled, r.error, r.feed_mm_min, r.load_kg, r.row);
+}
+
+std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
   const bool by_time =
       std::all_of(set.readings.begin(), set.readings.end(), [](const Reading& r) { return r.time_s.has_value(); });
   std::vector<std::size_t> order(set.readings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return key_of(set.readings[a], by_time) < key_of(set.readings[b], by_time);
+    return key_of(set, paths, a, by_time) < key_of(set, paths, b, by_time);
   });
   return order;
 }
@@ -94,12 +129,46 @@ void take_columns(Observations& data, const MeasurementSet& set, const std::vect
     data.extras[extra] = column_of(set, order, [&](const Reading& r) { return found_in(r.extras, extra); });
 }
 
+/// Readings of a circle at nearly the same angle are at one place: its passes have about equal steps, each direction
+/// with a phase of its own.
+void take_places(Observations& data) {
+  constexpr double kTurn_deg = 360.0;
+  data.place = data.along;
+  std::map<std::tuple<std::size_t, int, int>, double> readings;  // of a pass
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.on_path(k)) readings[{data.path[k], data.run[k], data.approach[k]}] += 1.0;
+  std::map<std::size_t, double> steps;  // in a turn, by path
+  for (const auto& [pass, count] : readings) steps[std::get<0>(pass)] = std::max(steps[std::get<0>(pass)], count);
+  const auto on_circle = [&](std::size_t k) { return data.on_path(k) && data.path_of(k).kind == PathKind::circle; };
+  const auto in_steps = [&](std::size_t k) { return data.along[k] / kTurn_deg * steps[data.path[k]]; };
+  std::map<std::pair<std::size_t, int>, std::complex<double>> phase;  // by path and direction
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (on_circle(k)) phase[{data.path[k], data.approach[k]}] += std::polar(1.0, 2.0 * std::numbers::pi * in_steps(k));
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (!on_circle(k)) continue;
+    const double off = std::arg(phase[{data.path[k], data.approach[k]}]) / (2.0 * std::numbers::pi);
+    const double count = steps[data.path[k]], number = std::round(in_steps(k) - off);
+    data.place[k] = std::fmod(number + count, count) * kTurn_deg / count;
+  }
+}
+
+void put_on_paths(Observations& data, Paths paths, const std::vector<std::size_t>& order) {
+  data.paths = std::move(paths.all);
+  for (const std::size_t k : order) {
+    data.path.push_back(paths.of[k]);
+    data.along.push_back(paths.along[k]);
+  }
+  take_places(data);
+  set_motions(data);
+}
+
 }  // namespace
 
 Observations observations_of(const MeasurementSet& set, const KnownTables& tables,
                              const std::optional<params::Machine>& machine) {
   Observations data;
-  const std::vector<std::size_t> order = canonical_order(set);
+  Paths paths = paths_of(set);
+  const std::vector<std::size_t> order = canonical_order(set, paths);
   data.file_order = order;
   data.rotary = !set.readings.empty() && set.readings.front().rotary;
   for (const std::size_t k : order) {
@@ -118,8 +187,11 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   if (!data.rotary) take_machine(data, machine);
   data.map = tables.map;
   data.known = tables.components;
+  if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
   return data;
 }
+
+const Observations& Observations::motions() const { return moved ? moved->rows : *this; }
 
 namespace {
 
@@ -145,6 +217,13 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   part.approach = taken(all.approach, chosen);
   part.position_mm = taken(all.position_mm, chosen);
   part.compensated = taken(all.compensated, chosen);
+  part.paths = all.paths;
+  part.path = taken(all.path, chosen);
+  part.along = taken(all.along, chosen);
+  part.place = taken(all.place, chosen);
+  part.moved = all.moved;
+  part.of_moved = taken(all.of_moved, chosen);
+  part.aside = taken(all.aside, chosen);
   part.reading = taken(all.reading, chosen);
   part.time_s = taken(all.time_s, chosen);
   part.feed_mm_min = taken(all.feed_mm_min, chosen);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "laser/csv_columns.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
+#include "model/data/path.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::model {
@@ -37,8 +39,14 @@ struct KnownTables {
 /// One column of numbers, kNotMeasured where a row has none. Empty: the data do not have this column at all.
 using Column = std::vector<double>;
 
+struct Motions;
+
+/// What was measured: a sense, or one of the paths. Readings of one channel along one axis are of one instrument.
+using Channel = int;
+inline constexpr Channel kSenseChannels = static_cast<Channel>(kSenseNames.size());
+
 /// Readings in canonical order: by time where every row has one, else by axis, sense, parked place, run, approach and
-/// the way travelled. All columns have `size()` entries or none.
+/// the way travelled; those along paths behind the others. All columns have `size()` entries or none.
 struct Observations {
   std::vector<int> row;                 ///< number of the data row in its file, from 1
   std::vector<std::size_t> file_order;  ///< file_order[k] = place in `readings` of the measurement set
@@ -57,6 +65,16 @@ struct Observations {
   bool has_run_column = false;
   bool rotary = false;  ///< the axes are A, B, C: all positions are in degrees, a turn is 360
 
+  // Readings along paths; sense and axis of such a row are those of the first axis of its path, approach is that along
+  // the path, and its reading is what is left of it without centre, radius or zero (motions.hpp).
+  std::vector<Path> paths;               ///< empty: every reading is of one sense while one axis moves
+  std::vector<std::size_t> path;         ///< number of the path from 1; 0: none
+  Column along;                          ///< on a path: angle [deg] or distance from its start [mm]
+  Column place;                          ///< on a path: the same, one value for what is one place of all passes
+  std::shared_ptr<const Motions> moved;  ///< the motions that all readings were made up of; null without paths
+  std::vector<std::size_t> of_moved;     ///< number of the row among the readings of `moved`
+  std::vector<bool> aside;               ///< of motions: only what the approach of the moving axis does counts
+
   params::Machine machine;   ///< may be without axes: datum 0, lines 0; of rotary axes nothing is known
   TermTable terms;           ///< empty: no chain known, or rotary axes
   MeasurementLines lines{};  ///< where each axis was measured [mm]
@@ -66,6 +84,33 @@ struct Observations {
   std::vector<std::string> notes;  ///< what was assumed, in words
 
   [[nodiscard]] std::size_t size() const { return reading.size(); }
+  [[nodiscard]] bool on_path(std::size_t k) const { return !path.empty() && path[k] != 0; }
+  /// @pre on_path(k)
+  [[nodiscard]] const Path& path_of(std::size_t k) const { return paths[path[k] - 1]; }
+  [[nodiscard]] Channel channel(std::size_t k) const {
+    return on_path(k) ? kSenseChannels + static_cast<Channel>(path[k]) - 1 : static_cast<Channel>(sense[k]);
+  }
+  /// "EX", "circle XY"
+  [[nodiscard]] std::string channel_name(std::size_t k) const {
+    return on_path(k) ? name_of(path_of(k)) : std::string(ecs::name_of(sense[k]));
+  }
+  /// Of a row on a path "circle XY", else "".
+  [[nodiscard]] std::string path_name(std::size_t k) const { return on_path(k) ? name_of(path_of(k)) : std::string(); }
+  /// Place along what moved: the coordinate of the moving axis from the datum, or that along the path.
+  [[nodiscard]] double along_of(std::size_t k) const { return on_path(k) ? along[k] : p_mm(k, axis[k]); }
+  /// What readings of one place share: the position, or the place on the path.
+  [[nodiscard]] Vector3 place_of(std::size_t k) const {
+    return on_path(k) ? Vector3{place[k], 0.0, 0.0} : position_mm[k];
+  }
+  /// The position without its moving axis; the same all along a path.
+  [[nodiscard]] Vector3 parked_of(std::size_t k) const {
+    if (on_path(k)) return {};
+    Vector3 parked = position_mm[k];
+    parked[index_of(axis[k])] = 0.0;
+    return parked;
+  }
+  /// The rows on which effects act: these readings, or the motions they are made up of.
+  [[nodiscard]] const Observations& motions() const;
   [[nodiscard]] char letter(Axis a) const { return laser::letter_of(a, rotary); }
   /// "mm", "deg"
   [[nodiscard]] std::string_view position_unit() const { return laser::target_unit(rotary); }
@@ -75,7 +120,8 @@ struct Observations {
   [[nodiscard]] double p_mm(std::size_t k, Axis a) const { return position_mm[k][index_of(a)] - datum_mm[index_of(a)]; }
 };
 
-/// @param set  of linear axes or of rotary ones, not of both
+/// @param set  of linear axes or of rotary ones, not of both; a text column `path` puts readings of linear axes on a
+///   path (path.hpp), other texts in it say nothing
 /// @param machine  absent: datum and measurement lines at 0, no lever arms; it describes linear axes only
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const KnownTables& tables,
                                            const std::optional<params::Machine>& machine);

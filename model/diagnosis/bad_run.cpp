@@ -35,24 +35,28 @@ constexpr std::size_t kMostRunsCompared = 60;
 }  // namespace
 
 std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener, const Space& space) {
-  std::map<Sense, std::set<int>> runs_of;
-  for (std::size_t k = 0; k < data.size(); ++k) runs_of[data.sense[k]].insert(data.run[k]);
+  std::map<Channel, std::set<int>> runs_of;
+  std::map<Channel, Sense> sense_of;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    runs_of[data.channel(k)].insert(data.run[k]);
+    sense_of.try_emplace(data.channel(k), data.sense[k]);
+  }
   std::optional<RunOffset> best;
   const double coefficient = std::log(static_cast<double>(data.size()));
-  for (const auto& [sense, runs] : runs_of) {
+  for (const auto& [channel, runs] : runs_of) {
     if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) continue;
     const double choice = 2.0 * std::log(static_cast<double>(runs.size() * runs_of.size()));
     for (const int run : runs) {
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.run[k] == run && data.sense[k] == sense)
-          columns.row(static_cast<Eigen::Index>(k)) << 1.0, data.p_mm(k, data.axis[k]);
+        if (data.run[k] == run && data.channel(k) == channel)
+          columns.row(static_cast<Eigen::Index>(k)) << 1.0, data.along_of(k);
       for (const Eigen::Index count : {1, 2}) {
         Space more = space;
         absorb(more, whitener(Eigen::MatrixXd(columns.leftCols(count))));
         const double gain = space.chi2() - more.chi2();
         const double score = gain - choice - static_cast<double>(count) * coefficient;
-        if (!best || score > best->score) best = RunOffset{run, sense, gain, score};
+        if (!best || score > best->score) best = RunOffset{run, sense_of.at(channel), gain, score};
       }
     }
   }
@@ -130,11 +134,11 @@ std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd&
     std::vector<double> values;
     double mean = 0.0, squares = 0.0;  ///< Σ(value − mean)²
   };
-  std::map<std::tuple<Sense, Axis, int>, std::map<std::size_t, Pass>> lines;
+  std::map<std::tuple<Channel, Axis, int>, std::map<std::size_t, Pass>> lines;
   const std::vector<std::size_t> number = passes_of(data);
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k]) continue;
-    Pass& pass = lines[{data.sense[k], data.axis[k], data.approach[k]}][number[k]];
+    Pass& pass = lines[{data.channel(k), data.axis[k], data.approach[k]}][number[k]];
     pass.run = data.run[k];
     pass.values.push_back(residual(static_cast<Eigen::Index>(k)));
   }

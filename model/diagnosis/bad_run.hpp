@@ -11,9 +11,9 @@ namespace ecs::model {
 
 struct RunOffset {
   int run = 0;
-  Sense sense = Sense::EX;
-  double gain = 0.0;   ///< fall of χ²
-  double score = 0.0;  ///< gain less the price of one coefficient and of the choice among runs
+  Sense sense = Sense::EX;  ///< of readings along a path that of its first axis
+  double gain = 0.0;        ///< fall of χ²
+  double score = 0.0;       ///< gain less the price of one coefficient and of the choice among runs
 };
 
 /// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing

@@ -427,6 +427,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (diagnosis.verdict == Verdict::unexplained_structure || diagnosis.verdict == Verdict::partly_explained)
     describe_what_is_left(diagnosis, data, after.residual, left_out);
+  if (diagnosis.verdict != Verdict::adequate && diagnosis.verdict != Verdict::missing_effect &&
+      std::any_of(data.paths.begin(), data.paths.end(), [](const Path& path) { return path.kind == PathKind::circle; }))
+    diagnosis.notes.emplace_back(
+        "friction at a reversal leaves another spike than the library's: ecs test circle shows how much of the circle "
+        "is left there");
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   diagnosis.reservation = reservation_for(data);
   diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found, diagnosis, data, in.base.residual));
@@ -449,6 +454,10 @@ std::string_view name_of(Verdict verdict) {
 }
 
 namespace {
+
+/// Effects that may be missing at once from readings along paths: what a line's new model holds from the start, slopes
+/// and lost motion, is here among what is sought, and of two axes.
+constexpr std::size_t kMostOnPaths = 6;
 
 /// Searches the readings, of large sets an even choice.
 /// @param answer  from a ReportInput about all readings
@@ -474,8 +483,9 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
 Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
-                           const Observations& data, const DiagnoseOptions& options) {
+                           const Observations& data, DiagnoseOptions options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
+  if (!data.paths.empty()) options.most_effects = std::max(options.most_effects, kMostOnPaths);
   try {
     const Regressors regressors(data);
     const auto base = base_of(model, regressors, options.plain, nullptr);

@@ -47,14 +47,13 @@ Half by_run(const Observations& data) {
 }
 
 Half by_target(const Observations& data) {
-  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
   for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
   Half half(data.size());
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const auto& list = targets[{data.sense[k], data.axis[k]}];
-    const double p = data.p_mm(k, data.axis[k]) + 0.1 * kSamePlace_mm;
+    const auto& list = targets[{data.channel(k), data.axis[k]}];
+    const double p = data.along_of(k) + 0.1 * kSamePlace_mm;
     // pairs of neighbours go together: single ones would see a wave of two steps as a constant
     half[k] = (std::upper_bound(list.begin(), list.end(), p) - list.begin()) / 2 % 2 == 0;
   }

@@ -29,11 +29,11 @@ struct Pass {
 std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
                                   const std::vector<bool>& left_out) {
   const std::vector<std::size_t> number = passes_of(data);
-  std::map<std::pair<Sense, Axis>, std::map<std::size_t, Pass>> lines;
+  std::map<std::pair<Channel, Axis>, std::map<std::size_t, Pass>> lines;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k]) continue;
-    Pass& pass = lines[{data.sense[k], data.axis[k]}][number[k]];
-    pass.p_mm.push_back(data.p_mm(k, data.axis[k]));
+    Pass& pass = lines[{data.channel(k), data.axis[k]}][number[k]];
+    pass.p_mm.push_back(data.along_of(k));
     pass.value.push_back(residual(static_cast<Eigen::Index>(k)));
   }
   std::optional<FreeWave> strongest;

@@ -321,7 +321,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   base.residual = base.core.residual;
   for (std::size_t s = 0; s < assembly->slots.size(); ++s) {
     const Slot& slot = assembly->slots[s];
-    if (slot.is_sought(data)) {
+    if (slot.is_sought(regressors.motions())) {
       base.own.push_back(s);
       continue;
     }

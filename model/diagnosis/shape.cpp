@@ -92,31 +92,42 @@ std::string proved_words(const Points& points, std::string_view unit, const std:
 
 /// Rows of the sense in which most is left, and of the axis that moves there most.
 struct MainLine {
-  Sense sense = Sense::EX;
+  Channel channel = 0;
   Axis axis = Axis::X;
   std::vector<std::size_t> rows;
 };
 MainLine main_line(const Observations& data, const VectorXd& residual, const std::vector<bool>& left_out) {
-  std::map<std::pair<Sense, Axis>, double> squares;
+  std::map<std::pair<Channel, Axis>, double> squares;
   for (std::size_t k = 0; k < data.size(); ++k)
     if (!left_out[k])
-      squares[{data.sense[k], data.axis[k]}] += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
+      squares[{data.channel(k), data.axis[k]}] += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
   MainLine line;
   double most = -1.0;
   for (const auto& [place, sum] : squares)
     if (sum > most) {
       most = sum;
-      line.sense = place.first;
+      line.channel = place.first;
       line.axis = place.second;
     }
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (!left_out[k] && data.sense[k] == line.sense && data.axis[k] == line.axis) line.rows.push_back(k);
+    if (!left_out[k] && data.channel(k) == line.channel && data.axis[k] == line.axis) line.rows.push_back(k);
   return line;
+}
+
+/// What runs along a line: "X", of a path "angle_deg"; and its unit.
+std::string name_along(const Observations& data, const MainLine& line) {
+  return data.on_path(line.rows.front()) ? std::string(variable_along(data.path_of(line.rows.front())))
+                                         : std::string(1, data.letter(line.axis));
+}
+std::string_view unit_along(const Observations& data, const MainLine& line) {
+  const std::size_t first = line.rows.front();
+  return data.on_path(first) && data.path_of(first).kind == PathKind::circle ? "deg" : data.position_unit();
 }
 
 Points along_axis_of(const Observations& data, const VectorXd& residual, double noise_um, const MainLine& line) {
   return points_over(
-      residual, noise_um, line.rows, [&](std::size_t k) { return data.position_mm[k][index_of(line.axis)]; },
+      residual, noise_um, line.rows,
+      [&](std::size_t k) { return data.on_path(k) ? data.along[k] : data.position_mm[k][index_of(line.axis)]; },
       kMostPoints, 10.0 * kSamePlace_mm);
 }
 
@@ -132,8 +143,8 @@ std::string approach_words(const Observations& data, const VectorXd& residual, d
   if (n_forward < 2.0 || n_reverse < 2.0) return "";
   const double difference = forward / n_forward - reverse / n_reverse;
   const double sigma = noise_um * std::sqrt(1.0 / n_forward + 1.0 / n_reverse);
-  const std::string shape = proved_words(along_axis_of(data, half, noise_um, line), data.position_unit(),
-                                         std::string(1, data.letter(line.axis)));
+  const std::string shape =
+      proved_words(along_axis_of(data, half, noise_um, line), unit_along(data, line), name_along(data, line));
   if (!shape.empty()) return fmt::format("half the difference of the directions is {}", shape);
   if (std::abs(difference) < 4.0 * sigma) return "";
   return fmt::format("forward lies {:+.3g} um from reverse", difference);
@@ -215,7 +226,9 @@ std::string shape_in_words(const Observations& data, const VectorXd& residual, d
   const Points points = points_over(
       residual, noise_um, line.rows, [&](std::size_t k) { return variable_of(data, k, variable); },
       variable == "time_s" || variable == "row" ? kBinsOfTime : kBinsOfCondition, 0.0);
-  return proved_words(points, unit_of_variable(variable), variable == "time_s" ? "time" : variable);
+  const bool is_angle = variable == name_along(data, line);
+  return proved_words(points, is_angle ? unit_along(data, line) : unit_of_variable(variable),
+                      variable == "time_s" ? "time" : variable);
 }
 
 std::string spectrum_in_words(const Observations& data, const VectorXd& residual, double noise_um,
@@ -232,12 +245,12 @@ std::string spectrum_in_words(const Observations& data, const VectorXd& residual
   while (periods.size() < kMostPeriods && before > least) {
     const ShapeFit wave = wave_in(points);
     if (before - wave.left < std::max(kLeastShareOfWave * (all - n), 20.0)) break;
-    periods.push_back(fmt::format("{:.3g} {} ({:.0f} %)", (points.to - points.from) / wave.waves, data.position_unit(),
-                                  kPercent * (before - wave.left) / all));
+    periods.push_back(fmt::format("{:.3g} {} ({:.0f} %)", (points.to - points.from) / wave.waves,
+                                  unit_along(data, line), kPercent * (before - wave.left) / all));
     points.mean = means_without(points, wave);
     before = wave.left;
   }
-  return periods.empty() ? "" : fmt::format("periods along {}: {}", data.letter(line.axis), fmt::join(periods, ", "));
+  return periods.empty() ? "" : fmt::format("periods along {}: {}", name_along(data, line), fmt::join(periods, ", "));
 }
 
 void describe_what_is_left(Diagnosis& diagnosis, const Observations& data, const std::vector<double>& residual,

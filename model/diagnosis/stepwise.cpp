@@ -153,7 +153,7 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (!fits_as_well(choice, member)) continue;
     const bool known = periodic && std::any_of(values.begin(), values.end(), [&](const Choice& value) {
                          const ValueRange peak_range =
-                             definition.search.limits(search.data(), family.effect, family.acting, value.nonlinear);
+                             definition.search.limits(search.motions(), family.effect, family.acting, value.nonlinear);
                          return choice.nonlinear >= peak_range.least && choice.nonlinear <= peak_range.greatest;
                        });
     if (!known) values.push_back(choice);
@@ -161,7 +161,7 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
   if (!definition.search.has_slope) {
     const auto [least, greatest] = std::minmax_element(
         values.begin(), values.end(), [](const Choice& a, const Choice& b) { return a.nonlinear < b.nonlinear; });
-    const std::vector<double> targets = acting_positions(search.data(), family.acting, *family.effect.axis);
+    const std::vector<double> targets = acting_positions(search.motions(), family.acting, *family.effect.axis);
     const auto after = std::upper_bound(targets.begin(), targets.end(), greatest->nonlinear);
     const auto before = std::lower_bound(targets.begin(), targets.end(), least->nonlinear);
     Choice low = *least, high = *greatest;

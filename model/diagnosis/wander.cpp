@@ -60,13 +60,13 @@ double session_of(const Observations& data, const NoiseModel& noise) {
 
 /// Levels of their own for every run and sense (readings × levels).
 Eigen::MatrixXd levels_of_runs(const Observations& data) {
-  std::map<std::pair<int, Sense>, Eigen::Index> level;
+  std::map<std::pair<int, Channel>, Eigen::Index> level;
   for (std::size_t k = 0; k < data.size(); ++k)
-    level.try_emplace({data.run[k], data.sense[k]}, static_cast<Eigen::Index>(level.size()));
+    level.try_emplace({data.run[k], data.channel(k)}, static_cast<Eigen::Index>(level.size()));
   Eigen::MatrixXd levels =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(level.size()));
   for (std::size_t k = 0; k < data.size(); ++k)
-    levels(static_cast<Eigen::Index>(k), level.at({data.run[k], data.sense[k]})) = 1.0;
+    levels(static_cast<Eigen::Index>(k), level.at({data.run[k], data.channel(k)})) = 1.0;
   return levels;
 }
 

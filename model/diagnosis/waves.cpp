@@ -35,7 +35,7 @@ bool is_whole_fraction(double a, double b) {
 bool same_line(const EffectInstance& a, const EffectInstance& b) { return a.axis == b.axis && a.sense == b.sense; }
 
 double travel_of(const Observations& data, const Family& family) {
-  const auto [least, greatest] = acting_range(data, family.acting, *family.effect.axis);
+  const auto [least, greatest] = acting_range(data.motions(), family.acting, *family.effect.axis);
   return greatest - least;
 }
 
@@ -54,13 +54,13 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
   // every harmonic in use: of a wave told as the second one of its double the first is nothing
   const Eigen::MatrixXd wave =
       regressors.columns(family.effect, choice.nonlinear, family.acting).of(Eigen::all, choice.columns);
-  const std::pair<double, double> range = acting_range(data, family.acting, *family.effect.axis);
+  const std::pair<double, double> range = acting_range(regressors.motions(), family.acting, *family.effect.axis);
   double last_s = 0.0;
   for (const double t : data.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
   const auto changes = [&](const auto& factor) {
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(wave.rows(), 2 * wave.cols());
-    for (const std::size_t k : family.acting.rows) {
+    for (const std::size_t k : family.acting.readings) {
       const auto row = static_cast<Eigen::Index>(k);
       const double u = factor(k);
       columns.row(row) << u * wave.row(row), (u * u - kThird) * wave.row(row);

@@ -139,9 +139,10 @@ struct SeparatingMeasurement {
 
 /// Readings on which an effect acts.
 struct Acting {
-  std::vector<std::size_t> rows;  ///< canonical order, ascending
-  std::size_t skipped = 0;        ///< it would act, but the row lacks a cell
-  std::string lacking;            ///< the column that is missing, "" if none
+  std::vector<std::size_t> rows;      ///< of Observations::motions(), ascending
+  std::vector<std::size_t> readings;  ///< those made up of them, ascending; without paths the same
+  std::size_t skipped = 0;            ///< readings on which it would act, but the row lacks a cell
+  std::string lacking;                ///< the column that is missing, "" if none
 };
 
 /// One reading, for a contribution. @pre the effect acts on it

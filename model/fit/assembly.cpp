@@ -16,14 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd as_vector(const std::vector<double>& values) {
-  return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
-}
-
 Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressors) {
   Slot slot;
   slot.effect = effect;
-  auto formulas = UserFormulas::compile(effect, regressors.data());
+  auto formulas = UserFormulas::compile(effect, regressors.motions());
   if (!formulas) return tl::unexpected(formulas.error());
   std::vector<double> start;
   for (const UserParameter& parameter : effect.user) {
@@ -43,15 +39,18 @@ Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressor
     }
   }
   for (std::size_t i = 0; i < slot.user_linear.size(); ++i) slot.used.push_back(static_cast<Index>(i));
+  const Observations& rows = regressors.motions();
   const std::vector<double> values = formulas->values(start);
   for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!rows.aside.empty() && rows.aside[k]) continue;
     if (std::isnan(values[k]))
       ++slot.acting.skipped;
     else if (std::any_of(effect.formulas.begin(), effect.formulas.end(),
-                         [&](const UserFormula& f) { return f.sense == regressors.data().sense[k]; }))
+                         [&](const UserFormula& f) { return f.sense == rows.sense[k]; }))
       slot.acting.rows.push_back(k);
   }
   if (slot.acting.skipped > 0) slot.acting.lacking = "a column of its formula";
+  slot.acting = regressors.with_readings(std::move(slot.acting));
   slot.formulas = std::move(*formulas);
   return slot;
 }
@@ -73,11 +72,11 @@ Result<Slot> library_slot(const EffectInstance& effect, const Regressors& regres
 
 }  // namespace
 
-bool Slot::is_sought(const Observations& data) const {
+bool Slot::is_sought(const Observations& motions) const {
   constexpr std::size_t kFewValues = 16;  // enough to see that there are some
   if (formulas || nonlinear.size() != 1 || !nonlinear_free.front()) return false;
   if (!effect.parameters.empty() || effect.traits().fixed_size || acting.rows.size() < 2) return false;
-  const TriedValues tried = tried_values(data, effect, acting, {kFewValues});
+  const TriedValues tried = tried_values(motions, effect, acting, {kFewValues});
   return tried.values.size() + tried.facts.size() > 1;
 }
 
@@ -101,15 +100,12 @@ void Assembly::renew(std::size_t s, const Regressors& regressors) {
   if (slot.formulas) {
     std::vector<double> at(slot.effect.user.size(), 0.0);
     for (std::size_t j = 0; j < slot.user_nonlinear.size(); ++j) at[slot.user_nonlinear[j]] = slot.nonlinear[j];
-    const auto clean = [](VectorXd v) {
-      return VectorXd(v.unaryExpr([](double x) { return std::isnan(x) ? 0.0 : x; }));
-    };
-    slot.fixed = clean(as_vector(slot.formulas->values(at)));
+    slot.fixed = regressors.of_formulas(slot.formulas->values(at));
     slot.columns.resize(n, static_cast<Index>(slot.user_linear.size()));
     for (std::size_t j = 0; j < slot.user_linear.size(); ++j) {
       std::vector<double> one = at;
       one[slot.user_linear[j]] = 1.0;
-      slot.columns.col(static_cast<Index>(j)) = clean(as_vector(slot.formulas->values(one))) - slot.fixed;
+      slot.columns.col(static_cast<Index>(j)) = regressors.of_formulas(slot.formulas->values(one)) - slot.fixed;
     }
     return;
   }

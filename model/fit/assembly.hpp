@@ -29,7 +29,8 @@ struct Slot {
   /// Whether the contribution has a derivative in its nonlinear parameters.
   [[nodiscard]] bool has_slope() const { return effect.definition().search.has_slope; }
   /// Whether it has one free searched parameter, several values of it to try, and nothing else that is held.
-  [[nodiscard]] bool is_sought(const Observations& data) const;
+  /// @param motions  of the readings
+  [[nodiscard]] bool is_sought(const Observations& motions) const;
 
   Eigen::MatrixXd columns;     ///< (readings × used)
   Eigen::VectorXd fixed;       ///< held part (readings)

@@ -60,15 +60,19 @@ std::optional<LackOfFit> lack_of_fit_of_rows(const std::vector<double>& residual
 }
 
 std::vector<DirectionSummary> directions_of(const Fit& fit, const Observations& data) {
-  std::map<std::tuple<Sense, Axis, int>, std::vector<std::size_t>> groups;
-  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.sense[k], data.axis[k], -data.approach[k]}].push_back(k);
+  std::map<std::tuple<Channel, Axis, int>, std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.channel(k), data.axis[k], -data.approach[k]}].push_back(k);
   const Repeats repeats = repeats_of(data);
   std::vector<DirectionSummary> list;
   for (const auto& [key, rows] : groups) {
     DirectionSummary one;
-    one.sense = std::get<0>(key);
+    one.sense = data.sense[rows.front()];
     one.axis = std::get<1>(key);
     one.approach = -std::get<2>(key);
+    if (data.on_path(rows.front())) {
+      one.path = data.path_name(rows.front());
+      one.axes = axes_of(data.path_of(rows.front()));
+    }
     one.readings = rows.size();
     std::vector<double> r;
     for (const std::size_t k : rows) {
@@ -92,7 +96,8 @@ std::vector<WorstPlace> worst_of(const Fit& fit, const Observations& data, std::
   for (std::size_t i = 0; i < std::min(count, order.size()); ++i) {
     const std::size_t k = order[i];
     list.push_back({data.row[k], data.axis[k], data.sense[k], data.position_mm[k], data.approach[k], data.run[k],
-                    data.reading[k], fit.predicted[k], fit.residual[k]});
+                    data.reading[k], fit.predicted[k], fit.residual[k], data.path_name(k),
+                    data.on_path(k) ? axes_of(data.path_of(k)) : std::string()});
   }
   return list;
 }
@@ -121,6 +126,7 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
 double variable_of(const Observations& data, std::size_t k, const std::string& name) {
   for (const Axis a : kAllAxes)
     if (name == data.position_name(a)) return data.position_mm[k][index_of(a)];
+  if (data.on_path(k) && name == variable_along(data.path_of(k))) return data.along[k];
   if (name == "approach") return data.approach[k];
   if (name == "run") return data.run[k];
   if (name == "row") return data.row[k];

@@ -15,6 +15,8 @@ struct DirectionSummary {
   Sense sense = Sense::EX;
   Axis axis = Axis::X;  ///< moving
   int approach = 0;     ///< 1, -1, 0 unknown
+  std::string path{};   ///< "circle XY": of readings along a path, whose first axis stands above; else ""
+  std::string axes{};   ///< that move along the path
   double bias_um = 0.0;
   double rms_um = 0.0;
   double peak_um = 0.0;  ///< largest size
@@ -48,6 +50,8 @@ struct WorstPlace {
   double reading_um = 0.0;
   double predicted_um = 0.0;
   double residual_um = 0.0;
+  std::string path{};  ///< "circle XY"; of a reading along a path
+  std::string axes{};  ///< that move along it
 };
 
 struct Comparison {

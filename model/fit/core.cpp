@@ -89,8 +89,8 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
 }
 
 /// A value for a parameter that cannot be sought.
-double first_tried(const Observations& data, const Slot& slot) {
-  const TriedValues tried = tried_values(data, slot.effect, slot.acting, {kFewValues});
+double first_tried(const Observations& motions, const Slot& slot) {
+  const TriedValues tried = tried_values(motions, slot.effect, slot.acting, {kFewValues});
   return tried.values.empty() ? kNoValue : tried.values.front();
 }
 
@@ -157,7 +157,7 @@ Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) 
   const SearchDefinition& search = slot.effect.definition().search;
   if (search.either_sign) return {};
   if (search.limits == nullptr || slot.acting.rows.empty()) return {1e-3 * std::abs(slot.nonlinear[j])};
-  const ValueRange range = search.limits(regressors.data(), slot.effect, slot.acting, slot.nonlinear[j]);
+  const ValueRange range = search.limits(regressors.motions(), slot.effect, slot.acting, slot.nonlinear[j]);
   return {range.least, range.greatest};
 }
 
@@ -188,7 +188,7 @@ bool cancels(const Assembly& assembly, const Observations& data, const VectorXd&
     const Slot& slot = assembly.slots[s];
     if (slot.columns.cols() == 0) continue;
     const VectorXd part = slot.columns * sizes.segment(assembly.first_column(s), slot.columns.cols());
-    if (range_at(slot.acting.rows, part) > kMostOfRange * range_at(slot.acting.rows, readings)) return true;
+    if (range_at(slot.acting.readings, part) > kMostOfRange * range_at(slot.acting.readings, readings)) return true;
   }
   return false;
 }
@@ -288,13 +288,13 @@ void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whi
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     Slot& slot = assembly.slots[s];
     const bool without_value = !slot.formulas && !slot.nonlinear.empty() && std::isnan(slot.nonlinear.front());
-    if (slot.is_sought(data) && (without_value || data.size() <= kMostSoughtAnew)) {
+    if (slot.is_sought(regressors.motions()) && (without_value || data.size() <= kMostSoughtAnew)) {
       all_have_values = all_have_values && !without_value;
       sought.push_back(slot.effect);
       slots.push_back(s);
       continue;
     }
-    if (without_value) slot.nonlinear.front() = first_tried(data, slot);
+    if (without_value) slot.nonlinear.front() = first_tried(regressors.motions(), slot);
     assembly.renew(s, regressors);
     others.conservativeResize(Eigen::NoChange, others.cols() + slot.columns.cols());
     others.rightCols(slot.columns.cols()) = slot.columns;
@@ -344,6 +344,44 @@ bool varies(const Observations& data, const std::vector<std::size_t>& rows, Axis
   });
 }
 
+/// What smooth axes could show along a path: harmonics of the angle on a circle, smooth functions of the place on a
+/// line, and the same with the direction of motion.
+void add_smooth_along(const Observations& data, const std::vector<std::size_t>& rows, std::vector<VectorXd>& columns) {
+  constexpr std::size_t kHarmonics = 16, kOfDirection = 8;
+  const std::size_t had = columns.size();
+  const double most = 0.3 * static_cast<double>(rows.size());
+  const auto add = [&](const auto& value) {
+    if (static_cast<double>(columns.size() - had) >= std::max(2.0, most)) return;
+    VectorXd column = VectorXd::Zero(static_cast<Index>(data.size()));
+    for (const std::size_t k : rows) column(static_cast<Index>(k)) = value(k);
+    columns.push_back(std::move(column));
+  };
+  const auto d = [&](std::size_t k) { return static_cast<double>(data.approach[k]); };
+  add(d);
+  if (data.path_of(rows.front()).kind == PathKind::circle) {
+    for (std::size_t m = 1; m <= kHarmonics; ++m) {
+      const auto angle = [&](std::size_t k) {
+        return static_cast<double>(m) * data.along[k] * std::numbers::pi / 180.0;
+      };
+      add([&](std::size_t k) { return std::cos(angle(k)); });
+      add([&](std::size_t k) { return std::sin(angle(k)); });
+      if (m > kOfDirection) continue;
+      add([&](std::size_t k) { return d(k) * std::cos(angle(k)); });
+      add([&](std::size_t k) { return d(k) * std::sin(angle(k)); });
+    }
+    return;
+  }
+  std::vector<double> p;
+  for (const std::size_t k : rows) p.push_back(data.along[k]);
+  const CurveBasis basis(p, kHarmonics);
+  if (basis.greatest_mm() <= basis.least_mm()) return;
+  add([&](std::size_t k) { return (data.along[k] - basis.centre_mm()) / basis.half_width_mm(); });
+  for (std::size_t f = 0; f < basis.size(); ++f) {
+    add([&](std::size_t k) { return basis.value(f, data.along[k]); });
+    if (f < kOfDirection) add([&](std::size_t k) { return d(k) * basis.value(f, data.along[k]); });
+  }
+}
+
 }  // namespace
 
 MatrixXd smooth_columns(const Observations& data) {
@@ -352,7 +390,7 @@ MatrixXd smooth_columns(const Observations& data) {
   for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC}) {
     std::vector<std::size_t> rows;
     for (std::size_t k = 0; k < data.size(); ++k)
-      if (data.sense[k] == sense) rows.push_back(k);
+      if (data.sense[k] == sense && !data.on_path(k)) rows.push_back(k);
     if (rows.empty()) continue;
     const double most = 0.3 * static_cast<double>(rows.size());
     const std::size_t had = columns.size();
@@ -384,6 +422,12 @@ MatrixXd smooth_columns(const Observations& data) {
     for (const Axes& both : {Axes{Axis::X, Axis::Y}, Axes{Axis::X, Axis::Z}, Axes{Axis::Y, Axis::Z}})
       if (varies(data, rows, both.first) && varies(data, rows, both.second))
         add([&](std::size_t k) { return data.p_mm(k, both.first) * data.p_mm(k, both.second); });
+  }
+  for (std::size_t path = 1; path <= data.paths.size(); ++path) {
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.path[k] == path) rows.push_back(k);
+    if (!rows.empty()) add_smooth_along(data, rows, columns);
   }
   MatrixXd matrix(n, static_cast<Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];

@@ -62,18 +62,19 @@ class Functions {
   std::vector<VectorXd> columns_;
 };
 
-std::vector<Sense> senses_of(const Observations& data) {
-  const std::set<Sense> senses(data.sense.begin(), data.sense.end());
-  return {senses.begin(), senses.end()};
+std::vector<Channel> channels_of(const Observations& data) {
+  std::set<Channel> channels;
+  for (std::size_t k = 0; k < data.size(); ++k) channels.insert(data.channel(k));
+  return {channels.begin(), channels.end()};
 }
 
 /// Functions of one column of numbers within one sense: one per value if there are few, else `most` equal shares.
 template <class Value, class Weight>
-void add_levels(Functions& functions, const Observations& data, Sense sense, const Value& value, std::size_t most,
+void add_levels(Functions& functions, const Observations& data, Channel channel, const Value& value, std::size_t most,
                 const Weight& weight) {
   std::vector<double> values;
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (data.sense[k] == sense && !std::isnan(value(k))) values.push_back(value(k));
+    if (data.channel(k) == channel && !std::isnan(value(k))) values.push_back(value(k));
   if (values.size() < kFewestOfSense) return;
   std::sort(values.begin(), values.end());
   const double width = values.back() - values.front();
@@ -90,7 +91,7 @@ void add_levels(Functions& functions, const Observations& data, Sense sense, con
   ends.push_back(kBeyondAll);
   for (const double end : ends) {
     functions.add([&](std::size_t k) {
-      const bool inside = data.sense[k] == sense && value(k) > before && value(k) <= end;
+      const bool inside = data.channel(k) == channel && value(k) > before && value(k) <= end;
       return inside ? weight(k) : 0.0;
     });
     before = end;
@@ -104,28 +105,29 @@ double cell(const Column& column, std::size_t k) { return column.empty() ? kNotM
 /// Centred coordinate of the moving axis, about −1 … 1.
 std::vector<double> scaled_positions(const Observations& data) {
   std::vector<double> scaled(data.size());
-  for (const Sense sense : senses_of(data))
+  for (const Channel channel : channels_of(data))
     for (const Axis a : kAllAxes) {
       double least = kBeyondAll, greatest = -kBeyondAll;
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.sense[k] == sense && data.axis[k] == a) {
-          least = std::min(least, data.p_mm(k, a));
-          greatest = std::max(greatest, data.p_mm(k, a));
+        if (data.channel(k) == channel && data.axis[k] == a) {
+          least = std::min(least, data.along_of(k));
+          greatest = std::max(greatest, data.along_of(k));
         }
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.sense[k] == sense && data.axis[k] == a && greatest > least)
-          scaled[k] = 2.0 * (data.p_mm(k, a) - least) / (greatest - least) - 1.0;
+        if (data.channel(k) == channel && data.axis[k] == a && greatest > least)
+          scaled[k] = 2.0 * (data.along_of(k) - least) / (greatest - least) - 1.0;
     }
   return scaled;
 }
 
 /// Curves along the moving axis that differ with where another axis is parked.
-void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, const std::vector<double>& scaled,
+void add_curves_by_parking(const Observations& data, Axis parked, Channel channel, const std::vector<double>& scaled,
                            Functions& functions) {
   constexpr std::size_t kMostPlaces = 12, kWaves = 4;
+  if (channel >= kSenseChannels) return;
   for (const Axis moving : kAllAxes) {
     if (moving == parked) continue;
-    const auto mine = [&](std::size_t k) { return data.sense[k] == sense && data.axis[k] == moving; };
+    const auto mine = [&](std::size_t k) { return data.channel(k) == channel && data.axis[k] == moving; };
     std::vector<double> places;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (mine(k)) places.push_back(data.p_mm(k, parked));
@@ -144,28 +146,67 @@ void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, c
 void add_positions(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   for (const Axis a : kAllAxes) {
     Functions functions(data.size());
-    for (const Sense sense : senses_of(data)) {
+    for (const Channel channel : channels_of(data)) {
       add_levels(
-          functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, kMostLevels, kOne);
-      add_curves_by_parking(data, a, sense, scaled, functions);
+          functions, data, channel, [&](std::size_t k) { return data.p_mm(k, a); }, kMostLevels, kOne);
+      add_curves_by_parking(data, a, channel, scaled, functions);
     }
     if (!functions.empty()) out.push_back({std::string(data.position_name(a)), functions.matrix()});
   }
 }
 
+/// The place along paths: angle on circles, distance on lines.
+void add_places_along(const Observations& data, std::vector<Variable>& out) {
+  for (const PathKind kind : {PathKind::circle, PathKind::line}) {
+    Functions functions(data.size());
+    std::string name;
+    for (std::size_t path = 0; path < data.paths.size(); ++path) {
+      if (data.paths[path].kind != kind) continue;
+      name = variable_along(data.paths[path]);
+      add_levels(
+          functions, data, kSenseChannels + static_cast<Channel>(path), [&](std::size_t k) { return data.along[k]; },
+          kMostLevels, kOne);
+    }
+    if (!functions.empty()) out.push_back({name, functions.matrix()});
+  }
+}
+
+/// Difference of both directions of circles: harmonics of the angle.
+void add_directions_of_circles(const Observations& data, Functions& functions) {
+  for (std::size_t path = 0; path < data.paths.size(); ++path) {
+    if (data.paths[path].kind != PathKind::circle) continue;
+    const auto d = [&](std::size_t k) {
+      return data.on_path(k) && data.path[k] == path + 1 ? static_cast<double>(data.approach[k]) : 0.0;
+    };
+    bool forward = false, reverse = false;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      forward = forward || d(k) > 0.0;
+      reverse = reverse || d(k) < 0.0;
+    }
+    if (!forward || !reverse) continue;
+    for (std::size_t m = 1; m <= kWavesOfApproach; ++m) {
+      const auto angle = [&](std::size_t k) {
+        return static_cast<double>(m) * data.along[k] * std::numbers::pi / 180.0;
+      };
+      functions.add([&](std::size_t k) { return d(k) == 0.0 ? 0.0 : d(k) * std::cos(angle(k)); });
+      functions.add([&](std::size_t k) { return d(k) == 0.0 ? 0.0 : d(k) * std::sin(angle(k)); });
+    }
+  }
+}
+
 void add_approach(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   Functions functions(data.size());
-  for (const Sense sense : senses_of(data))
+  for (const Channel channel : channels_of(data))
     for (const Axis a : kAllAxes) {
       bool forward = false, reverse = false;
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.sense[k] == sense && data.axis[k] == a) {
+        if (data.channel(k) == channel && data.axis[k] == a) {
           forward = forward || data.approach[k] > 0;
           reverse = reverse || data.approach[k] < 0;
         }
       if (!forward || !reverse) continue;
       const auto d = [&](std::size_t k) {
-        return data.sense[k] == sense && data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0;
+        return data.channel(k) == channel && data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0;
       };
       functions.add(d);
       for (std::size_t m = 1; m <= kWavesOfApproach; ++m)
@@ -173,6 +214,7 @@ void add_approach(const Observations& data, const std::vector<double>& scaled, s
           return d(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
         });
     }
+  add_directions_of_circles(data, functions);
   if (!functions.empty()) out.push_back({"approach", functions.matrix()});
 }
 
@@ -183,10 +225,10 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
   };
   for (const Pair& pair : {Pair{Axis::X, Axis::Y}, Pair{Axis::X, Axis::Z}, Pair{Axis::Y, Axis::Z}}) {
     Functions functions(data.size());
-    for (const Sense sense : senses_of(data)) {
+    for (const Channel channel : channels_of(data)) {
       std::vector<double> a, b;
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.sense[k] == sense) {
+        if (data.channel(k) == channel) {
           a.push_back(data.p_mm(k, pair.a));
           b.push_back(data.p_mm(k, pair.b));
         }
@@ -194,7 +236,7 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
       const double from_a = *in_a.first, to_a = *in_a.second, from_b = *in_b.first, to_b = *in_b.second;
       if (to_a - from_a <= kSamePlace_mm || to_b - from_b <= kSamePlace_mm) continue;
       functions.add([&](std::size_t k) {
-        if (data.sense[k] != sense) return 0.0;
+        if (data.channel(k) != channel) return 0.0;
         return (data.p_mm(k, pair.a) - 0.5 * (from_a + to_a)) * (data.p_mm(k, pair.b) - 0.5 * (from_b + to_b)) /
                ((to_a - from_a) * (to_b - from_b));
       });
@@ -206,16 +248,16 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
 
 void add_runs(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   Functions functions(data.size());
-  for (const Sense sense : senses_of(data))
+  for (const Channel channel : channels_of(data))
     for (const Axis a : kAllAxes) {
       std::set<int> runs;
       for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.sense[k] == sense && data.axis[k] == a) runs.insert(data.run[k]);
+        if (data.channel(k) == channel && data.axis[k] == a) runs.insert(data.run[k]);
       if (runs.size() < 2 || runs.size() > kMostRuns) continue;
       const double share = 1.0 / static_cast<double>(runs.size());
       for (const int run : runs) {  // differences between runs: what all runs share depends on other variables
         const auto in_run = [&](std::size_t k) {
-          if (data.sense[k] != sense || data.axis[k] != a) return 0.0;
+          if (data.channel(k) != channel || data.axis[k] != a) return 0.0;
           return (data.run[k] == run ? 1.0 : 0.0) - share;
         };
         functions.add(in_run);
@@ -240,10 +282,10 @@ void add_rows(const Observations& data, std::vector<Variable>& out) {
   if (length <= 0.0) return;
   Functions functions(data.size());
   const double waves = std::clamp(length / kFastest_rows, kFewestWavesOfTime, kMostWavesOfTime);
-  for (const Sense sense : senses_of(data))
+  for (const Channel channel : channels_of(data))
     for (int m = 1; m <= waves; ++m)
       functions.add([&](std::size_t k) {
-        return data.sense[k] == sense ? std::cos(m * std::numbers::pi * (data.row[k] - first) / length) : 0.0;
+        return data.channel(k) == channel ? std::cos(m * std::numbers::pi * (data.row[k] - first) / length) : 0.0;
       });
   out.push_back({"row", functions.matrix()});
 }
@@ -256,11 +298,11 @@ void add_time(const Observations& data, std::vector<Variable>& out) {
   if (last <= 0.0) return;
   Functions functions(data.size());
   const double waves = std::clamp(last / kFastest_s, kFewestWavesOfTime, kMostWavesOfTime);
-  for (const Sense sense : senses_of(data)) {
-    functions.add([&](std::size_t k) { return data.sense[k] == sense ? data.time_s[k] / last : 0.0; });
+  for (const Channel channel : channels_of(data)) {
+    functions.add([&](std::size_t k) { return data.channel(k) == channel ? data.time_s[k] / last : 0.0; });
     for (int m = 1; m <= waves; ++m)
       functions.add([&](std::size_t k) {
-        return data.sense[k] == sense ? std::cos(m * std::numbers::pi * data.time_s[k] / last) : 0.0;
+        return data.channel(k) == channel ? std::cos(m * std::numbers::pi * data.time_s[k] / last) : 0.0;
       });
   }
   out.push_back({"time_s", functions.matrix()});
@@ -282,10 +324,10 @@ void add_condition(const Observations& data, const std::string& name, const Colu
     }
   if (count < static_cast<double>(kFewestOfSense) || greatest <= least) return;
   const auto centred = [&](std::size_t k) { return (value(k) - sum / count) / (greatest - least); };
-  for (const Sense sense : senses_of(data)) {
-    add_levels(functions, data, sense, value, kMostConditionLevels, kOne);
-    functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * scaled[k] : 0.0; });
-    functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * data.approach[k] : 0.0; });
+  for (const Channel channel : channels_of(data)) {
+    add_levels(functions, data, channel, value, kMostConditionLevels, kOne);
+    functions.add([&](std::size_t k) { return data.channel(k) == channel ? centred(k) * scaled[k] : 0.0; });
+    functions.add([&](std::size_t k) { return data.channel(k) == channel ? centred(k) * data.approach[k] : 0.0; });
   }
   out.push_back({name, functions.matrix()});
 }
@@ -294,8 +336,8 @@ void add_compensated(const Observations& data, const std::vector<double>& scaled
   const bool first = data.compensated.empty() || data.compensated.front();
   if (std::all_of(data.compensated.begin(), data.compensated.end(), [&](bool c) { return c == first; })) return;
   Functions functions(data.size());
-  for (const Sense sense : senses_of(data)) {
-    const auto on = [&](std::size_t k) { return data.sense[k] == sense && data.compensated[k] ? 1.0 : 0.0; };
+  for (const Channel channel : channels_of(data)) {
+    const auto on = [&](std::size_t k) { return data.channel(k) == channel && data.compensated[k] ? 1.0 : 0.0; };
     functions.add(on);
     for (std::size_t m = 1; m <= kWavesOfMap; ++m)
       functions.add([&](std::size_t k) {
@@ -312,6 +354,7 @@ std::vector<Variable> variables_of(const Observations& data) {
   std::vector<Variable> out;
   const std::vector<double> scaled = scaled_positions(data);
   add_positions(data, scaled, out);
+  add_places_along(data, out);
   add_products(data, out);
   add_approach(data, scaled, out);
   add_runs(data, scaled, out);

@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const VectorXd& sizes) {
   FittedCurve curve;
   const CurveBasis& basis = regressors.basis_of(slot.effect);
-  const Observations& data = regressors.data();
+  const Observations& data = regressors.motions();
   const double datum = data.datum_mm[index_of(*slot.effect.axis)];
   std::vector<double> places;
   constexpr int kPoints = 120;
@@ -134,7 +134,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
   const Slot& slot = assembly.slots[s];
   EffectFit fit;
   fit.effect = slot.effect;
-  fit.readings = slot.acting.rows.size();
+  fit.readings = slot.acting.readings.size();
   fit.skipped = slot.acting.skipped;
   const Index at = assembly.first_column(s), count = slot.columns.cols();
   const VectorXd sizes = core.sizes.segment(at, count);
@@ -142,7 +142,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
   const VectorXd contribution = assembly.contribution(s, sizes);
   fit.contribution.assign(contribution.data(), contribution.data() + contribution.size());
   double square = 0.0;
-  for (const std::size_t k : slot.acting.rows) square += fit.contribution[k] * fit.contribution[k];
+  for (const std::size_t k : slot.acting.readings) square += fit.contribution[k] * fit.contribution[k];
   fit.rms_um = fit.readings == 0 ? 0.0 : std::sqrt(square / static_cast<double>(fit.readings));
 
   std::vector<std::optional<double>> nonlinear_sigma(slot.nonlinear.size());
@@ -276,7 +276,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
     if (slot.has_slope()) nonlinear += std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true);
     if (slot.acting.skipped > 0)
       fit.notes.push_back(fmt::format("{}: {} of {} readings skipped, they lack {}", to_text(slot.effect),
-                                      slot.acting.skipped, slot.acting.skipped + slot.acting.rows.size(),
+                                      slot.acting.skipped, slot.acting.skipped + slot.acting.readings.size(),
                                       slot.acting.lacking));
     if (slot.acting.rows.empty() && slot.acting.skipped == 0)
       fit.notes.push_back(fmt::format("{}: acts on none of these readings", to_text(slot.effect)));
@@ -295,7 +295,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.noise = core.noise.pure;
   for (const NoiseGroup& group : core.noise.groups)
-    fit.noise_by_sense.push_back({group.sense, group.axis, group.white, group.correlated, group.time});
+    fit.noise_by_sense.push_back({group.sense, group.axis, group.white, group.correlated, group.time, group.path});
   fit.lack_of_fit =
       lack_of_fit_of(data, core.residual, core.noise, core.left_out, static_cast<double>(fit.fitted_parameters));
   fit.notes.insert(fit.notes.end(), data.notes.begin(), data.notes.end());

@@ -52,6 +52,7 @@ struct NoiseReport {
   double white_um = 0.0;
   double correlated_um = 0.0;
   double correlation_time_s = 0.0;  ///< in readings where there is no time
+  std::string path{};               ///< "circle XY"; "": of a sense along one axis
 };
 
 struct Fit {

@@ -59,13 +59,12 @@ Parts parts_by_target(const Observations& data) {
   Parts parts;
   parts.count = kMostParts;
   parts.of.assign(data.size(), 0);
-  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
   for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const auto& list = targets[{data.sense[k], data.axis[k]}];
-    const double p = data.p_mm(k, data.axis[k]);
+    const auto& list = targets[{data.channel(k), data.axis[k]}];
+    const double p = data.along_of(k);
     const auto rank = std::upper_bound(list.begin(), list.end(), p + 0.1 * kSamePlace_mm) - list.begin();
     parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
   }
@@ -73,9 +72,8 @@ Parts parts_by_target(const Observations& data) {
 }
 
 bool has_targets_to_leave_out(const Observations& data) {
-  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
   return std::all_of(targets.begin(), targets.end(),
                      [](const auto& each) { return distinct(each.second, kSamePlace_mm).size() >= kFewestTargets; });
 }

@@ -80,14 +80,14 @@ struct Halves {
   std::vector<double> difference, sum;
 };
 Halves halves_of(const Observations& data, const std::vector<double>& deviation) {
-  using Key = std::tuple<Sense, Axis, int, std::array<double, kAxes>>;
+  using Key = std::tuple<Channel, Axis, int, std::array<double, kAxes>>;
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::map<Key, std::pair<std::size_t, std::size_t>> places;
   std::size_t complete = 0, usable = 0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (std::isnan(deviation[k]) || data.approach[k] == 0) continue;
     ++usable;
-    const Key key{data.sense[k], data.axis[k], data.run[k], rounded(data.position_mm[k])};
+    const Key key{data.channel(k), data.axis[k], data.run[k], rounded(data.place_of(k))};
     auto& place = places.try_emplace(key, kNone, kNone).first->second;
     std::size_t& side = data.approach[k] > 0 ? place.first : place.second;
     if (side == kNone) side = k;
@@ -180,9 +180,10 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
 }
 
 std::vector<NoiseGroup> groups_of(const Observations& data) {
-  std::map<std::pair<Sense, Axis>, NoiseGroup> groups;
+  std::map<std::pair<Channel, Axis>, NoiseGroup> groups;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    NoiseGroup& group = groups[{data.sense[k], data.axis[k]}];
+    NoiseGroup& group = groups[{data.channel(k), data.axis[k]}];
+    if (group.rows.empty()) group.path = data.path_name(k);
     group.sense = data.sense[k];
     group.axis = data.axis[k];
     group.rows.push_back(k);
@@ -206,14 +207,14 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
 namespace {
 
 Repeats numbered(const Observations& data, bool conditions) {
-  using Key = std::tuple<Sense, Axis, int, std::array<double, kAxes>, double, double, bool>;
+  using Key = std::tuple<Channel, Axis, int, std::array<double, kAxes>, double, double, bool>;
   std::map<Key, std::size_t> nodes;
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const Key key{data.sense[k],
+    const Key key{data.channel(k),
                   data.axis[k],
                   data.approach[k],
-                  rounded(data.position_mm[k]),
+                  rounded(data.place_of(k)),
                   conditions ? rounded(cell(data.feed_mm_min, k), kSameCondition) : 0.0,
                   conditions ? rounded(cell(data.load_kg, k), kSameCondition) : 0.0,
                   data.compensated[k]};
@@ -229,15 +230,12 @@ Repeats repeats_of(const Observations& data) { return numbered(data, true); }
 Repeats places_of(const Observations& data) { return numbered(data, false); }
 
 std::vector<std::size_t> passes_of(const Observations& data) {
-  using Key = std::tuple<Sense, Axis, int, int, Vector3>;
+  using Key = std::tuple<Channel, Axis, int, int, Vector3>;
   std::map<Key, std::size_t> numbers;
   std::vector<std::size_t> pass;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    Vector3 parked = data.position_mm[k];
-    parked[index_of(data.axis[k])] = 0.0;
-    pass.push_back(
-        numbers.try_emplace({data.sense[k], data.axis[k], data.run[k], data.approach[k], parked}, numbers.size())
-            .first->second);
+    const Key key{data.channel(k), data.axis[k], data.run[k], data.approach[k], data.parked_of(k)};
+    pass.push_back(numbers.try_emplace(key, numbers.size()).first->second);
   }
   return pass;
 }

@@ -25,6 +25,7 @@ inline constexpr double kFewestNoiseFreedom = 4.0;
 struct NoiseGroup {
   Sense sense = Sense::EX;
   Axis axis = Axis::X;
+  std::string path{};             ///< of readings along a path its name; sense and axis are then of its first axis
   std::vector<std::size_t> rows;  ///< canonical order
   double white = 1.0;             ///< standard deviation, um
   double correlated = 0.0;        ///< standard deviation, um

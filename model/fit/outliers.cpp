@@ -138,9 +138,31 @@ void keep_after_reversal(const Observations& data, std::vector<bool>& out) {
   }
 }
 
+/// A circle is read on the fly, where several readings follow a reversal closely: what every repeat shows there, or
+/// what a single one shows within five degrees, the axis does.
+void keep_on_circles(const Observations& data, std::vector<bool>& out) {
+  constexpr double kClose = 0.004;  // of the radius: 1 - cos 5 degrees
+  if (data.paths.empty()) return;
+  const Repeats repeats = places_of(data);
+  std::vector<std::size_t> readings(repeats.nodes), odd(repeats.nodes);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    ++readings[repeats.node_of[k]];
+    if (out[k]) ++odd[repeats.node_of[k]];
+  }
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (!out[k] || !data.on_path(k) || data.path_of(k).kind != PathKind::circle) continue;
+    const std::size_t node = repeats.node_of[k];
+    const PlaceOnPath place = place_on(data.path_of(k), data.position_mm[k], data.approach[k]);
+    const bool after_reversal =
+        std::any_of(place.since_reversal_mm.begin(), place.since_reversal_mm.end(),
+                    [&](const auto& mm) { return mm && *mm < kClose * data.path_of(k).radius_mm; });
+    if (readings[node] > 1 ? odd[node] == readings[node] : after_reversal) out[k] = false;
+  }
+}
+
 /// How odd each reading is, in the scale of its sense and axis, and to which side; 0 where it is not.
 std::vector<double> oddness_of(const Observations& data, const Eigen::VectorXd& residual,
-                               const std::map<std::pair<Sense, Axis>, Rows>& groups) {
+                               const std::map<std::pair<Channel, Axis>, Rows>& groups) {
   const std::vector<double> near = from_neighbours(data, residual);
   const std::vector<double> repeats = from_repeats(data, residual);
   std::vector<double> oddness(data.size(), 0.0);
@@ -166,8 +188,8 @@ std::vector<double> oddness_of(const Observations& data, const Eigen::VectorXd& 
 std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
   std::vector<bool> out(data.size(), false);
   if (data.size() < kFewestReadings) return out;
-  std::map<std::pair<Sense, Axis>, Rows> groups;
-  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.sense[k], data.axis[k]}].push_back(k);
+  std::map<std::pair<Channel, Axis>, Rows> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.channel(k), data.axis[k]}].push_back(k);
   const std::vector<double> oddness = oddness_of(data, residual, groups);
   for (const auto& [place, rows] : groups) {
     std::vector<std::pair<double, std::size_t>> found;
@@ -178,6 +200,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
   }
   keep_streaks(data, oddness, out);
   keep_after_reversal(data, out);
+  keep_on_circles(data, out);
   return out;
 }
 

@@ -136,7 +136,7 @@ std::optional<ProfileSigma> profile_sigma(const Assembly& assembly, const Regres
       definition.search.limits == nullptr || regressors.data().size() > kMostProfiled || !(sigma > 0.0))
     return std::nullopt;
   const double best = slot.nonlinear.front();
-  const ValueRange range = definition.search.limits(regressors.data(), slot.effect, slot.acting, best);
+  const ValueRange range = definition.search.limits(regressors.motions(), slot.effect, slot.acting, best);
   const SlotProfile profile(assembly, regressors, core, s);
   const VectorXd sizes = profile.at(best).sizes;
   ProfileSigma result{0.0, VectorXd::Zero(sizes.size())};

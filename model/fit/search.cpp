@@ -127,7 +127,7 @@ Search::Search(const Regressors& regressors, const Whitener& whitener, const Mat
   base_.y = whitener(residual);
   base_.q.resize(base_.y.size(), 0);
   absorb(base_, whitener(base));
-  const Observations& data = regressors.data();
+  const Observations& data = regressors.motions();
   for (const Axis a : kAllAxes) {
     std::vector<double> p;
     for (std::size_t k = 0; k < data.size(); ++k)
@@ -149,9 +149,9 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     Family family;
     family.effect = effect;
     family.acting = regressors_.acting(effect);
-    if (family.acting.rows.size() < 2) continue;
+    if (family.acting.readings.size() < 2) continue;
     const EffectDefinition& definition = effect.definition();
-    const TriedValues tried = tried_values(regressors_.data(), effect, family.acting, {most, of_model});
+    const TriedValues tried = tried_values(regressors_.motions(), effect, family.acting, {most, of_model});
     family.grid = tried.values;
     family.facts = tried.facts;
     family.far = tried.far;
@@ -161,16 +161,17 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(tried.facts.size())) : 0.0;
     if (const std::size_t shapes = definition.column_sets.size(); shapes > 1 && !definition.traits.periodic)
       family.shape_cost = 2.0 * std::log(static_cast<double>(shapes));
-    if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
-    family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
+    if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.motions(), family);
+    family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.readings.size())));
     if (effect.is_user())
-      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data()).size()) *
+      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.motions()).size()) *
                            (family.ln_readings + 2.0 * std::log(kUserTrials));
     family.lever_varies = regressors_.lever_varies(effect);
     family.least = definition.least_coefficient;
     family.greatest = definition.greatest_coefficient;
-    if (definition.place == Place::map) {
-      const Columns columns = regressors_.columns(effect, family.grid.front(), family.acting);
+    if (definition.place == Place::map || regressors_.data().moved) {
+      const Columns columns =
+          regressors_.columns(effect, family.grid.empty() ? family.facts.front() : family.grid.front(), family.acting);
       if (columns.fixed.squaredNorm() + columns.of.squaredNorm() <= 0.0) continue;
     }
     families_.push_back(std::move(family));
@@ -235,7 +236,7 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   const double centre = to(nonlinear);
   double low = -std::numeric_limits<double>::max(), high = std::numeric_limits<double>::max();
   if (definition.search.limits != nullptr) {
-    const ValueRange range = definition.search.limits(regressors_.data(), family.effect, family.acting, nonlinear);
+    const ValueRange range = definition.search.limits(regressors_.motions(), family.effect, family.acting, nonlinear);
     std::tie(low, high) = std::minmax({to(range.least), to(range.greatest)});
   }
   if (!inverse) {  // neighbours on the grid bound the search
@@ -262,7 +263,7 @@ bool Search::at_limit(std::size_t f, double nonlinear) const {
   const Family& family = families_[f];
   const EffectDefinition& definition = family.effect.definition();
   if (definition.search.limits == nullptr || family.grid.size() + family.facts.size() <= 1) return false;
-  const ValueRange range = definition.search.limits(regressors_.data(), family.effect, family.acting, kBeyondAll);
+  const ValueRange range = definition.search.limits(regressors_.motions(), family.effect, family.acting, kBeyondAll);
   const auto is_another = [&](Limit limit) {
     return std::any_of(definition.turns_into.begin(), definition.turns_into.end(),
                        [&](const Becomes& becomes) { return becomes.limit == limit; });

@@ -114,6 +114,7 @@ class Search {
   /// Scores of all values of a family beyond `space`, best first.
   [[nodiscard]] std::vector<Choice> peaks_of(const Space& space, std::size_t family) const;
   [[nodiscard]] const Observations& data() const { return regressors_.data(); }
+  [[nodiscard]] const Observations& motions() const { return regressors_.motions(); }
 
   /// For noise alone (columns of `blanks`: independent, of size one, base removed): best score of each column.
   [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks) const;
@@ -161,7 +162,9 @@ class Search {
   void build_grams(std::size_t family);
   void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXf& left, const Eigen::MatrixXf& right,
                    const Eigen::MatrixXf& absorbed);
-  /// Sums of rows over the nodes of a family.
+  /// Values for products with whitened readings as values for products with motions (Regressors::motions()).
+  [[nodiscard]] Eigen::MatrixXd at_motions(const Eigen::MatrixXd& white) const;
+  /// Sums of values of motions over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
   [[nodiscard]] bool has_places(std::size_t family) const { return banks_[family].weight.size() > 0; }
   [[nodiscard]] View view_of(const Space& space, std::size_t family) const;

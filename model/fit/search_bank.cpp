@@ -36,6 +36,10 @@ MatrixXd place_columns(const EffectDefinition& definition, const std::vector<dou
 
 }  // namespace
 
+MatrixXd Search::at_motions(const MatrixXd& white) const {
+  return regressors_.motions_from(whitener_.transposed(white));
+}
+
 MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
   const FamilyBank& bank = banks_[f];
   const std::vector<std::size_t>& acting = families_[f].acting.rows;
@@ -58,7 +62,7 @@ void Search::build_shapes(std::size_t f) {
   const std::vector<std::size_t>& rows = family.acting.rows;
   if (of_place) {
     std::vector<double> p;
-    for (const std::size_t k : rows) p.push_back(regressors_.data().p_mm(k, *family.effect.axis));
+    for (const std::size_t k : rows) p.push_back(regressors_.motions().p_mm(k, *family.effect.axis));
     shapes.place_mm = distinct(p, 1e-9);
     for (const double at : p)
       bank.node_of.push_back(std::upper_bound(shapes.place_mm.begin(), shapes.place_mm.end(), at) -
@@ -79,7 +83,7 @@ void Search::build_shapes(std::size_t f) {
   Index count = periodic ? 2 : 1;
   std::vector<MatrixXd> parts;
   const auto part_at = [&](double value) {
-    const Columns columns = regressors_.columns(family.effect, value, family.acting);
+    const Columns columns = regressors_.motion_columns(family.effect, value, family.acting);
     const MatrixXd all = columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of;
     MatrixXd part(bank.nodes, all.cols());
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -136,13 +140,13 @@ void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXf& lef
 void Search::build_grams(std::size_t f) {
   FamilyBank& bank = banks_[f];
   const std::vector<std::size_t>& rows = families_[f].acting.rows;
-  const Index n = base_.y.size();
+  const auto n = static_cast<Index>(regressors_.motions().size());
   const Shapes& shapes = *bank.shapes;
   MatrixXf weight, base_q;
   if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes) {
     MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
     for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
-    const MatrixXd white = whitener_(indicators);
+    const MatrixXd white = whitener_(regressors_.readings_from(std::move(indicators)));
     bank.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
     bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
     bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
@@ -162,7 +166,7 @@ void Search::build_grams(std::size_t f) {
       for (Index j = 0; j < piece.cols(); ++j)
         for (std::size_t i = 0; i < rows.size(); ++i)
           spread(static_cast<Index>(rows[i]), j) = static_cast<double>(piece(bank.node_of[i], j));
-      const MatrixXf white = whitener_(spread).cast<float>();
+      const MatrixXf white = whitener_(regressors_.readings_from(std::move(spread))).cast<float>();
       store_grams(bank, from, white, white, base_.q.cast<float>().transpose() * white);
     }
     from = end;
@@ -190,10 +194,10 @@ Search::View Search::view_of(const Space& space, std::size_t f) const {
   const FamilyBank& bank = banks_[f];
   const Index base = base_.q.cols(), more = space.q.cols() - base;
   View view;
-  view.y = gathered(f, whitener_.transposed(MatrixXd(space.y))).col(0);
+  view.y = gathered(f, at_motions(MatrixXd(space.y))).col(0);
   view.q.resize(bank.nodes, space.q.cols());
   view.q.leftCols(base) = bank.base_q;
-  view.q.rightCols(more) = gathered(f, whitener_.transposed(MatrixXd(space.q.rightCols(more))));
+  view.q.rightCols(more) = gathered(f, at_motions(MatrixXd(space.q.rightCols(more))));
   return view;
 }
 

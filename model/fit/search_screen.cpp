@@ -103,13 +103,13 @@ bool Search::too_steep(const Space& space, const Choice& choice) const {
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
-  return scores_of(f, whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols()))),
-                   whitener_.transposed(MatrixXd(space.y)).col(0), items_.size());
+  return scores_of(f, at_motions(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols()))),
+                   at_motions(MatrixXd(space.y)).col(0), items_.size());
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
-  const VectorXd y = whitener_.transposed(MatrixXd(space.y)).col(0);
-  const MatrixXd more_q = whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols())));
+  const VectorXd y = at_motions(MatrixXd(space.y)).col(0);
+  const MatrixXd more_q = at_motions(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols())));
   std::vector<std::vector<Choice>> peaks(candidates_);
   std::vector<Choice> list;
   for (std::size_t f = 0; f < candidates_; ++f) {
@@ -181,7 +181,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
 
 std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
   std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
-  const MatrixXd spread = whitener_.transposed(blanks.cast<double>());
+  const MatrixXd spread = at_motions(blanks.cast<double>());
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
     const FamilyBank& bank = banks_[f];

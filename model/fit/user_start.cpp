@@ -45,7 +45,7 @@ std::vector<std::size_t> nonlinear_user_parameters(const EffectInstance& effect,
 }
 
 EffectInstance with_best_start(const Model& model, const EffectInstance& candidate, const Regressors& regressors) {
-  const std::vector<std::size_t> places = nonlinear_user_parameters(candidate, regressors.data());
+  const std::vector<std::size_t> places = nonlinear_user_parameters(candidate, regressors.motions());
   EffectInstance best = candidate;
   if (places.empty()) return best;
   double least = 0.0;

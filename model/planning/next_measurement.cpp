@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/data/motions.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
@@ -445,7 +446,14 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
         "plans are of linear axes; of a rotary axis measure the turn again both ways, at targets of another step");
     return next;
   }
-  const Setting setting{model, data, times};
+  const Observations lines = without_paths(data);
+  if (lines.size() == 0) {
+    next.notes.emplace_back(
+        "plans are of lines along one axis, and these readings are of circles or diagonals: measure a line along each "
+        "axis of the plane and give both files together");
+    return next;
+  }
+  const Setting setting{model, lines, times};
   Result<void> asked;
   const bool is_named = diagnosis.verdict == Verdict::missing_effect || diagnosis.verdict == Verdict::partly_explained;
   if (is_named && !diagnosis.candidates.empty())

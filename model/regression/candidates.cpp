@@ -5,6 +5,7 @@
 #include <set>
 
 #include "model/data/curve_basis.hpp"
+#include "model/data/motions.hpp"
 #include "model/regression/needs.hpp"
 
 namespace ecs::model {
@@ -71,6 +72,21 @@ void add_at(const Site& site, CandidatesAt EffectDefinition::*kind, bool usual_o
   }
 }
 
+/// What a circle shows too little of, so that it would stand for other causes: lost motion shows at both ends alone,
+/// where the axis turns round, so not how it varies between them; of a bend that counts from a zero far away a piece,
+/// which is a bow and a slope. A line measured along the axis sees both.
+bool needs_line(const EffectInstance& effect) {
+  const EffectTraits& traits = effect.traits();
+  return (traits.is_curve && traits.of_approach) || (traits.is_smooth && !traits.is_curve && !traits.of_condition);
+}
+bool seen_by_line(const Observations& all, const EffectInstance& effect) {
+  if (!needs_line(effect)) return true;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (!all.on_path(k) && all.sense[k] == effect.sense && all.axis[k] == effect.axis && all.approach[k] != 0)
+      return true;
+  return false;
+}
+
 void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
   std::set<Component> seen;
   for (const Term& term : data.terms) {
@@ -130,21 +146,24 @@ std::vector<EffectInstance> Site::once(bool worth_trying) const {
   return {effect};
 }
 
-Axis natural_axis(const Observations& data, Sense sense) {
+Axis natural_axis(const Observations& all, Sense sense) {
+  const Observations& data = all.motions();
   const std::vector<Axis> moved = moved_axes(data, sense);
   const Axis own = direction_of(sense);
   if (moved.empty() || std::find(moved.begin(), moved.end(), own) != moved.end()) return own;
   return moved.front();
 }
 
-std::vector<Axis> varied_axes(const Observations& data, Sense sense) {
+std::vector<Axis> varied_axes(const Observations& all, Sense sense) {
+  const Observations& data = all.motions();
   std::vector<Axis> axes;
   for (const Axis a : kAllAxes)
     if (places(data, sense, a) >= 2) axes.push_back(a);
   return axes;
 }
 
-std::vector<EffectInstance> candidate_instances(const Observations& data) {
+std::vector<EffectInstance> candidate_instances(const Observations& all) {
+  const Observations& data = all.motions();
   std::vector<EffectInstance> out;
   for (const Sense sense : kSenses) {
     if (!has(data, sense)) continue;
@@ -157,14 +176,24 @@ std::vector<EffectInstance> candidate_instances(const Observations& data) {
   }
   add_levered(data, out);
   add_map_faults(data, out);
+  // a circle and a diagonal show a slope across as squareness, which is the commoner cause (where lines are measured
+  // across, their straight edge has a slope of its own), and a jump at an end of the travel as what a reversal does
+  if (!all.paths.empty()) {
+    std::erase_if(out, [&](const EffectInstance& one) { return !seen_by_line(all, one); });
+    const auto reverses = [](const EffectInstance& one) { return one.traits().of_approach; };
+    const auto leans = [](const EffectInstance& one) { return one.definition().place == Place::squareness; };
+    std::stable_partition(out.begin(), out.end(), reverses);
+    std::stable_partition(out.begin(), out.end(), leans);
+  }
   // of effects that do the same the first is named: those of the machine before the set-up
   std::stable_partition(out.begin(), out.end(),
                         [](const EffectInstance& one) { return one.definition().place != Place::set_up; });
   return out;
 }
 
-std::vector<EffectInstance> usual_effects(const Observations& data) {
+std::vector<EffectInstance> usual_effects(const Observations& all) {
   constexpr std::size_t kForSlope = 3;
+  const Observations data = without_paths(all);
   std::vector<EffectInstance> usual;
   for (const Sense sense : kSenses) {
     if (!has(data, sense)) continue;

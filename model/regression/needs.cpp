@@ -177,7 +177,8 @@ bool has_readings_across(const Observations& data) {
 
 }  // namespace
 
-std::vector<std::string> untried_effects(const Observations& data) {
+std::vector<std::string> untried_effects(const Observations& all) {
+  const Observations& data = all.motions();
   std::vector<std::string> notes;
   for (const NeedFacts& facts : kNeeds) {
     if (facts.need == Need::known || !facts.lacking(data)) continue;

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "model/data/motions.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/user_formula.hpp"
@@ -16,8 +17,15 @@ namespace {
 /// Levers closer than a hundredth of a millimetre are one, targets closer than a micrometre.
 constexpr double kSameLever_m = 1e-5, kSameTarget_mm = 1e-3;
 
+/// Only what the approach of its moving axis does counts in the row.
+bool is_aside(const Observations& data, std::size_t k) { return !data.aside.empty() && data.aside[k]; }
+
 bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
+  if (is_aside(data, k)) {
+    const bool by_motion = definition.traits.of_approach || effect.approach != ApproachMode::both;
+    if (!by_motion || definition.place == Place::map) return false;
+  }
   if (definition.traits.until_new_set_up && !first_set_up(data, k)) return false;
   if (definition.has_lever()) return effect.code && lever_m(data, k, *effect.code) != 0.0;
   if (definition.place == Place::set_up)
@@ -64,7 +72,7 @@ Eigen::MatrixXd user_columns(const Observations& data, const EffectInstance& eff
     columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
     for (std::size_t k = 0; k < data.size(); ++k) {
       const double value = values[k] - nothing[k];
-      columns(static_cast<Eigen::Index>(k), columns.cols() - 1) = std::isnan(value) ? 0.0 : value;
+      columns(static_cast<Eigen::Index>(k), columns.cols() - 1) = std::isnan(value) || is_aside(data, k) ? 0.0 : value;
     }
   }
   return columns;
@@ -80,7 +88,7 @@ Acting acting_user(const Observations& data, const EffectInstance& effect) {
   for (std::size_t k = 0; k < data.size(); ++k) {
     const bool mine = std::any_of(effect.formulas.begin(), effect.formulas.end(),
                                   [&](const UserFormula& formula) { return formula.sense == data.sense[k]; });
-    if (!mine) continue;
+    if (!mine || is_aside(data, k)) continue;
     if (std::isnan(values[k]))
       ++acting.skipped;
     else
@@ -92,21 +100,85 @@ Acting acting_user(const Observations& data, const EffectInstance& effect) {
 
 }  // namespace
 
-Regressors::Regressors(const Observations& data) : data_(data) {}
+Regressors::Regressors(const Observations& data) : data_(data), motions_(data.motions()) {}
 Regressors::~Regressors() = default;
 
 Acting Regressors::acting(const EffectInstance& effect) const {
   Acting acting;
-  if (effect.is_user()) return acting_user(data_, effect);
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    if (!acts_by_place(data_, k, effect)) continue;
-    if (!has_needs(data_, k, effect))
-      ++acting.skipped;
-    else
-      acting.rows.push_back(k);
+  if (effect.is_user()) {
+    acting = acting_user(motions_, effect);
+  } else {
+    for (std::size_t k = 0; k < motions_.size(); ++k) {
+      if (!acts_by_place(motions_, k, effect)) continue;
+      const bool far_from_reversal =
+          data_.moved && data_.moved->on_path[k] && effect.definition().has_need(Need::travel_since_reversal);
+      if (!has_needs(motions_, k, effect))
+        acting.skipped += far_from_reversal ? 0 : 1;
+      else
+        acting.rows.push_back(k);
+    }
+    if (acting.skipped > 0) acting.lacking = needed_columns(effect);
   }
-  if (acting.skipped > 0) acting.lacking = needed_columns(effect);
+  return with_readings(std::move(acting));
+}
+
+Acting Regressors::with_readings(Acting acting) const {
+  if (!data_.moved) {
+    acting.readings = acting.rows;
+    return acting;
+  }
+  std::vector<bool> moved(motions_.size()), acted(data_.moved->readings);
+  for (const std::size_t row : acting.rows) moved[row] = true;
+  for (const Motions::Share& share : data_.moved->shares)
+    if (moved[share.row]) acted[share.reading] = true;
+  acting.readings.clear();
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    if (acted[data_.of_moved[k]]) acting.readings.push_back(k);
+  acting.skipped = std::min(acting.skipped, data_.size() - acting.readings.size());
   return acting;
+}
+
+Eigen::MatrixXd Regressors::readings_from(Eigen::MatrixXd of_motions) const {
+  if (!data_.moved) return of_motions;
+  /// Of a column less than this share is left: centre, radius or zero of the passes took all of it. Shapes are kept in
+  /// single precision.
+  constexpr double kTakenOut = 1e-6;
+  const Motions& moved = *data_.moved;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(moved.readings), of_motions.cols());
+  Eigen::MatrixXd chosen(static_cast<Eigen::Index>(data_.size()), of_motions.cols());
+  for (Eigen::Index j = 0; j < all.cols(); ++j) {
+    double* const to = all.col(j).data();
+    const double* const from = of_motions.col(j).data();
+    for (const Motions::Share& share : moved.shares) to[share.reading] += share.weight * from[share.row];
+    moved.take_out_free(to);
+    const double least = kTakenOut * of_motions.col(j).norm();
+    if (all.col(j).norm() <= least) all.col(j).setZero();
+    for (std::size_t k = 0; k < data_.size(); ++k) chosen(static_cast<Eigen::Index>(k), j) = to[data_.of_moved[k]];
+  }
+  return chosen;
+}
+
+Eigen::MatrixXd Regressors::motions_from(Eigen::MatrixXd of_readings) const {
+  if (!data_.moved) return of_readings;
+  const Motions& moved = *data_.moved;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions_.size()), of_readings.cols());
+  std::vector<double> all(moved.readings);
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+    std::fill(all.begin(), all.end(), 0.0);
+    for (std::size_t k = 0; k < data_.size(); ++k)
+      all[data_.of_moved[k]] = of_readings(static_cast<Eigen::Index>(k), j);
+    moved.take_out_free(all.data());
+    double* const to = rows.col(j).data();
+    for (const Motions::Share& share : moved.shares) to[share.row] += share.weight * all[share.reading];
+  }
+  return rows;
+}
+
+Eigen::VectorXd Regressors::of_formulas(const std::vector<double>& values) const {
+  Eigen::MatrixXd column(static_cast<Eigen::Index>(values.size()), 1);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    column(static_cast<Eigen::Index>(k), 0) = std::isnan(values[k]) || is_aside(motions_, k) ? 0.0 : values[k];
+  return readings_from(std::move(column)).col(0);
 }
 
 const CurveBasis& Regressors::basis_of(const EffectInstance& effect) const {
@@ -114,32 +186,33 @@ const CurveBasis& Regressors::basis_of(const EffectInstance& effect) const {
   const auto found = bases_.find(key);
   if (found != bases_.end()) return found->second;
   std::vector<double> places;
-  for (std::size_t k = 0; k < data_.size(); ++k)
-    if (acts_by_place(data_, k, effect)) places.push_back(data_.p_mm(k, *effect.axis));
+  for (std::size_t k = 0; k < motions_.size(); ++k)
+    if (acts_by_place(motions_, k, effect)) places.push_back(motions_.p_mm(k, *effect.axis));
   return bases_.emplace(key, CurveBasis(places, kMostCurveFunctions, lever_varies(effect))).first->second;
 }
 
 bool Regressors::lever_varies(const EffectInstance& effect) const {
   if (effect.definition().place != Place::rotation) return false;
   std::map<std::pair<Sense, std::int64_t>, double> lever_at;  // by target
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    if (data_.axis[k] != *effect.axis) continue;
-    const double lever = lever_m(data_, k, *effect.code);
-    const auto target = std::llround(data_.p_mm(k, *effect.axis) / kSameTarget_mm);
-    if (std::abs(lever - lever_at.try_emplace({data_.sense[k], target}, lever).first->second) > kSameLever_m)
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    if (motions_.axis[k] != *effect.axis) continue;
+    const double lever = lever_m(motions_, k, *effect.code);
+    const auto target = std::llround(motions_.p_mm(k, *effect.axis) / kSameTarget_mm);
+    if (std::abs(lever - lever_at.try_emplace({motions_.sense[k], target}, lever).first->second) > kSameLever_m)
       return true;
   }
   return false;
 }
 
 Eigen::VectorXd Regressors::of_curve(const EffectInstance& effect, const Acting& acting) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(data_.size()));
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(motions_.size()));
   if (effect.curve.empty()) return sum;
   const laser::MapTable table{Component::EXX, Approach::unknown, effect.curve.p_mm, effect.curve.value};
   for (const std::size_t k : acting.rows) {
-    const double value = laser::compensation_at(table, data_.position_mm[k][index_of(*effect.axis)]);
-    sum(static_cast<Eigen::Index>(k)) = value * effect.definition().curve_factor({data_, k, effect});
+    const double value = laser::compensation_at(table, motions_.position_mm[k][index_of(*effect.axis)]);
+    sum(static_cast<Eigen::Index>(k)) = value * effect.definition().curve_factor({motions_, k, effect});
   }
+  if (data_.moved) return readings_from(sum).col(0);
   return sum;
 }
 
@@ -159,10 +232,10 @@ Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Ac
   const CurveBasis& basis = basis_of(effect);
   const std::size_t count = definition.leading_columns() + basis.size();
   Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data_.size()), static_cast<Eigen::Index>(count));
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions_.size()), static_cast<Eigen::Index>(count));
   for (const std::size_t k : acting.rows) {
-    const double p = data_.p_mm(k, *effect.axis);
-    const double factor = definition.curve_factor({data_, k, effect});
+    const double p = motions_.p_mm(k, *effect.axis);
+    const double factor = definition.curve_factor({motions_, k, effect});
     for (std::size_t f = 0; f < count; ++f)
       columns(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
           factor * curve_function(definition, basis, f, p);
@@ -171,18 +244,26 @@ Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Ac
 }
 
 Columns Regressors::columns(const EffectInstance& effect, double searched, const Acting& acting) const {
-  const auto n = static_cast<Eigen::Index>(data_.size());
+  Columns columns = motion_columns(effect, searched, acting);
+  if (!data_.moved) return columns;
+  columns.of = readings_from(std::move(columns.of));
+  if (columns.fixed.size() > 0) columns.fixed = readings_from(columns.fixed).col(0);
+  return columns;
+}
+
+Columns Regressors::motion_columns(const EffectInstance& effect, double searched, const Acting& acting) const {
+  const auto n = static_cast<Eigen::Index>(motions_.size());
   const EffectDefinition& definition = effect.definition();
   Columns columns;
   if (effect.is_user()) {
-    columns.of = user_columns(data_, effect);
+    columns.of = user_columns(motions_, effect);
     return columns;
   }
   if (definition.traits.fixed_size) {
     columns.of.resize(n, 0);
     columns.fixed = Eigen::VectorXd::Zero(n);
     for (const std::size_t k : acting.rows)
-      columns.fixed(static_cast<Eigen::Index>(k)) = definition.fixed_part({data_, k, effect, searched});
+      columns.fixed(static_cast<Eigen::Index>(k)) = definition.fixed_part({motions_, k, effect, searched});
     return columns;
   }
   if (definition.traits.is_curve) {
@@ -193,7 +274,7 @@ Columns Regressors::columns(const EffectInstance& effect, double searched, const
   columns.of = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(definition.column_count()));
   Eigen::RowVectorXd row(columns.of.cols());
   for (const std::size_t k : acting.rows) {
-    fill_row({data_, k, effect, searched}, {row.data(), static_cast<std::size_t>(row.size())});
+    fill_row({motions_, k, effect, searched}, {row.data(), static_cast<std::size_t>(row.size())});
     columns.of.row(static_cast<Eigen::Index>(k)) = row;
   }
   return columns;

@@ -37,6 +37,8 @@ class Regressors {
   Regressors& operator=(const Regressors&) = delete;
 
   [[nodiscard]] Acting acting(const EffectInstance& effect) const;
+  /// With the readings that the rows are part of; readings that lack a cell in several rows are skipped once.
+  [[nodiscard]] Acting with_readings(Acting acting) const;
 
   /// @param searched  value of the effect's searched parameter, in the unit of model files; not used by the others
   [[nodiscard]] Columns columns(const EffectInstance& effect, double searched) const;
@@ -45,10 +47,21 @@ class Regressors {
   /// Contribution of the curve that the effect carries (FittedCurve), per reading; 0 where it does not act.
   [[nodiscard]] Eigen::VectorXd of_curve(const EffectInstance& effect, const Acting& acting) const;
 
+  /// Values of a user effect's formulas (UserFormulas::values) as contributions to the readings; 0 where a cell lacks.
+  [[nodiscard]] Eigen::VectorXd of_formulas(const std::vector<double>& values) const;
+
   /// Smooth functions of an effect that is a curve, over the positions on which it acts.
   [[nodiscard]] const CurveBasis& basis_of(const EffectInstance& effect) const;
 
   [[nodiscard]] const Observations& data() const { return data_; }
+  /// The rows on which effects act.
+  [[nodiscard]] const Observations& motions() const { return motions_; }
+  /// columns() before motions become readings: (motions × linear coefficients).
+  [[nodiscard]] Columns motion_columns(const EffectInstance& effect, double searched, const Acting& acting) const;
+  /// Values of motions as values of readings (a linear map), and the transposed map. Without paths the values as they
+  /// are.
+  [[nodiscard]] Eigen::MatrixXd readings_from(Eigen::MatrixXd of_motions) const;
+  [[nodiscard]] Eigen::MatrixXd motions_from(Eigen::MatrixXd of_readings) const;
 
   /// Whether lines along the axis of an angular error see it through different levers at one target, which tells it
   /// from other shapes of position.
@@ -58,6 +71,7 @@ class Regressors {
   [[nodiscard]] Eigen::MatrixXd curve_columns(const EffectInstance& effect, const Acting& acting) const;
 
   const Observations& data_;
+  const Observations& motions_;
   mutable std::map<std::string, CurveBasis> bases_;
 };
 

@@ -71,7 +71,7 @@ Cell noise_cell(const Fit& fit, bool rotary) {
         one.correlated_um > 0.0 ? "  {sense} along {axis}: white {white_um}, correlated {correlated_um} "
                                   "over {correlation_time_s} (s, or readings without time)\n"
                                 : "  {sense} along {axis}: white {white_um}\n",
-        {{"sense", word_cell(name_of(one.sense))},
+        {{"sense", word_cell(one.path.empty() ? std::string(name_of(one.sense)) : one.path)},
          {"axis", word_cell(axis_json(one.axis, rotary))},
          {"white_um", number_cell(one.white_um, 3)},
          {"correlated_um", number_cell(one.correlated_um, 3)},

@@ -6,7 +6,8 @@ namespace ecs::app {
 
 ModelOptions::ModelOptions(Verb& verb, Need data_need) {
   verb.text("MODEL", model, "model file (.toml)", Need::required)
-      .texts("DATA", data, "measurement files, any that `laser import` reads", data_need)
+      .texts("DATA", data, "measurement files, any that `laser import` reads, and files of circles and diagonals",
+             data_need)
       .text("--machine", machine, kMachineHelp);
   take_import_options(verb, import);
 }

@@ -22,9 +22,10 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   for (const model::EffectInstance& effect : work->model.effects) effects.push_back(place_text(effect));
   return outcome_of(
       record_cell("begun in {model}: offset and slope of what was measured, backlash where both approaches "
-                  "were\n{effects}next: ecs model diagnose {model} "
+                  "were{of_paths}\n{effects}next: ecs model diagnose {model} "
                   "{data}\n",
                   {{"model", word_cell(arguments.model)},
+                   {"of_paths", shown_cell(work->data.paths.empty() ? "" : "; of circles and diagonals nothing")},
                    {"effects", lines_cell(effects, "  ")},
                    {"data", shown_cell(work->data_name)}}));
 }

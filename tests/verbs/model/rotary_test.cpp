@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "tests/support/model_workspace.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -1,0 +1,134 @@
+// Causes found on circles and diagonals, alone and beside lines.
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/compare.hpp"
+#include "model/planning/next_measurement.hpp"
+#include "model/regression/candidates.hpp"
+#include "tests/support/made_paths.hpp"
+#include "tests/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+
+namespace {
+
+laser::MeasurementSet circle_of(const MachineErrors& errors, const CircleMade& made = {}) {
+  laser::MeasurementSet set = set_of_circle(made_circle(errors, made));
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
+  return set;
+}
+
+/// By the model that is begun with.
+Diagnosis of_new_model(const laser::MeasurementSet& set) {
+  Model model;
+  const Observations data = observations_of(set, model, mill());
+  model.effects = usual_effects(data);
+  return diagnose(model, data).value();
+}
+
+std::string first_named(const Diagnosis& diagnosis) {
+  REQUIRE_FALSE(diagnosis.candidates.empty());
+  REQUIRE(diagnosis.candidates.front().named);
+  return to_text(diagnosis.candidates.front().effect);
+}
+
+double value_named(const Diagnosis& diagnosis, std::string_view name) {
+  for (const ParameterEstimate& one : diagnosis.candidates.front().parameters)
+    if (one.name == name) return one.value;
+  return 0.0;
+}
+
+}  // namespace
+
+TEST_CASE("a circle of a healthy machine leaves noise, and its new model holds nothing") {
+  const laser::MeasurementSet set = circle_of([](const PathPlace&) { return Vector3{}; });
+  CHECK(usual_effects(observations_of(set, Model{}, mill())).empty());
+  const Diagnosis diagnosis = of_new_model(set);
+  CHECK(diagnosis.verdict == Verdict::adequate);
+  CHECK(diagnosis.observations == 720);
+  CHECK(diagnosis.noise.noise_um == Approx(0.2).epsilon(0.1));
+}
+
+TEST_CASE("lost motion of 2 um is named on a circle, with its size") {
+  const Diagnosis diagnosis = of_new_model(circle_of([](const PathPlace& at) {
+    return Vector3{0.0, 1.0 * at.motion[1], 0.0};
+  }));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "backlash:Y:EY");
+  CHECK(value_named(diagnosis, "um") == Approx(2.0).epsilon(0.05));
+}
+
+TEST_CASE("squareness is named on a circle, with its sign") {
+  const Diagnosis diagnosis = of_new_model(circle_of([](const PathPlace& at) {
+    return Vector3{-0.020 * at.position_mm[1], 0.0, 0.0};
+  }));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "squareness:Y:C0Y");
+  CHECK(value_named(diagnosis, "um_per_m") == Approx(20.0).epsilon(0.05));
+}
+
+TEST_CASE("unlike scales are a group on a circle: one longer is the other shorter") {
+  const Diagnosis diagnosis = of_new_model(circle_of([](const PathPlace& at) {
+    return Vector3{0.015 * at.position_mm[0], 0.0, 0.0};
+  }));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "scale:X:EX");
+  const auto& alike = diagnosis.candidates.front().indistinguishable_from;
+  CHECK(std::find(alike.begin(), alike.end(), "scale:Y:EY") != alike.end());
+}
+
+TEST_CASE("a line keeps its effect and the circle adds the one that only it shows") {
+  const auto lost_um = [](int motion) { return 0.8 * motion; };
+  Plan plan;
+  laser::MeasurementSet set =
+      measured(plan, 0.2, [&](const laser::Reading& r) { return lost_um(static_cast<int>(r.approach)); });
+  for (laser::Reading& reading : set.readings) reading.time_s.reset();
+  for (laser::Reading& reading : circle_of([&](const PathPlace& at) {
+                                   return Vector3{lost_um(at.motion[0]) - 0.020 * at.position_mm[1], 0.0, 0.0};
+                                 }).readings)
+    set.readings.push_back(reading);
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
+  Model model;
+  const Observations data = observations_of(set, model, mill());
+  model.effects = usual_effects(data);
+  REQUIRE(model.effects.size() == 3);
+  CHECK(to_text(model.effects.back()) == "backlash:X:EX");
+  const Diagnosis diagnosis = diagnose(model, data).value();
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "squareness:Y:C0Y");
+  const Fit fit = model::fit(model, data).value();
+  CHECK(fit.effects.back().readings == data.size());
+  CHECK(fit.effects.back().parameters.front().value == Approx(1.6).epsilon(0.1));
+  const Comparison comparison = compare(fit, data);
+  CHECK(comparison.directions.front().path.empty());
+  CHECK(comparison.directions.back().path == "circle XY");
+  CHECK(comparison.directions.back().axes == "XY");
+}
+
+TEST_CASE("squareness of two axes on four body diagonals is named, or told as one of a group") {
+  const Diagnosis diagnosis = of_new_model(made_diagonals(
+      [](const PathPlace& at) {
+        return Vector3{-0.030 * at.position_mm[1], 0.0, 0.0};
+      },
+      0.3));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "squareness:Y:C0Y");
+  CHECK(value_named(diagnosis, "um_per_m") == Approx(30.0).epsilon(0.1));
+}
+
+TEST_CASE("readings of circles alone let no line be planned, and it says so") {
+  Model model;
+  const Observations data = observations_of(circle_of([](const PathPlace& at) {
+                                              return Vector3{0.0, 1.0 * at.motion[1], 0.0};
+                                            }),
+                                            model, mill());
+  const Diagnosis diagnosis = diagnose(model, data).value();
+  const NextMeasurement next = next_measurement(model, data, diagnosis);
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 1);
+  CHECK(contains(next.notes.front(), "measure a line along each axis"));
+}
