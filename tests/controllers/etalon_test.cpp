@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "controllers/residual.hpp"
-#include "tests/support/small_machine_map.hpp"
+#include "tests/controllers/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {

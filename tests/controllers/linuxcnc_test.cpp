@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/small_machine_map.hpp"
+#include "tests/controllers/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {

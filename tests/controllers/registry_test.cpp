@@ -10,7 +10,7 @@
 
 #include "base/file.hpp"
 #include "controllers/curve.hpp"
-#include "tests/support/small_machine_map.hpp"
+#include "tests/controllers/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {

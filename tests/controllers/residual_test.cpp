@@ -4,7 +4,7 @@
 
 #include "controllers/linuxcnc.hpp"
 #include "controllers/siemens.hpp"
-#include "tests/support/small_machine_map.hpp"
+#include "tests/controllers/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {

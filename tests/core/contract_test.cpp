@@ -15,7 +15,7 @@
 #include "core/datum_record.hpp"
 #include "core/memory_image.hpp"
 #include "core/user_memory.hpp"
-#include "tests/support/image_of.hpp"
+#include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 
 using namespace ecs;

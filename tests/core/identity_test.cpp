@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "core/memory_image.hpp"
-#include "tests/support/image_of.hpp"
+#include "tests/core/support/image_of.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "core/tick.hpp"
+#include "tests/core/support/image_of.hpp"
 #include "tests/support/exact_machine.hpp"
-#include "tests/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 
 using namespace ecs;

@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "core/address_map.hpp"
-#include "tests/support/image_of.hpp"
+#include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 
 using namespace ecs;

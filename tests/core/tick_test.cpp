@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/image_of.hpp"
+#include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 
 using namespace ecs;

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/made_lengths.hpp"
+#include "tests/identification/support/made_lengths.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::test {

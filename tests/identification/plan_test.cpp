@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "model/lengths/plan_lengths.hpp"
-#include "tests/support/made_lengths.hpp"
+#include "tests/identification/support/made_lengths.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::test {

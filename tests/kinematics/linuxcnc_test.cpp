@@ -5,7 +5,7 @@
 #include <random>
 
 #include "kinematics/machine_pose.hpp"
-#include "tests/support/linuxcnc_kinematics.hpp"
+#include "tests/kinematics/support/linuxcnc_kinematics.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::kinematics {

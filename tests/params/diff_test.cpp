@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "params/fields.hpp"
-#include "tests/support/random_parameters.hpp"
+#include "tests/params/support/random_parameters.hpp"
 
 using namespace ecs;
 using namespace ecs::params;

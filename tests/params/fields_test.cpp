@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "tests/support/random_parameters.hpp"
+#include "tests/params/support/random_parameters.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

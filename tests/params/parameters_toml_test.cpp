@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "core/memory_image.hpp"
-#include "tests/support/random_parameters.hpp"
+#include "tests/params/support/random_parameters.hpp"
 
 using namespace ecs;
 using namespace ecs::params;

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "tests/support/report_folder.hpp"
+#include "tests/app/support/report_folder.hpp"
 
 namespace ecs::app {
 namespace {

@@ -6,8 +6,8 @@
 #include "base/json.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "protocol/registers/unit_registers.hpp"
+#include "tests/app/support/report_folder.hpp"
 #include "tests/support/model_workspace.hpp"
-#include "tests/support/report_folder.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,7 +1,7 @@
 // The volumetric figure of a report: predicted, beside what was achieved on lines.
 #include <doctest/doctest.h>
 
-#include "tests/support/report_folder.hpp"
+#include "tests/app/support/report_folder.hpp"
 
 namespace ecs::app {
 namespace {

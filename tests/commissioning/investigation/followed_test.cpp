@@ -8,7 +8,7 @@
 
 #include "commissioning/investigation/investigation.hpp"
 #include "commissioning/investigation/ledger_view.hpp"
-#include "tests/support/made_workshop.hpp"
+#include "tests/commissioning/support/made_workshop.hpp"
 
 namespace ecs::commissioning {
 namespace {

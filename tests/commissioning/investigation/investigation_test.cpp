@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/made_workshop.hpp"
+#include "tests/commissioning/support/made_workshop.hpp"
 
 namespace ecs::commissioning {
 namespace {

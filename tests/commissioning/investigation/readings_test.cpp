@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "model/fit/fit.hpp"
-#include "tests/support/made_workshop.hpp"
+#include "tests/commissioning/support/made_workshop.hpp"
 
 namespace ecs::commissioning {
 namespace {

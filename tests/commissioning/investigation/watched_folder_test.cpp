@@ -5,8 +5,8 @@
 
 #include "base/file.hpp"
 #include "laser/writers/measurement_writer.hpp"
+#include "tests/commissioning/support/made_workshop.hpp"
 #include "tests/support/folder.hpp"
-#include "tests/support/made_workshop.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "base/answer_table.hpp"
 #include "commissioning/maps/export_view.hpp"
+#include "tests/commissioning/support/output_files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
-#include "tests/support/output_files.hpp"
 
 namespace ecs::commissioning {
 namespace {

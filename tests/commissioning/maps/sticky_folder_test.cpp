@@ -4,8 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/commissioning/support/output_files.hpp"
 #include "tests/support/ordinary_user.hpp"
-#include "tests/support/output_files.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::commissioning {

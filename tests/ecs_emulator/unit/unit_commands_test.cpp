@@ -4,7 +4,7 @@
 
 #include "ecs_emulator/unit/unit.hpp"
 #include "protocol/registers/register_map.hpp"
-#include "tests/support/emulated_unit.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "ecs_emulator/instruments/measurement.hpp"
-#include "tests/support/emulated_unit.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/ecs_emulator/support/user_program.hpp"
 #include "tests/support/test.hpp"
-#include "tests/support/user_program.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

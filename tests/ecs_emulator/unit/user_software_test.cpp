@@ -1,5 +1,5 @@
 // User programs in the unit whose code goes wrong.
-#include "tests/support/user_program.hpp"
+#include "tests/ecs_emulator/support/user_program.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -4,7 +4,7 @@
 
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/survey.hpp"
-#include "tests/support/emulated_unit.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

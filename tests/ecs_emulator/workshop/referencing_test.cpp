@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/emulated_unit.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -15,8 +15,8 @@
 #include "base/file.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
 #include "protocol/client/client.hpp"
+#include "tests/ecs_emulator/support/maps.hpp"
 #include "tests/support/folder.hpp"
-#include "tests/support/maps.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,5 +1,5 @@
 // Published reports of real axes that may not be passed on.
-#include "tests/support/iso230_report.hpp"
+#include "tests/laser/support/iso230_report.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

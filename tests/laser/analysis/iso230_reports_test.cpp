@@ -1,5 +1,5 @@
 // A published report of a real axis.
-#include "tests/support/iso230_report.hpp"
+#include "tests/laser/support/iso230_report.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

@@ -6,7 +6,7 @@
 
 #include "laser/import/at_rest.hpp"
 #include "laser/import/registry.hpp"
-#include "tests/support/import_options.hpp"
+#include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

@@ -13,7 +13,7 @@
 #include "laser/import/motion.hpp"
 #include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
-#include "tests/support/import_options.hpp"
+#include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

@@ -1,5 +1,5 @@
 // Every file of samples/real is read, or refused with a reason a person understands.
-#include "tests/support/import_corpus.hpp"
+#include "tests/laser/support/import_corpus.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
-#include "tests/support/import_options.hpp"
+#include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "laser/groups.hpp"
-#include "tests/support/import_corpus.hpp"
+#include "tests/laser/support/import_corpus.hpp"
 #include "tests/support/real_data.hpp"
 
 using namespace ecs;

@@ -8,7 +8,7 @@
 #include <rapidcheck.h>
 
 #include "laser/import/import.hpp"
-#include "tests/support/import_options.hpp"
+#include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

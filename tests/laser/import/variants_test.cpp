@@ -9,7 +9,7 @@
 #include "laser/import/registry.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
-#include "tests/support/import_options.hpp"
+#include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

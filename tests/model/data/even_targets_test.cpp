@@ -5,7 +5,7 @@
 
 #include "base/moved_targets.hpp"
 #include "model/fit/model_file.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

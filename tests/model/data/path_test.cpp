@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "model/data/motions.hpp"
-#include "tests/support/made_paths.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/made_paths.hpp"
+#include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

@@ -10,7 +10,7 @@
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

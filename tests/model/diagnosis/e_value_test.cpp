@@ -7,7 +7,7 @@
 #include <rapidcheck.h>
 
 #include "tests/model/normal_matrix.hpp"
-#include "tests/support/searching.hpp"
+#include "tests/model/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

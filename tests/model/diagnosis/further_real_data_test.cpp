@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/real_sets.hpp"
+#include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -5,8 +5,8 @@
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
-#include "tests/support/made_paths.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/made_paths.hpp"
+#include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/support/real_sets.hpp"
+#include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

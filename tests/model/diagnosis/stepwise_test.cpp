@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/searching.hpp"
+#include "tests/model/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/measuring_session.hpp"
+#include "tests/model/support/measuring_session.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "tests/support/searching.hpp"
+#include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

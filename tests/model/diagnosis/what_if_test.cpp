@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "model/diagnosis/ladder.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

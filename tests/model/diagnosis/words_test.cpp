@@ -7,9 +7,9 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/model/support/measured_lines.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/hidden_cases.hpp"
-#include "tests/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

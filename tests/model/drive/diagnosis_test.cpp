@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/true_drive.hpp"
+#include "tests/model/support/true_drive.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "model/drive/trace.hpp"
-#include "tests/support/true_drive.hpp"
+#include "tests/model/support/true_drive.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

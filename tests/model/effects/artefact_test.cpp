@@ -6,7 +6,7 @@
 
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/needs.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -10,7 +10,7 @@
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -6,7 +6,7 @@
 
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

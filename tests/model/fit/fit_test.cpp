@@ -9,7 +9,7 @@
 #include "model/fit/compare.hpp"
 #include "model/fit/compiled_model.hpp"
 #include "model/planning/next_measurement.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -8,7 +8,7 @@
 
 #include "model/fit/gains.hpp"
 #include "tests/model/normal_matrix.hpp"
-#include "tests/support/searching.hpp"
+#include "tests/model/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -6,7 +6,7 @@
 
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/part_program.hpp"
-#include "tests/support/measuring_session.hpp"
+#include "tests/model/support/measuring_session.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

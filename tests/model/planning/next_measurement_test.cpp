@@ -8,7 +8,7 @@
 
 #include "base/moved_targets.hpp"
 #include "model/planning/part_program.hpp"
-#include "tests/support/measuring_session.hpp"
+#include "tests/model/support/measuring_session.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

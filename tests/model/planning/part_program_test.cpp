@@ -9,7 +9,7 @@
 
 #include "base/text.hpp"
 #include "laser/measurement_set.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

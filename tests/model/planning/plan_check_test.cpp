@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "model/planning/next_measurement.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

@@ -3,8 +3,8 @@
 
 #include "model/data/motions.hpp"
 #include "model/regression/regressors.hpp"
-#include "tests/support/made_paths.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/made_paths.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

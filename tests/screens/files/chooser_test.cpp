@@ -4,7 +4,7 @@
 #include "app/screens/open_files.hpp"
 #include "commissioning/session/drafts.hpp"
 #include "commissioning/session/recent_files.hpp"
-#include "tests/support/unit_screen.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,5 +1,5 @@
 // What a file does not say, asked field by field: the options of `laser import`.
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
 namespace {

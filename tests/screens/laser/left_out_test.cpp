@@ -1,6 +1,6 @@
 // What is left out stays visible in the curves; where lines were measured is told wherever the file knows it.
 #include "app/screens/laser/chart.hpp"
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,7 +1,7 @@
 // The mill on the screen: what its map lacks, the very map of the verb, prepared files, work taken up again, every
 // size.
 #include "app/verbs/registry.hpp"
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,5 +1,5 @@
 // A place that a file states wrongly, and parameters of another machine: said early, and corrected from the screen.
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
 namespace {

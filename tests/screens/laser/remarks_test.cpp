@@ -1,5 +1,5 @@
 // What the laser screen says of a map that covers little of its axis, and of a header that lacks something.
-#include "tests/support/laser_unit.hpp"
+#include "tests/screens/support/laser_unit.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,6 +1,6 @@
 // The steps on the screen from files to curves, each against numbers known beforehand.
 #include "app/verbs/registry.hpp"
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,5 +1,5 @@
 // The map on its way: sent and verified, cancelled, and an emulator that is killed in the middle.
-#include "tests/support/laser_unit.hpp"
+#include "tests/screens/support/laser_unit.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,6 +1,6 @@
 // Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
 #include "protocol/client/client.hpp"
-#include "tests/support/laser_unit.hpp"
+#include "tests/screens/support/laser_unit.hpp"
 
 namespace ecs::app {
 namespace {

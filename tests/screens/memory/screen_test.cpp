@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/file.hpp"
-#include "tests/support/unit_screen.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/file.hpp"
-#include "tests/support/parameters_screen.hpp"
+#include "tests/screens/support/parameters_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -9,8 +9,8 @@
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "commissioning/link/emulator_process.hpp"
+#include "tests/screens/support/parameters_screen.hpp"
 #include "tests/support/emulator.hpp"
-#include "tests/support/parameters_screen.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,6 +1,6 @@
 // The question for the code, on the screens.
 #include "app/screens/unit/screens.hpp"
-#include "tests/support/bad_line.hpp"
+#include "tests/screens/support/bad_line.hpp"
 
 namespace ecs::app {
 namespace {

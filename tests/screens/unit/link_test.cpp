@@ -4,7 +4,7 @@
 #include "app/screens/unit/link_statistics.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "commissioning/link/controller.hpp"
-#include "tests/support/bad_line.hpp"
+#include "tests/screens/support/bad_line.hpp"
 
 namespace ecs::app {
 namespace {

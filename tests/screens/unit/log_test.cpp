@@ -4,7 +4,7 @@
 #include "app/screens/unit/screens.hpp"
 #include "base/file.hpp"
 #include "commissioning/session/event_log.hpp"
-#include "tests/support/unit_screen.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {
 namespace {

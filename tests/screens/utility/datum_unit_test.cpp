@@ -1,7 +1,7 @@
 // RECORD DATUM SEQUENCE and TEST DATUM ROUTINE on the emulated unit; its machine is referenced as g does it.
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

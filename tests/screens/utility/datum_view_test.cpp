@@ -5,7 +5,7 @@
 #include "app/screens/utility/screens.hpp"
 #include "base/file.hpp"
 #include "commissioning/utility/datum_view_controller.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

@@ -1,8 +1,8 @@
 // The emulated machine driven from the screens.
 #include "app/screens/unit/screens.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
-#include "tests/support/unit_screen.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/unit_screen.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 namespace ecs::app {
 namespace {

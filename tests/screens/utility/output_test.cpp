@@ -1,7 +1,7 @@
 // OUTPUT COMPENSATION VALUE on the emulated unit.
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/output_controller.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

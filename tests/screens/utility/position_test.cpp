@@ -1,7 +1,7 @@
 // SET AXIS POSITION on the emulated unit.
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/position_controller.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

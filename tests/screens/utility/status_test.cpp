@@ -7,7 +7,7 @@
 #include "commissioning/memory/dump.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "commissioning/utility/status_controller.hpp"
-#include "tests/support/utility_bench.hpp"
+#include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

@@ -6,7 +6,7 @@
 #include "commissioning/parameters/controller.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/volume/controller.hpp"
-#include "tests/support/laser_screen.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 #include "tests/support/model_workspace.hpp"
 #include "tests/support/verb_run.hpp"
 

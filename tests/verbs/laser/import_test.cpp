@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include "laser/groups.hpp"
-#include "tests/support/measured_log.hpp"
 #include "tests/support/verb_run.hpp"
+#include "tests/verbs/support/measured_log.hpp"
 
 using namespace ecs;
 using namespace ecs::app;

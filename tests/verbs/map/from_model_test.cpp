@@ -58,7 +58,8 @@ TEST_CASE("a model of readings taken with compensation active makes no map") {
   CHECK_FALSE(std::filesystem::exists(map));
   SUBCASE("until it is fitted to readings without") {
     REQUIRE(
-        ran({"model", "fit", fitted, workspace.data, "--machine", workspace.machine, "-o", fitted, "--force"}).code == 0);
+        ran({"model", "fit", fitted, workspace.data, "--machine", workspace.machine, "-o", fitted, "--force"}).code ==
+        0);
     CHECK(ran({"map", "build", "--from-model", fitted, "--machine", workspace.machine, "-o", map}).code == 0);
   }
 }

@@ -6,7 +6,7 @@
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/search.hpp"
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 namespace ecs::model::test {
 

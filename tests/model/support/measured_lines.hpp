@@ -7,7 +7,7 @@
 #include "laser/measurement_set.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "params/machine.hpp"
-#include "tests/support/effect_names.hpp"
+#include "tests/model/support/effect_names.hpp"
 
 namespace ecs::model::test {
 

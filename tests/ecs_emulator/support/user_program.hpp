@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/user_memory.hpp"
-#include "tests/support/emulated_unit.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 namespace ecs::emulator::test {
 

@@ -1,4 +1,4 @@
-#include "tests/support/linuxcnc_kinematics.hpp"
+#include "tests/kinematics/support/linuxcnc_kinematics.hpp"
 
 #include <cstdarg>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <random>
 
-#include "tests/support/measured_lines.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 namespace ecs::model::test {
 

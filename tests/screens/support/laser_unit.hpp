@@ -4,8 +4,8 @@
 
 #include "app/verbs/registry.hpp"
 #include "commissioning/link/emulator_process.hpp"
+#include "tests/screens/support/laser_screen.hpp"
 #include "tests/support/emulator.hpp"
-#include "tests/support/laser_screen.hpp"
 
 namespace ecs::app {
 

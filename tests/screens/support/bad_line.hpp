@@ -11,7 +11,7 @@
 #include <poll.h>
 #include <termios.h>
 
-#include "tests/support/unit_screen.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app::screen_test {
 
