@@ -91,6 +91,10 @@ class MachineReader {
     judge_axes();
     std::vector<Problem>& warnings = file_.warnings;
     sort_by_place(warnings);
+    if (has_rotary_axes(rotary_)) {
+      file_.machine.rotary_configuration = rotary_.configuration;
+      file_.machine.rotary = rotary_.rotary;
+    }
     if (problems_.empty()) return std::move(file_);
     problems_.insert(problems_.end(), warnings.begin(), warnings.end());
     sort_by_place(problems_);
@@ -393,6 +397,19 @@ std::optional<kinematics::JointChain> joint_chain_of(const RotaryMachine& machin
     if (!axis || machine.machine.axes[index_of(*axis)]) letters += letter;
   }
   return kinematics::joint_chain_of(letters);
+}
+
+std::optional<kinematics::JointMachine> joint_machine_of(const Machine& machine) {
+  if (machine.rotary_configuration.empty()) return std::nullopt;
+  const auto chain = joint_chain_of({machine, machine.rotary_configuration, machine.rotary});
+  if (!chain) return std::nullopt;
+  kinematics::JointMachine joints;
+  joints.chain = *chain;
+  joints.terms = kinematics::terms_of(*chain);
+  joints.lines_mm = measurement_lines_of(machine);
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (const auto& axis = machine.rotary[r]) joints.rotary[r] = {axis->direction, axis->pivot_mm};
+  return joints;
 }
 
 MeasurementLines measurement_lines_of(const Machine& machine) {

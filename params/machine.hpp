@@ -29,10 +29,20 @@ struct MachineAxis {
   friend bool operator==(const MachineAxis&, const MachineAxis&) = default;
 };
 
+/// One rotary axis (kinematics/machine_pose.hpp).
+struct MachineRotaryAxis {
+  std::array<double, 2> travel_deg{};  ///< lower end, upper end; lower < upper; 360 apart: whole turns
+  Vector3 direction{};                 ///< of positive rotation of the tool against the workpiece, length 1
+  Vector3 pivot_mm{};                  ///< a point on its axis, all axes at 0
+  friend bool operator==(const MachineRotaryAxis&, const MachineRotaryAxis&) = default;
+};
+
 struct Machine {
   std::string name;
   std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/chain.hpp)
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
+  std::string rotary_configuration;            ///< with the letters of its rotary axes, "XYACTZ"; empty: it has none
+  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them (rotary_machine.hpp)
   friend bool operator==(const Machine&, const Machine&) = default;
 };
 

@@ -5,18 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include "kinematics/joint_chain.hpp"
+#include "kinematics/machine_pose.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::params {
-
-/// One rotary axis (kinematics/machine_pose.hpp).
-struct MachineRotaryAxis {
-  std::array<double, 2> travel_deg{};  ///< lower end, upper end; lower < upper; 360 apart: whole turns
-  Vector3 direction{};                 ///< of positive rotation of the tool against the workpiece, length 1
-  Vector3 pivot_mm{};                  ///< a point on its axis, all axes at 0
-  friend bool operator==(const MachineRotaryAxis&, const MachineRotaryAxis&) = default;
-};
 
 struct RotaryMachine {
   Machine machine;                                     ///< the linear axes; its chain has their letters only
@@ -32,5 +24,8 @@ struct RotaryMachine {
 [[nodiscard]] bool has_rotary_axes(const RotaryMachine& machine);
 /// The chain of all axes that exist.
 [[nodiscard]] std::optional<kinematics::JointChain> joint_chain_of(const RotaryMachine& machine);
+
+/// Chain, terms, directions, pivots and measurement lines; nothing if the machine has no rotary axes.
+[[nodiscard]] std::optional<kinematics::JointMachine> joint_machine_of(const Machine& machine);
 
 }  // namespace ecs::params

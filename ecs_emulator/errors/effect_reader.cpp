@@ -164,7 +164,8 @@ class EffectReader {
 }  // namespace
 
 void read_effects(ErrorsReading& reading) {
-  for (const toml::table* table : reading.reader.children(reading.file, "effect")) EffectReader(reading, *table).read();
+  for (const toml::table* table : reading.reader.children(reading.file, "effect"))
+    if (!read_rotary_effect(reading, *table)) EffectReader(reading, *table).read();
 }
 
 }  // namespace ecs::emulator

@@ -63,7 +63,73 @@ std::array<int, kAxes> order_of(const Chain& chain, bool workpiece) {
   return order;
 }
 
+using Eigen::Isometry3d;
+
+Isometry3d shifted(const Vector3d& by) { return Isometry3d(Eigen::Translation3d(by)); }
+
+Isometry3d turned_about(const Vector3d& centre, const Matrix3d& rotation) {
+  return shifted(centre) * Isometry3d(rotation) * shifted(-centre);
+}
+
+/// An error vector in um and um/m as a motion about a point.
+Isometry3d moved_by(const SixOfAxis& error, const Vector3d& centre) {
+  return shifted(Vector3d(error[0], error[1], error[2]) * kMmPerUm) *
+         turned_about(centre, rotation_by(Vector3d(error[3], error[4], error[5]) * kRadPerUmPerM));
+}
+
+/// What one body of the chain does to a point of the next.
+Isometry3d motion_of(const TurningGeometry& geometry, char letter, bool workpiece, const ComponentValues& errors,
+                     const RotaryValues& rotary, const Vector3& position_mm, const Vector3& angle_deg) {
+  if (const auto axis = axis_of(letter)) {
+    const Carriage c = carriage_of(*axis, geometry.linear, errors, position_mm[index_of(*axis)]);
+    const Isometry3d error = shifted(c.delta_mm) * turned_about(c.centre_mm, c.rotation);
+    return workpiece ? error * shifted(c.travel_mm) : shifted(c.travel_mm) * error;
+  }
+  const auto r = static_cast<std::size_t>(letter - 'A');
+  const Vector3d pivot = eigen(geometry.rotary[r]->pivot_mm);
+  const Isometry3d error = moved_by(rotary.location[r], pivot) * moved_by(rotary.motion[r], pivot);
+  const Isometry3d turn =
+      turned_about(pivot, rotation_by(eigen(geometry.rotary[r]->direction) * (angle_deg[r] * EIGEN_PI / 180.0)));
+  return workpiece ? turn * error : error * turn;
+}
+
+/// From a point of the tool to the workpiece.
+Isometry3d through_machine(const TurningGeometry& geometry, const ComponentValues& errors, const RotaryValues& rotary,
+                           const Vector3& position_mm, const Vector3& angle_deg) {
+  const std::string& letters = geometry.configuration;
+  const std::size_t t = letters.find('T');
+  Isometry3d tool = Isometry3d::Identity(), table = Isometry3d::Identity();
+  for (std::size_t i = t + 1; i < letters.size(); ++i)
+    tool = tool * motion_of(geometry, letters[i], false, errors, rotary, position_mm, angle_deg);
+  for (std::size_t i = 0; i < t; ++i)
+    table = motion_of(geometry, letters[i], true, errors, rotary, position_mm, angle_deg) * table;
+  return table * tool;
+}
+
+std::array<Vector3, kAxes> columns_of(const Matrix3d& m) {
+  std::array<Vector3, kAxes> columns{};
+  for (std::size_t c = 0; c < kAxes; ++c)
+    for (std::size_t r = 0; r < kAxes; ++r)
+      columns[c][r] = m(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+  return columns;
+}
+
 }  // namespace
+
+TurningPose turning_pose(const TurningGeometry& geometry, const ComponentValues& errors, const RotaryValues& rotary,
+                         const Vector3& position_mm, const Vector3& angle_deg) {
+  const Vector3d offset = eigen(geometry.linear.tool_offset_mm);
+  const Isometry3d should = through_machine(geometry, {}, {}, position_mm, angle_deg);
+  const Vector3d nominal = should * offset;
+  const Vector3d error_um =
+      (through_machine(geometry, errors, rotary, position_mm, angle_deg) * offset - nominal) / kMmPerUm;
+  TurningGeometry bed = geometry;
+  bed.configuration = geometry.configuration.substr(0, geometry.configuration.find('T') + 1);
+  return {{nominal[0], nominal[1], nominal[2]},
+          {error_um[0], error_um[1], error_um[2]},
+          columns_of(through_machine(bed, {}, {}, position_mm, angle_deg).linear()),
+          columns_of(should.linear())};
+}
 
 ToolPose tool_pose(const ChainGeometry& geometry, const ComponentValues& errors, const Vector3& position_mm) {
   Vector3d point = eigen(geometry.tool_offset_mm);

@@ -5,6 +5,8 @@
 
 #include "core/chain.hpp"
 #include "core/terms.hpp"
+#include "ecs_emulator/errors/rotary_errors.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::emulator {
 
@@ -14,6 +16,22 @@ struct ChainGeometry {
   MeasurementLines
       lines_mm{};  ///< each axis's rotation acts about this point; coordinates that are no lever count as 0
   Vector3 tool_offset_mm{};
+};
+
+/// A machine with rotary axes: letters before the T carry the workpiece, after it the tool, from the bed outward. Its
+/// unit knows the linear axes only.
+struct TurningGeometry {
+  ChainGeometry linear;
+  std::string configuration;  ///< "XYACTZ"
+  PerAxis<std::optional<params::MachineRotaryAxis>> rotary{};
+};
+
+/// Where its tool is, in the frame of the workpiece.
+struct TurningPose {
+  Vector3 nominal_mm{};
+  Vector3 error_um{};
+  std::array<Vector3, kAxes> bed{};   ///< X, Y, Z of the bed
+  std::array<Vector3, kAxes> tool{};  ///< those of the tool at angles of 0
 };
 
 /// Tool against workpiece, actual − nominal.
@@ -29,5 +47,13 @@ struct ToolPose {
 /// @param position_mm  coordinate of each axis; axes that do not exist do not count
 [[nodiscard]] ToolPose tool_pose(const ChainGeometry& geometry, const ComponentValues& errors,
                                  const Vector3& position_mm);
+
+/// Linear carriages as above; a rotary axis r with its pivot c, its angle a about n:
+/// Tool side:       T_r = Λ_r Δ_r R(a n), about c        Λ_r: shift and turn of its axis line, Δ_r: of its error motion
+/// Workpiece side:  M_r = R(a n) Λ_r Δ_r
+/// @param errors  of the linear carriages at this position
+[[nodiscard]] TurningPose turning_pose(const TurningGeometry& geometry, const ComponentValues& errors,
+                                       const RotaryValues& rotary, const Vector3& position_mm,
+                                       const Vector3& angle_deg);
 
 }  // namespace ecs::emulator

@@ -9,6 +9,7 @@
 #include "ecs_emulator/effects/placed.hpp"
 #include "ecs_emulator/errors/curve.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
+#include "ecs_emulator/errors/rotary_errors.hpp"
 #include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
@@ -62,6 +63,7 @@ struct ErrorParts {
   ComponentValues constants{};  ///< squareness
   ComponentValues pass_sigma{};
   ComponentValues reading_sigma{};
+  RotaryParts rotary;
   GravitySettings gravity;
   HeatSettings heat;
   std::vector<Demand> demands;

@@ -158,9 +158,11 @@ void demand(ErrorsReading& reading, const toml::table& table, std::string name, 
 }
 
 void read_curves(ErrorsReading& reading) {
-  for (const toml::table* table : reading.reader.children(reading.file, "contribution"))
+  for (const toml::table* table : reading.reader.children(reading.file, "contribution")) {
+    if (read_rotary_contribution(reading, *table)) continue;
     if (auto contribution = contribution_in(reading, *table))
       reading.parts.contributions.push_back(std::move(*contribution));
+  }
   read_squareness(reading);
   read_scatter(reading);
 }

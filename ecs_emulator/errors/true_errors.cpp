@@ -147,8 +147,8 @@ Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& f
   TrueErrors errors;
   errors.parts_->file = file;
   reader.only(*table,
-              {"squareness", "contribution", "effect", "scatter", "temperature", "gravity", "ram", "bed", "table",
-               "air", "column", "material", "spindle", "screw", "sensor", "artefact"},
+              {"squareness", "location", "contribution", "effect", "scatter", "temperature", "gravity", "ram", "bed",
+               "table", "air", "column", "material", "spindle", "screw", "sensor", "artefact"},
               "errors file");
   ErrorsReading reading{reader, *table, folder, *errors.parts_};
   read_heat(reading);
@@ -156,6 +156,7 @@ Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& f
   read_effects(reading);
   read_gravity(reading);
   read_artefacts(reading);
+  read_location(reading);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return errors;
 }
@@ -180,6 +181,14 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
     if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
       complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));
   }
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (const int line = parts_->rotary.line[a]; line > 0 && !machine.rotary[a])
+      problems.push_back({ProblemKind::bad_input,
+                          fmt::format("this machine has no rotary axis {}", "ABC"[a]),
+                          parts_->file,
+                          line,
+                          0,
+                          {}});
   const auto judge = [&](const std::string& what, Axis axis, bool from_datum, const ErrorCurve& curve, int line) {
     const auto& facts = machine.axes[index_of(axis)];
     if (!facts) return;
@@ -224,6 +233,10 @@ std::optional<std::string> TrueErrors::Parts::no_temperature(const TemperatureFo
       return fmt::format("temperature.{}: expected finite values, at {} s it is {}", sensor.name, at_s, degC);
   }
   return std::nullopt;
+}
+
+RotaryValues TrueErrors::rotary_at(const RotaryState& state) const {
+  return values_of(parts_->rotary, parts_->variables, state);
 }
 
 void TrueErrors::put_on(const MachinePlace& machine) { parts_->place = machine; }

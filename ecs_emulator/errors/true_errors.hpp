@@ -15,6 +15,7 @@
 #include "core/axis.hpp"
 #include "core/terms.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
+#include "ecs_emulator/errors/rotary_errors.hpp"
 #include "ecs_emulator/thermal/heat.hpp"
 #include "params/machine.hpp"
 
@@ -58,6 +59,8 @@ class TrueErrors {
 
   /// What the square or straight edge, as it was first, adds to readings of that line [um]; turned over: minus that.
   [[nodiscard]] double artefact_um(Axis axis, Sense sense, double position_mm) const;
+  /// The systematic errors of the rotary axes.
+  [[nodiscard]] RotaryValues rotary_at(const RotaryState& state) const;
 
   /// What does not repeat: the shape of this state's passes (the same whenever the pass is the same).
   /// @param travel_mm  range over which each axis's shape is drawn

@@ -55,6 +55,10 @@ const std::vector<VerbDefinition>& verbs_without_unit() {
                    "--plane XY --radius 100 --feed 1000 -o circle.csv", add_circle_options),
       without_unit("lengths", "lengths from stations or along lines to the tool, as a plan says",
                    "plan.csv -o lengths.csv", add_lengths_options),
+      without_unit("ball", "a ball on the table of a machine with rotary axes, without a unit",
+                   "--ball 750,300,-500 -o ball.csv", add_ball_options),
+      without_unit("turn", "an error motion of a rotary axis by itself, without a unit",
+                   "--sweep C=0:345:15 --sense EC -o ecc.csv", add_turn_options),
       without_unit("run", "run a part program on a machine without a unit", "exx.nc --axis X --sense EX -o exx.csv",
                    add_run_options),
   };

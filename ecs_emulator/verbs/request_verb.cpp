@@ -171,6 +171,32 @@ void add_survey_options(RequestVerb verb) {
 void add_components_options(RequestVerb verb) {
   for (const char* axis : {"x", "y", "z"})
     verb.numbers(std::string("--") + axis, axis, "coordinates, separated by commas, mm");
+  for (const char* axis : {"a", "b", "c"})
+    verb.numbers(std::string("--") + axis, axis, "angles, separated by commas, deg");
+}
+
+void add_ball_options(RequestVerb verb) {
+  verb.numbers("--ball", "ball", "X,Y,Z at which the linear axes touch the ball, all rotary axes at 0 [mm]");
+  verb.words("--sweep", "sweep", "C=0:330:30/A=-60: the axis that turns, from:to:step, and where another stands");
+  verb.numbers("--tool-offset", "tool_offset", "X,Y,Z from the point at which errors count to the ball in the spindle");
+  verb.numbers("--off", "off", "X,Y,Z by which the ball is off its place on the table [um]");
+  verb.numbers("--tool-off", "tool_off", "X,Y,Z by which that in the spindle is off [um]");
+  verb.flag("--on-workpiece", "on_workpiece", "sensors turn with the table");
+  verb.integer("--runs", "runs", "each there and back, 2");
+  verb.number("--noise", "noise", "of a reading, standard deviation [um], 0.3");
+  verb.number("--seconds", "seconds", "from one pose to the next, 5");
+  verb.path("-o,--output", "output", "measurement set (.csv); else it comes back as csv");
+  verb.force();
+}
+
+void add_turn_options(RequestVerb verb) {
+  verb.word("--sweep", "sweep", "C=0:330:30: the axis that turns, from:to:step [deg]", Need::required);
+  verb.word("--sense", "sense", "EX, EY, EZ (um), EA, EB, EC (um/m)", Need::required);
+  verb.integer("--runs", "runs", "each there and back, 3");
+  verb.number("--noise", "noise", "of a reading, standard deviation [um, um/m], 0.3");
+  verb.number("--seconds", "seconds", "from one target to the next, 5");
+  verb.path("-o,--output", "output", "measurement set (.csv); else it comes back as csv");
+  verb.force();
 }
 
 void add_circle_options(RequestVerb verb) {

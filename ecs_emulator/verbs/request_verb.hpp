@@ -47,6 +47,8 @@ void add_components_options(RequestVerb verb);
 void add_circle_options(RequestVerb verb);
 void add_lengths_options(RequestVerb verb);
 void add_run_options(RequestVerb verb);
+void add_ball_options(RequestVerb verb);
+void add_turn_options(RequestVerb verb);
 
 /// Whether --force was given; the request itself does not hold it any more.
 [[nodiscard]] bool force_in(nlohmann::json& request);

@@ -73,4 +73,21 @@ Result<AxisComponents> components_along(const Simulation& simulation, const PerA
   return out;
 }
 
+RotaryComponents rotary_components(const Simulation& simulation, const PerAxis<std::vector<double>>& angles_deg) {
+  RotaryComponents out;
+  RotaryState state;
+  out.location = simulation.errors().rotary_at(state).location;
+  for (const Approach approach : {Approach::forward, Approach::reverse}) {
+    state.approach = {approach, approach, approach};
+    auto& into = approach == Approach::forward ? out.forward : out.reverse;
+    for (std::size_t r = 0; r < kAxes; ++r)
+      for (const double angle_deg : angles_deg[r]) {
+        state.angle_deg[r] = angle_deg;
+        const RotaryValues values = simulation.errors().rotary_at(state);
+        for (std::size_t s = 0; s < values.motion[r].size(); ++s) into[r][s].push_back(values.motion[r][s]);
+      }
+  }
+  return out;
+}
+
 }  // namespace ecs::emulator

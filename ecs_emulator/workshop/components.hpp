@@ -21,4 +21,13 @@ struct AxisComponents {
 [[nodiscard]] Result<AxisComponents> components_along(const Simulation& simulation,
                                                       const PerAxis<std::vector<double>>& places_mm);
 
+/// The same of the rotary axes: by A, B, C and sense, at the angles asked for; location errors.
+struct RotaryComponents {
+  PerAxis<std::array<std::vector<double>, 6>> forward;
+  PerAxis<std::array<std::vector<double>, 6>> reverse;
+  PerAxis<SixOfAxis> location{};
+};
+[[nodiscard]] RotaryComponents rotary_components(const Simulation& simulation,
+                                                 const PerAxis<std::vector<double>>& angles_deg);
+
 }  // namespace ecs::emulator

@@ -9,6 +9,7 @@
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
+#include "ecs_emulator/workshop/ball.hpp"
 #include "ecs_emulator/workshop/circle.hpp"
 #include "ecs_emulator/workshop/components.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
@@ -18,6 +19,7 @@
 #include "ecs_emulator/workshop/referencing.hpp"
 #include "ecs_emulator/workshop/survey.hpp"
 #include "laser/writers/circle_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -228,9 +230,91 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
   return Json{{"readings", lengths->readings}, {"output", output}};
 }
 
+/// Into the file under `output`, or back as `csv` where there is none.
+Answer kept(const laser::MeasurementSet& set, const std::string& output) {
+  if (output.empty()) return Json{{"readings", set.readings.size()}, {"csv", to_csv(set)}};
+  if (auto written = write_measurement_set(output, set); !written) return tl::unexpected(written.error());
+  return Json{{"readings", set.readings.size()}, {"output", output}};
+}
+
+/// What both kinds of readings of rotary axes share.
+void ask_for_readings(const Workshop& workshop, Arguments& arguments, int& runs, double& noise, double& seconds) {
+  runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(runs));
+  noise = arguments.number_or("noise", noise);
+  seconds = arguments.number_or("seconds", seconds);
+  if (!(noise >= 0.0)) arguments.complain("noise: expected 0 or more");
+  if (!(seconds >= 0.0)) arguments.complain("seconds: expected 0 or more");
+  if (workshop.unit != nullptr)
+    arguments.complain(
+        "readings of rotary axes: expected a machine without a unit, which knows X, Y and Z only; use "
+        "`ecs-emulator ball` and `ecs-emulator turn`");
+}
+
+Sweep asked_sweep(Arguments& arguments, const std::string& text) {
+  auto sweep = sweep_in(text);
+  if (sweep) return *sweep;
+  arguments.complain(sweep.error().message);
+  return {};
+}
+
+Vector3 asked_vector(Arguments& arguments, const char* key) {
+  const std::vector<double> numbers = arguments.numbers(key);
+  if (numbers.empty()) return {};
+  if (numbers.size() == kAxes) return {numbers[0], numbers[1], numbers[2]};
+  arguments.complain(fmt::format("{}: expected three numbers X,Y,Z", key));
+  return {};
+}
+
+Answer read_ball(const Workshop& workshop, Arguments& arguments) {
+  BallPlan plan;
+  if (arguments.numbers("ball").empty()) arguments.complain("ball: expected X,Y,Z at which the linear axes touch it");
+  plan.ball_mm = asked_vector(arguments, "ball");
+  plan.tool_offset_mm = asked_vector(arguments, "tool_offset");
+  plan.off_um = asked_vector(arguments, "off");
+  plan.tool_off_um = asked_vector(arguments, "tool_off");
+  plan.on_workpiece = arguments.flag("on_workpiece");
+  ask_for_readings(workshop, arguments, plan.runs, plan.noise_um, plan.seconds);
+  for (const std::string& text : arguments.words("sweep")) plan.sweeps.push_back(asked_sweep(arguments, text));
+  const std::string output = arguments.word("output");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto set = ball_readings(*workshop.simulation, plan);
+  return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
+}
+
+Answer read_turn(const Workshop& workshop, Arguments& arguments) {
+  TurnPlan plan;
+  plan.sweep = asked_sweep(arguments, arguments.word("sweep"));
+  const std::string sense = arguments.word("sense");
+  if (const auto named = sense_named(sense))
+    plan.sense = *named;
+  else
+    arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense));
+  ask_for_readings(workshop, arguments, plan.runs, plan.noise, plan.seconds);
+  const std::string output = arguments.word("output");
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  const auto set = turn_readings(*workshop.simulation, plan);
+  return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
+}
+
+/// Error motions and location errors of the rotary axes that the machine has.
+Json true_rotary_components(const Simulation& simulation, const PerAxis<std::vector<double>>& angles_deg) {
+  const RotaryComponents found = rotary_components(simulation, angles_deg);
+  Json curves = Json::object(), locations = Json::object();
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    if (!simulation.description().machine.rotary[r]) continue;
+    for (std::size_t s = 0; s < 2 * kAxes; ++s) {
+      curves[rotary_name(r, static_cast<Sense>(s))] = {{"forward", found.forward[r][s]},
+                                                       {"reverse", found.reverse[r][s]}};
+      locations[location_name(r, s)] = found.location[r][s];
+    }
+  }
+  return Json{{"components", curves}, {"location", locations}};
+}
+
 /// The true components along each axis, the others at the datum: the systematic part, as the machine is now.
 Answer true_components(const Workshop& workshop, Arguments& arguments) {
   const PerAxis<std::vector<double>> places{arguments.numbers("x"), arguments.numbers("y"), arguments.numbers("z")};
+  const PerAxis<std::vector<double>> angles{arguments.numbers("a"), arguments.numbers("b"), arguments.numbers("c")};
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto found = components_along(*workshop.simulation, places);
   if (!found) return tl::unexpected(found.error());
@@ -242,7 +326,10 @@ Answer true_components(const Workshop& workshop, Arguments& arguments) {
   Json lines = Json::object();
   const MeasurementLines lines_mm = params::measurement_lines_of(workshop.simulation->description().machine);
   for (const Axis a : kAllAxes) lines[std::string(1, letter_of(a))] = lines_mm[index_of(a)];
-  return Json{{"components", curves}, {"squareness_um_per_m", squareness}, {"measurement_lines_mm", lines}};
+  return Json{{"components", curves},
+              {"squareness_um_per_m", squareness},
+              {"measurement_lines_mm", lines},
+              {"rotary", true_rotary_components(*workshop.simulation, angles)}};
 }
 
 Answer power(const Workshop& workshop, Arguments& arguments) {
@@ -310,6 +397,8 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "mdi") return run_block(workshop, arguments);
   if (action == "circle") return read_circle(workshop, arguments);
   if (action == "lengths") return read_lengths(workshop, arguments);
+  if (action == "ball") return read_ball(workshop, arguments);
+  if (action == "turn") return read_turn(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
   if (action == "components") return true_components(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
@@ -319,7 +408,8 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   if (action == "fault") return fault(workshop, arguments);
   if (action == "arm-code") return arm_code(workshop, arguments);
   return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, lengths, survey, components, "
+      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, lengths, ball, turn, survey, "
+      "components, "
       "power, wait, tick, load, fault or arm-code, got \"{}\"",
       action));
 }
