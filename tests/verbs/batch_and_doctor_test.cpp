@@ -66,7 +66,7 @@ TEST_CASE("one unit that fails does not stop the others, and a lost link makes e
   const std::string plan =
       folder.with("plan.toml",
                   "[[unit]]\nname = \"a\"\nlink = \"rtu:/dev/no-such-port:9600\"\nparams = \"gone.toml\"\n"
-                  "[[unit]]\nname = \"b\"\nlink = \"rtu:/dev/no-such-port:9600\"\nparams = \"p.toml\"\n");
+                  "[[unit]]\nname = \"b\"\nlink = \"rtu:/dev/no-other-port:9600\"\nparams = \"p.toml\"\n");
   const Ran r = ran({"batch", plan, "--dry-run", "--json"});
   CHECK(r.code == 4);
   const auto units = r.json()["units"];
@@ -76,12 +76,25 @@ TEST_CASE("one unit that fails does not stop the others, and a lost link makes e
   CHECK(units[1]["error"]["message"].get<std::string>().find("no such port") != std::string::npos);
 }
 
+TEST_CASE("a batch refuses a unit that is named twice, unless serial numbers tell the two apart") {
+  const Folder folder;
+  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  const std::string twice =
+      "id,link,params\na,rtu:/dev/no-such-port:9600,p.toml\nb,rtu:/dev/no-such-port:9600,p.toml\n";
+  const Ran refused = ran({"batch", folder.with("units.csv", twice), "--dry-run"});
+  CHECK(refused.code == 3);
+  CHECK(contains(refused.messages, "a and b have the same link"));
+  const std::string apart =
+      "id,link,params,serial_number\na,rtu:/dev/no-such-port:9600,p.toml,1\nb,rtu:/dev/no-such-port:9600,p.toml,2\n";
+  CHECK(ran({"batch", folder.with("apart.csv", apart), "--dry-run"}).code == 4);  // the port is not there
+}
+
 TEST_CASE("a batch takes its units from a table, and writes a line of JSON for each") {
   const Folder folder;
   static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
   const std::string plan = folder.with(
       "units.csv",
-      "id,link,params,map\na,rtu:/dev/no-such-port:9600,p.toml,\nb,rtu:/dev/no-such-port:9600,gone.toml,\n");
+      "id,link,params,map\na,rtu:/dev/no-such-port:9600,p.toml,\nb,rtu:/dev/no-other-port:9600,gone.toml,\n");
   const Ran r = ran({"batch", plan, "--dry-run", "-o", folder / "report.jsonl", "--json"});
   CHECK(r.code == 4);
   CHECK(r.json()["units"][1]["name"] == "b");
