@@ -168,8 +168,8 @@ bool ModelScreen::on_causes_key(const Key& key) {
   return clicked || cause_.on_key(key, count);
 }
 
-/// One of several that these data cannot tell apart, and one that an adequate model does not lack, is added only after a
-/// question.
+/// One of several that these data cannot tell apart, and one that an adequate model does not lack, is added only after
+/// a question.
 void ModelScreen::add_chosen() {
   const std::size_t chosen = chosen_cause();
   const auto add = [this, chosen] {
