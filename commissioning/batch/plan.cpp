@@ -48,7 +48,7 @@ void take_unit(TomlReader& reader, const toml::table& table, const fs::path& fol
   units.push_back(std::move(unit));
 }
 
-/// The second map would replace the first. One link may serve units that are told apart by their serial numbers.
+/// Refuses a unit named twice: its second map would replace the first. Units on one link need different serial numbers.
 Result<std::vector<PlannedUnit>> each_once(std::vector<PlannedUnit> units, const std::string& name) {
   std::vector<Problem> problems;
   for (std::size_t i = 0; i < units.size(); ++i)

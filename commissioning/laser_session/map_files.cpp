@@ -140,7 +140,7 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
 
 namespace {
 
-/// From one parameter file to another, the scope as chosen. Values that stand there already are set again.
+/// From one parameter file to another, the scope as chosen. Values that the second file has already are set again.
 void note_parameters(const std::string& from, const std::string& to, const std::string& scope) {
   if (from == to && scope.empty()) return;
   const auto held = params::read_parameters(from);

@@ -12,7 +12,7 @@ namespace ecs::commissioning {
 /// The line without what is left out, and said so in its metadata.
 [[nodiscard]] laser::MeasurementSet prepared_set(const LaserLine& line, const LaserLineChoice& choice);
 
-/// What `ecs laser prepare` is told.
+/// The options of `ecs laser prepare`.
 struct PreparedLineRequest {
   std::vector<std::string> files;
   ImportArguments import;  ///< for all of them

@@ -14,7 +14,8 @@ namespace ecs::commissioning {
 /// Notes them.
 void note_on_unit(const UnitConnection& unit, std::vector<std::string> words, int exit_code = 0);
 
-/// A verb that was run from a form as it stands there: over the link of the screens where it names that one or none.
+/// A verb that was run from a form, with the words of the form: over the link of the screens where it names that one or
+/// none.
 void note_form(const UnitConnection& unit, std::vector<std::string> words, int exit_code);
 
 }  // namespace ecs::commissioning

@@ -316,7 +316,7 @@ void ParametersController::note_written(const std::string& path, const Parameter
         changed.push_back(fmt::format("{}={}", key, value_of(key, what)));
     const std::string from = held_.path.empty() ? file : path_word(held_.path);
     if (held_.path.empty()) note_command({"params", "new", "--machine", path_word(held_.machine), "-o", file});
-    if (changed.empty() && from != file)  // set needs a value: one that stands there already
+    if (changed.empty() && from != file)  // `params set` needs a value: one that the file has
       changed.push_back(fmt::format("{}={}", all_keys().back(), value_of(all_keys().back(), what)));
     if (!changed.empty()) {
       std::vector<std::string> words{"params", "set", from};
