@@ -168,6 +168,7 @@ double rms_about_centre(const laser::CircleTest& test) {
 
 struct Tally {
   int cases = 0, right = 0, grouped = 0, wrong = 0;
+  int beside = 0;  ///< with a further name, of a fault that is not there
 };
 
 /// A cause as the error model names it, in the words of the circle's faults: "backlash:X:EX" → "backlash:X".
@@ -179,7 +180,7 @@ std::string fault_of(std::string_view effect, const std::string& plane) {
   if (id == "squareness" || (id == "scale" && !own)) return "squareness:" + plane;
   if (id == "servo_lag") return "servo_mismatch:" + plane;
   if ((id == "progressive" || id == "sag") && !own) return "straightness:" + axis;
-  if (own && (id == "backlash" || id == "reversal_spike" || id == "cyclic")) return id + ":" + axis;
+  if (own && (id == "backlash" || id == "reversal_spike" || id == "friction" || id == "cyclic")) return id + ":" + axis;
   return std::string(effect);
 }
 
@@ -188,7 +189,8 @@ struct Named {
   std::string first = "none";
   std::vector<std::string> alike{};  ///< that these readings cannot tell from it
   std::string verdict{};
-  std::vector<std::string> notes{};  ///< where nothing is named: what was closest, and why
+  std::vector<std::string> further{};  ///< named beside the first
+  std::vector<std::string> notes{};    ///< where nothing is named: what was closest, and why
 };
 
 /// A line along an axis both ways, five runs of 21 targets, with lost motion and noise.
@@ -242,6 +244,7 @@ Result<Named> named_by_model(const laser::CircleTest& test, const std::filesyste
     const std::string fault = fault_of(to_text(candidate.effect), plane);
     if (named.first != "none") {
       named.verdict += " + " + to_text(candidate.effect);
+      named.further.push_back(fault);
       continue;
     }
     named.first = fault;
@@ -314,6 +317,8 @@ int main(int argc, char** argv) {
     if (by_model) {
       const auto named = named_by_model(test, machine, lines, sigma_um, random);
       if (!named) return fmt::print(stderr, "seed {}: {}\n", seed, to_text(named.error())), 3;
+      // the circle's own faults have friction as a spike, the library has it apart
+      if (hidden.fault == "friction") hidden.cause.replace(0, hidden.cause.find(':'), "friction");
       const bool among = std::find(named->alike.begin(), named->alike.end(), hidden.cause) != named->alike.end();
       const bool right = blank ? named->first == "none" : named->first == hidden.cause || among;
       Tally& tally = tallies[blank ? "blank" : hidden.fault];
@@ -322,6 +327,7 @@ int main(int argc, char** argv) {
         one->right += right;
         one->grouped += right && !named->alike.empty();
         one->wrong += !right && named->first != "none";
+        one->beside += !named->further.empty() && !second;
       }
       if (show || !right) {
         fmt::print("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um: {}", seed, right ? "right" : "WRONG",
@@ -360,7 +366,9 @@ int main(int argc, char** argv) {
   std::filesystem::remove_all(folder);
   for (const auto& [name, tally] : tallies)
     fmt::print("{:<16} {:>4} of {:>4} right, {} of them with others that cannot be told apart{}\n", name, tally.right,
-               tally.cases, tally.grouped, by_model ? fmt::format("; {} wrongly named", tally.wrong) : "");
-  fmt::print("all, SNR {:g}, seeds {}..{}: {} of {} ({:.1f} %)\n", snr, first, last, all.right, all.cases,
-             100.0 * all.right / std::max(all.cases, 1));
+               tally.cases, tally.grouped,
+               by_model ? fmt::format("; {} wrongly named, {} with a further name", tally.wrong, tally.beside) : "");
+  fmt::print("all, SNR {:g}, seeds {}..{}: {} of {} ({:.1f} %){}\n", snr, first, last, all.right, all.cases,
+             100.0 * all.right / std::max(all.cases, 1),
+             by_model ? fmt::format(", {} with a further name", all.beside) : "");
 }

@@ -12,6 +12,7 @@ namespace {
 /// A direction of which less than this share is measured does not count; what is left of a function beside others, as a
 /// share of its square, below which it is one of them.
 constexpr double kNoShare = 1e-12, kNothingLeft = 1e-9;
+constexpr double kSecondsPerMinute = 60.0;
 constexpr double kRad_per_deg = std::numbers::pi / 180.0;
 
 /// The values of a function over the readings of a pass, made orthonormal to those before.
@@ -124,7 +125,14 @@ void set_motions(Observations& data) {
     rows.aside[i] = seen[i].moving != seen[i].sense;
     rows.approach[i] = places[k].approach[moving];
     rows.travel_since_reversal_mm[i] = places[k].since_reversal_mm[moving].value_or(kNotMeasured);
-    if (!rows.feed_mm_min.empty()) rows.feed_mm_min[i] *= places[k].share_of_feed[moving];
+    if (rows.feed_mm_min.empty()) continue;
+    const auto way_mm = places[k].path_since_reversal_mm[moving];
+    if (way_mm && rows.feed_mm_min[i] > 0.0) {
+      Column& since_s = rows.extras[std::string(kTimeSinceReversalColumn)];
+      since_s.resize(seen.size(), kNotMeasured);
+      since_s[i] = *way_mm / rows.feed_mm_min[i] * kSecondsPerMinute;
+    }
+    rows.feed_mm_min[i] *= places[k].share_of_feed[moving];
   }
   if (std::all_of(rows.travel_since_reversal_mm.begin(), rows.travel_since_reversal_mm.end(),
                   [](double mm) { return std::isnan(mm); }))

@@ -64,7 +64,9 @@ PlaceOnPath place_on_circle(const Path& path, const Vector3& position_mm, int ap
     place.share_of_feed[axis] = std::abs(speed);
     // it turned round at the end from which it comes
     const double turned = std::abs(speed) > kStill ? 1.0 + place.approach[axis] * along_axis : 2.0;
-    if (turned <= kNearReversal) place.since_reversal_mm[axis] = path.radius_mm * turned;
+    if (turned > kNearReversal) return;
+    place.since_reversal_mm[axis] = path.radius_mm * turned;
+    place.path_since_reversal_mm[axis] = path.radius_mm * std::acos(1.0 - std::max(turned, 0.0));
   };
   take(u, -approach * sine, -cosine, cosine);
   take(v, approach * cosine, -sine, sine);

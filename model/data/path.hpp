@@ -17,6 +17,8 @@ namespace ecs::model {
 
 /// The column of a measurement set whose cells say on which path a reading was taken, as to_text() writes it.
 inline constexpr std::string_view kPathColumn = "path";
+/// The column, of readings or of motions along a path, of the time since the moving axis turned round [s].
+inline constexpr std::string_view kTimeSinceReversalColumn = "time_since_reversal_s";
 
 enum class PathKind : std::uint8_t {
   circle,  ///< radial deviations, positive away from the centre; forward is counter-clockwise, with rising angle
@@ -47,6 +49,8 @@ struct PlaceOnPath {
   /// Travel of each axis, near its reversal on a circle: up to a tenth of the radius. What dies away later passes there
   /// for lost motion, of which a circle shows no more either.
   std::array<std::optional<double>, kAxes> since_reversal_mm{};
+  /// Way along the path since then, as long as the travel is told.
+  std::array<std::optional<double>, kAxes> path_since_reversal_mm{};
   Vector3 share_of_feed{};  ///< speed of each axis in that along the path
 };
 /// @param approach  1, -1; 0 unknown

@@ -10,6 +10,7 @@
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/regression/needs.hpp"
 
 namespace ecs::model {
 namespace {
@@ -82,6 +83,12 @@ bool bend_alike(const Family& one, const Family& other) {
   return one.effect.axis == other.effect.axis && (!levers || one.effect.code == other.effect.code);
 }
 
+/// Whether two effects follow the reversals of one axis: beside the one the other is what its shape leaves.
+bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other) {
+  return one.id != other.id && one.axis == other.axis && follows_reversal(one.definition()) &&
+         follows_reversal(other.definition());
+}
+
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
 /// explain anything, and so do three drifts of the same sense.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
@@ -102,6 +109,7 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
         }
         if (other.traits().is_curve) most = std::max(most, chosen[j].columns.size());
       }
+      if (j < i && follow_one_reversal(one, other)) return false;
       if (j >= i || one.id != other.id) continue;
       const bool twice = one.sense == other.sense && one.code == other.code;
       if (twice && !may_act_twice(one, other)) return false;

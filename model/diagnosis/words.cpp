@@ -102,13 +102,19 @@ std::string map_word(const EffectInstance& effect) {
   return effect.axis ? fmt::format("Map of {}", letter_of(*effect.axis)) : "Map";
 }
 
+/// The data do not say so much as its sign.
+bool is_guess(const ParameterEstimate& parameter) {
+  return parameter.sigma && *parameter.sigma > std::abs(parameter.value);
+}
+
 std::string value_of(const EffectInstance& effect, const ParameterEstimate& parameter, const Observations& data) {
   std::string unit = parameter.unit;
   if (effect.sense && is_rotation(*effect.sense) && effect.definition().place != Place::set_up &&
       unit.starts_with("um"))
     unit.replace(0, 2, "um/m");
   if (parameter.name != effect.definition().searched_parameter())
-    return size_text(parameter.value, unit) + (parameter.undetermined ? " (not determined)" : "");
+    return size_text(parameter.value, unit) +
+           (parameter.undetermined || is_guess(parameter) ? " (not determined)" : "");
   const std::string pitch = pitch_match(effect, data);
   return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " = ", pitch);
 }

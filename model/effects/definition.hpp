@@ -116,6 +116,7 @@ enum class Need : std::uint8_t {
   feed,
   load,
   travel_since_reversal,
+  time_since_reversal,
   reversed,
   known
 };

@@ -33,6 +33,7 @@
   EFFECT(servo_lag)          \
   EFFECT(load)               \
   EFFECT(reversal_spike)     \
+  EFFECT(friction)           \
   EFFECT(map_polarity)       \
   EFFECT(map_gain)           \
   EFFECT(map_shift)          \

@@ -58,6 +58,12 @@ constexpr NeedFacts kNeeds[] = {
     {Need::travel_since_reversal, "travel_since_reversal_mm", "travel_since_reversal_mm",
      [](Data data) { return data.travel_since_reversal_mm.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.travel_since_reversal_mm, k); }},
+    {Need::time_since_reversal, "feed_mm_min along a circle", kTimeSinceReversalColumn,
+     [](Data data) { return !data.extras.contains(kTimeSinceReversalColumn); },
+     [](Data data, std::size_t k, Effect) {
+       const auto found = data.extras.find(kTimeSinceReversalColumn);
+       return found == data.extras.end() ? kNotMeasured : found->second[k];
+     }},
     {Need::reversed, "reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
      [](Data data, std::size_t k, Effect) { return side_of_artefact(data, k); }},
     {Need::known, "[[known]] component", "the known component", [](Data data) { return data.known.empty(); },
@@ -97,6 +103,10 @@ bool has_needs(const Observations& data, std::size_t k, const EffectInstance& ef
   const auto& needed = effect.definition().needs;
   return std::none_of(needed.begin(), needed.end(),
                       [&](Need need) { return std::isnan(facts_of(need).cell(data, k, effect)); });
+}
+
+bool follows_reversal(const EffectDefinition& definition) {
+  return definition.has_need(Need::travel_since_reversal) || definition.has_need(Need::time_since_reversal);
 }
 
 std::string needed_columns(const EffectInstance& effect) {
@@ -177,6 +187,15 @@ bool has_readings_across(const Observations& data) {
 
 }  // namespace
 
+namespace {
+
+bool has_circle(const Observations& all) {
+  return std::any_of(all.paths.begin(), all.paths.end(),
+                     [](const Path& path) { return path.kind == PathKind::circle; });
+}
+
+}  // namespace
+
 std::vector<std::string> untried_effects(const Observations& all) {
   const Observations& data = all.motions();
   std::vector<std::string> notes;
@@ -184,6 +203,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
     if (facts.need == Need::known || !facts.lacking(data)) continue;
     if (of_sensors(facts.need) && data.sensors_degC.empty()) continue;
     if (facts.need == Need::reversed && !has_readings_across(data)) continue;
+    if (facts.need == Need::time_since_reversal && !has_circle(all)) continue;
     const auto concerned = [&](const EffectDefinition& definition) {
       return facts.need == Need::sensor ? definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
                                               definition.has_need(Need::material_temperature)

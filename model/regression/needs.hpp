@@ -14,6 +14,9 @@ namespace ecs::model {
 /// Whether row k has the cells that the effect needs.
 [[nodiscard]] bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect);
 
+/// Whether the effect follows what has gone by since the moving axis turned round: it dies away after that.
+[[nodiscard]] bool follows_reversal(const EffectDefinition& definition);
+
 /// The columns that an instance needs, as a note names them; "" if none.
 [[nodiscard]] std::string needed_columns(const EffectInstance& effect);
 

@@ -62,6 +62,54 @@ TEST_CASE("lost motion of 2 um is named on a circle, with its size") {
   CHECK(value_named(diagnosis, "um") == Approx(2.0).epsilon(0.05));
 }
 
+namespace {
+
+/// What friction leaves of Y in a circle of 100 mm at 2000 mm/min: the slide stands for 70 ms, then a loop of 26 /s
+/// pulls it up, with a pole of 100 /s beside it.
+double held_by_friction_um(const PathPlace& at, double size_um) {
+  constexpr double kStands_s = 0.07, kSlow_s = 0.038, kFast_s = 0.010;
+  const double travelled = 1.0 + at.motion[1] * (at.position_mm[1] - 300.0) / 100.0;
+  const double since_s = 100.0 * std::acos(std::clamp(1.0 - travelled, -1.0, 1.0)) / (2000.0 / 60.0);
+  const double free_s = since_s - kStands_s;
+  const double left = free_s < 0.0 ? std::pow(since_s / kStands_s, 2)
+                                   : (kSlow_s * std::exp(-free_s / kSlow_s) - kFast_s * std::exp(-free_s / kFast_s)) /
+                                         (kSlow_s - kFast_s);
+  return -at.motion[1] * size_um * left;
+}
+
+}  // namespace
+
+TEST_CASE("friction of an axis is named on a circle, with how far and how long it holds the axis back") {
+  CircleMade made;
+  made.readings = 360;
+  made.noise_um = 0.5;
+  const Diagnosis diagnosis = of_new_model(circle_of(
+      [](const PathPlace& at) {
+        return Vector3{0.0, held_by_friction_um(at, 12.0), 0.0};
+      },
+      made));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "friction:Y:EY");
+  CHECK(value_named(diagnosis, "c_um") == Approx(12.0).epsilon(0.1));
+  CHECK(value_named(diagnosis, "stands_ms") == Approx(70.0).epsilon(0.15));
+  CHECK(std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
+                      [](const Candidate& one) { return one.named; }) == 1);
+}
+
+TEST_CASE("a spike that dies away from the reversal on is not told as friction") {
+  CircleMade made;
+  made.readings = 360;
+  made.noise_um = 0.3;
+  const Diagnosis diagnosis = of_new_model(circle_of(
+      [](const PathPlace& at) {
+        const double travelled_mm = 100.0 + at.motion[1] * (at.position_mm[1] - 300.0);
+        return Vector3{0.0, 6.0 * at.motion[1] * std::exp(-travelled_mm / 0.5), 0.0};
+      },
+      made));
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  CHECK(first_named(diagnosis) == "reversal_spike:Y:EY");
+}
+
 TEST_CASE("squareness is named on a circle, with its sign") {
   const Diagnosis diagnosis = of_new_model(circle_of([](const PathPlace& at) {
     return Vector3{-0.020 * at.position_mm[1], 0.0, 0.0};

@@ -55,6 +55,7 @@ Observations everything_varies() {
     r.load_kg = uniform(0.0, 500.0);
     r.extras["reversed"] = static_cast<double>(r.row % 2);
     r.travel_since_reversal_mm = uniform(0.0, 60.0);
+    r.extras["time_since_reversal_s"] = uniform(0.0, 0.6);
     r.pressure_hPa = uniform(980.0, 1030.0);
     r.humidity_pct = uniform(30.0, 70.0);
     for (const char* sensor : {"t_material_degC", "t_air_degC", "t_column_degC"})

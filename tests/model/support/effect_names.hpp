@@ -26,6 +26,7 @@ inline const EffectId cosine = effect_named("cosine");
 inline const EffectId servo_lag = effect_named("servo_lag");
 inline const EffectId load = effect_named("load");
 inline const EffectId reversal_spike = effect_named("reversal_spike");
+inline const EffectId friction = effect_named("friction");
 inline const EffectId map_polarity = effect_named("map_polarity");
 inline const EffectId map_gain = effect_named("map_gain");
 inline const EffectId map_shift = effect_named("map_shift");

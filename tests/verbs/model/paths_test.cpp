@@ -102,5 +102,19 @@ TEST_CASE("a circle that is open, has no plane or no place beside a line is refu
   CHECK_FALSE(std::filesystem::exists(model));
 }
 
+TEST_CASE("the sample circle holds its wave, and what friction of Y leaves between two readings") {
+  const auto r = ran({"model", "diagnose", "samples/investigation/model.toml", "samples/standards/circle.csv",
+                      "--machine", "samples/investigation/machine.toml", "--json"});
+  REQUIRE(r.code == 0);
+  const nlohmann::json answer = r.json();
+  CHECK(answer["verdict"] == "missing_effect");
+  const nlohmann::json& candidates = answer["candidates"];
+  CHECK(candidates[0]["effect"] == "cyclic");
+  CHECK(candidates[1]["effect"] == "reversal_spike");
+  CHECK(candidates[1]["indistinguishable_from"] == nlohmann::json{"friction:Y:EY"});
+  CHECK_FALSE(candidates[2]["named"].get<bool>());
+  CHECK(contains(answer["headline"].get<std::string>(), "um (not determined)"));
+}
+
 }  // namespace
 }  // namespace ecs::app

@@ -1,0 +1,81 @@
+// Friction at reversals: the shape over time, and where it may be sought.
+#include <doctest/doctest.h>
+
+#include "model/data/path.hpp"
+#include "model/regression/candidates.hpp"
+#include "model/regression/needs.hpp"
+#include "model/regression/regressors.hpp"
+#include "tests/model/support/made_paths.hpp"
+#include "tests/model/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using namespace ecs::model::test::effects;
+using doctest::Approx;
+
+namespace {
+
+/// A line along X with readings so long after the reversal [s].
+Observations at_times(const std::vector<double>& since_s) {
+  laser::MeasurementSet set;
+  for (std::size_t i = 0; i < since_s.size(); ++i) {
+    laser::Reading reading;
+    reading.row = static_cast<int>(i) + 1;
+    reading.position_mm[0] = 10.0 * static_cast<double>(i);
+    reading.approach = Approach::forward;
+    reading.extras[std::string(kTimeSinceReversalColumn)] = since_s[i];
+    set.readings.push_back(reading);
+  }
+  return observations_of(set, Model{}, mill());
+}
+
+bool has_note_of_friction(const Observations& data) {
+  const auto notes = untried_effects(data);
+  return std::any_of(notes.begin(), notes.end(),
+                     [](const std::string& note) { return note.find("friction") != std::string::npos; });
+}
+
+laser::CircleTest still_circle() {
+  return made_circle([](const PathPlace&) { return Vector3{}; });
+}
+
+}  // namespace
+
+TEST_CASE("an axis held by friction falls behind with the square of the time, then catches up smoothly") {
+  const Observations data = at_times({0.0, 0.03, 0.06, 0.085, 0.31});
+  const Columns columns = Regressors(data).columns(effect(friction, Axis::X, Sense::EX), 60.0);
+  CHECK(columns.of(0, 0) == 0.0);
+  CHECK(columns.of(1, 0) == Approx(-0.25));
+  CHECK(columns.of(2, 0) == Approx(-1.0));
+  CHECK(columns.of(3, 0) == Approx(-2.0 / std::exp(1.0)));  // 25 ms, the settling time, later
+  CHECK(std::abs(columns.of(4, 0)) < 1e-3);
+  for (int k = 0; k < 3; ++k) CHECK(columns.of(k, 1) == Approx(0.0));
+  CHECK(columns.of(3, 1) < -0.2);  // a slower drive is still further behind
+}
+
+TEST_CASE("friction is sought on circles of known feed, of each axis along itself") {
+  std::vector<std::string> names;
+  for (const EffectInstance& one : candidate_instances(observations_of(set_of_circle(still_circle()), Model{}, mill())))
+    if (one.id == friction) names.push_back(to_text(one));
+  CHECK(names == std::vector<std::string>{"friction:X:EX", "friction:Y:EY"});
+}
+
+TEST_CASE("a circle without its feed says that friction cannot be tried, and lines say nothing of it") {
+  laser::CircleTest test = still_circle();
+  CHECK_FALSE(has_note_of_friction(observations_of(set_of_circle(test), Model{}, mill())));
+  test.feed_mm_min.reset();
+  CHECK(has_note_of_friction(observations_of(set_of_circle(test), Model{}, mill())));
+  const auto line = measured(Plan{}, 0.2, [](const laser::Reading&) { return 0.0; });
+  CHECK_FALSE(has_note_of_friction(observations_of(line, Model{}, mill())));
+}
+
+TEST_CASE("the time since a reversal on a circle is the way along it at its feed") {
+  const Path path{PathKind::circle, "XY", {Axis::X, Axis::Y}, 100.0, {}, {}};
+  const double angle = 0.1;
+  const PlaceOnPath place = place_on(path, {100.0 * std::cos(angle), 100.0 * std::sin(angle), 0.0}, 1);
+  CHECK(place.path_since_reversal_mm[0].value() == Approx(10.0));
+  CHECK_FALSE(place.path_since_reversal_mm[1].has_value());
+  const PlaceOnPath before = place_on(path, {100.0 * std::cos(angle), -100.0 * std::sin(angle), 0.0}, 1);
+  CHECK_FALSE(before.path_since_reversal_mm[0].has_value());
+}
