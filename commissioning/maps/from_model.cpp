@@ -40,29 +40,9 @@ double round_down(double value) {
 constexpr double kMostPoints = 5000.0;    ///< of a table that nobody asked to be finer
 constexpr double kPointsPerPeriod = 4.0;  ///< fewer cannot follow a period
 
-std::optional<double> period_of(const EffectInstance& effect) {
-  for (const auto* values : {&effect.parameters, &effect.fitted})
-    if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
-      return period->second;
-  return std::nullopt;
-}
-
-/// A hundredth of the shortest travel, and an eighth of the shortest period, as far as tables stay of sensible length.
-double fine_enough(const Model& model, const params::Machine& machine) {
-  double increment = 1e9, longest = 0.0;
-  for (const auto& axis : machine.axes) {
-    if (!axis) continue;
-    increment = std::min(increment, (axis->travel_mm[1] - axis->travel_mm[0]) / 100.0);
-    longest = std::max(longest, axis->travel_mm[1] - axis->travel_mm[0]);
-  }
-  for (const EffectInstance& effect : model.effects)
-    if (const auto period = period_of(effect)) increment = std::min(increment, *period / 8.0);
-  return std::max(round_down(increment), round_down(2.0 * longest / kMostPoints));
-}
-
 void note_short_periods(MapFromModel& built, const Model& model) {
   for (const EffectInstance& effect : model.effects)
-    if (const auto period = period_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
+    if (const auto period = period_mm_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
       built.notes.push_back(
           fmt::format("{}: a table with a value every {} mm cannot follow its period of {:.4g} mm; give a smaller "
                       "--increment, if the unit has room for it",
@@ -249,7 +229,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
     built.parameters = given->parameters;
     built.identity = given->identity;
   }
-  built.increment_mm = arguments.increment_mm.value_or(fine_enough(*model, **machine));
+  built.increment_mm = arguments.increment_mm.value_or(table_increment_mm(*model, **machine));
   auto compiled = model::compiled(*model, **machine, built.increment_mm);
   if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
   built.compiled = std::move(*compiled);
@@ -280,6 +260,25 @@ Problem nothing_carried(const MapFromModel& b, const std::string& model) {
 }
 
 }  // namespace
+
+std::optional<double> period_mm_of(const model::EffectInstance& effect) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
+      return period->second;
+  return std::nullopt;
+}
+
+double table_increment_mm(const Model& model, const params::Machine& machine) {
+  double increment = 1e9, longest = 0.0;
+  for (const auto& axis : machine.axes) {
+    if (!axis) continue;
+    increment = std::min(increment, (axis->travel_mm[1] - axis->travel_mm[0]) / 100.0);
+    longest = std::max(longest, axis->travel_mm[1] - axis->travel_mm[0]);
+  }
+  for (const EffectInstance& effect : model.effects)
+    if (const auto period = period_mm_of(effect)) increment = std::min(increment, *period / 8.0);
+  return std::max(round_down(increment), round_down(2.0 * longest / kMostPoints));
+}
 
 Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())

@@ -46,6 +46,13 @@ struct MapFromModel {
   }
 };
 
+/// Given or fitted; nothing for an effect that does not come back.
+[[nodiscard]] std::optional<double> period_mm_of(const model::EffectInstance& effect);
+
+/// Of the tables that nobody asked to be finer: a hundredth of the shortest travel, and an eighth of the shortest
+/// period, as far as tables stay of sensible length.
+[[nodiscard]] double table_increment_mm(const model::Model& model, const params::Machine& machine);
+
 /// The map and what is missing in it; writes nothing.
 [[nodiscard]] Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromModelArguments& arguments);
 

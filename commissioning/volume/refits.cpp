@@ -2,7 +2,9 @@
 // time.
 #include "commissioning/volume/refits.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <string>
@@ -35,6 +37,26 @@ class DrawnNoise {
   double slow_um_ = 0.0;
 };
 
+/// Where an effect falls between two targets: each draw another of `count` equal parts, in an order of its own for
+/// every effect.
+class PlacesBetween {
+ public:
+  PlacesBetween(std::size_t effects, std::size_t count, std::mt19937_64& random) : part_(effects) {
+    for (std::vector<std::size_t>& part : part_) {
+      part.resize(count);
+      std::iota(part.begin(), part.end(), std::size_t{0});
+      std::shuffle(part.begin(), part.end(), random);
+    }
+  }
+  /// The middle of the part.
+  [[nodiscard]] double share(std::size_t effect, std::size_t draw) const {
+    return (static_cast<double>(part_[effect][draw]) + 0.5) / static_cast<double>(part_[effect].size());
+  }
+
+ private:
+  std::vector<std::vector<std::size_t>> part_;
+};
+
 }  // namespace
 
 std::optional<std::array<double, 2>> targets_about(const model::EffectInstance& effect,
@@ -57,6 +79,7 @@ std::vector<model::Fit> refits(const model::Model& model, const model::Observati
                                std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<model::Fit> again;
+  PlacesBetween between(fit.effects.size(), count, random);
   for (std::size_t draw = 0; draw < count; ++draw) {
     std::vector<DrawnNoise> noises;
     for (const model::NoiseReport& noise : fit.noise_by_sense) noises.emplace_back(noise, random);
@@ -69,10 +92,10 @@ std::vector<model::Fit> refits(const model::Model& model, const model::Observati
     }
     auto one = model::fit(model, drawn);
     if (!one) continue;
-    for (model::EffectFit& each : one->effects)
-      if (const auto targets = targets_about(each.effect, data))
-        each.effect.fitted[std::string(each.effect.definition().searched_parameter())] =
-            std::uniform_real_distribution<double>((*targets)[0], (*targets)[1])(random);
+    for (std::size_t i = 0; i < one->effects.size(); ++i)
+      if (model::EffectInstance& effect = one->effects[i].effect; const auto targets = targets_about(effect, data))
+        effect.fitted[std::string(effect.definition().searched_parameter())] =
+            std::lerp((*targets)[0], (*targets)[1], between.share(i, draw));
     again.push_back(std::move(*one));
   }
   return again;

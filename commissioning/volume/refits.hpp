@@ -21,7 +21,8 @@ inline constexpr std::size_t kRefits = 19;
                                                                  const model::Observations& data);
 
 /// Parametric bootstrap: readings of the fit with noise drawn anew (white and correlated, by sense), fitted again. A
-/// place between two targets (targets_about) is drawn from there: all of them are equally likely.
+/// place between two targets (targets_about) is drawn from there, one draw from each of `count` equal parts: all are
+/// equally likely.
 /// @param fit  of `model` to `data`
 [[nodiscard]] std::vector<model::Fit> refits(const model::Model& model, const model::Observations& data,
                                              const model::Fit& fit, std::size_t count, std::uint64_t seed);

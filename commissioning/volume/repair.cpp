@@ -1,13 +1,16 @@
 // Sums of what the effects contribute: readings by the fit, places of a volume and of a circle by prediction. What the
-// unit can compensate is compensated by the fitted values while the machine has those of a refit (refits.hpp); between
-// its points a map leaves less than its resolution.
+// unit can compensate is compensated by the fitted values, straight between the points of a map's tables, while the
+// machine has the values of a refit (refits.hpp).
 #include "commissioning/volume/repair.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
@@ -16,118 +19,19 @@
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/volume/refits.hpp"
+#include "commissioning/volume/repair_places.hpp"
 #include "model/effects/definition.hpp"
-#include "volume/grid.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
-constexpr std::size_t kCirclePlaces = 180;
-/// The circle: at most this share of the shorter travel and no larger; a choice, ISO 230-4 leaves it to the user.
-constexpr double kShareOfTravel = 0.8, kLargestDiameter_mm = 300.0;
 /// Less is no gain: a hundredth of what is left otherwise, or the resolution of a map.
 constexpr double kNoGain = 0.01, kResolution_um = 0.1;
 constexpr std::uint64_t kRefitSeed = 1;
+/// Within this share of the true value, or so much, a prediction is as good as it need be.
+constexpr double kNear = 0.1, kNear_um = 1.0;
 
 using Vectors = std::vector<Vector3>;
-using Places = std::vector<controllers::MachinePlace>;
-
-struct Circle {
-  std::size_t first = 0, second = 1;  ///< axes of the plane
-  double diameter_mm = 0.0;
-  Places places;
-};
-
-volume::Travels travels_of_axes(const params::Machine& machine) {
-  volume::Travels travels;
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (machine.axes[a]) travels[a] = machine.axes[a]->travel_mm;
-  return travels;
-}
-
-/// Places of the volume, each from both sides; the reference comes last.
-struct VolumePlaces {
-  Places places;
-  std::vector<double> weight;  ///< share of the volume that a place stands for; of the reference 0
-};
-
-/// More places on the axis of an effect of which nobody knows where it falls between two targets: between them, and
-/// just beside the place where the map has it, so that none falls between two places unseen.
-void add_places_about(const model::EffectInstance& effect, const params::Machine& machine,
-                      const model::Observations& data, volume::Grid& grid) {
-  constexpr int kPlacesBetween = 8;
-  constexpr double kBeside_mm = 0.01;
-  const auto targets = targets_about(effect, data);
-  if (!targets || !machine.axes[index_of(*effect.axis)]) return;
-  std::vector<double>& mm = grid.mm[index_of(*effect.axis)];
-  const double datum_mm = machine.axes[index_of(*effect.axis)]->datum_mm, least = mm.front(), greatest = mm.back();
-  const double place_mm = effect.fitted.at(std::string(effect.definition().searched_parameter()));
-  std::vector<double> more{place_mm - kBeside_mm, place_mm + kBeside_mm};
-  for (int i = 0; i < kPlacesBetween; ++i)
-    more.push_back(std::lerp((*targets)[0], (*targets)[1], (i + 0.5) / kPlacesBetween));
-  for (const double p_mm : more)
-    if (p_mm + datum_mm > least && p_mm + datum_mm < greatest) mm.push_back(p_mm + datum_mm);
-  std::sort(mm.begin(), mm.end());
-  mm.erase(std::unique(mm.begin(), mm.end()), mm.end());
-}
-
-/// Half the way to the neighbours on either side.
-std::vector<double> shares_of(const std::vector<double>& mm) {
-  std::vector<double> shares(mm.size(), 1.0);
-  for (std::size_t i = 0; i < mm.size() && mm.size() > 1; ++i)
-    shares[i] = 0.5 * (mm[std::min(i + 1, mm.size() - 1)] - mm[i == 0 ? 0 : i - 1]);
-  return shares;
-}
-
-VolumePlaces volume_places(const params::Machine& machine, std::size_t most, const model::Fit& fit,
-                           const model::Observations& data) {
-  Vector3 datum_mm{};
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (machine.axes[a]) datum_mm[a] = machine.axes[a]->datum_mm;
-  volume::Grid grid = volume::grid_over(travels_of_axes(machine), most, datum_mm);
-  for (const model::EffectFit& effect : fit.effects) add_places_about(effect.effect, machine, data, grid);
-  VolumePlaces out;
-  const auto add = [&](const Vector3& at, double weight) {
-    for (const Approach side : {Approach::forward, Approach::reverse}) {
-      out.places.push_back({at, {side, side, side}});
-      out.weight.push_back(weight);
-    }
-  };
-  PerAxis<std::vector<double>> share;
-  for (std::size_t a = 0; a < kAxes; ++a) share[a] = shares_of(grid.mm[a]);
-  for (std::size_t x = 0; x < grid.mm[0].size(); ++x)
-    for (std::size_t y = 0; y < grid.mm[1].size(); ++y)
-      for (std::size_t z = 0; z < grid.mm[2].size(); ++z)
-        add(grid.at({x, y, z}), share[0][x] * share[1][y] * share[2][z]);
-  add(datum_mm, 0.0);
-  return out;
-}
-
-/// In the plane of the two longest travels through the middle, run counter-clockwise: each axis arrives as it moves.
-Circle circle_of(const params::Machine& machine) {
-  const volume::Travels travels = travels_of_axes(machine);
-  const auto length = [&](std::size_t a) { return travels[a] ? (*travels[a])[1] - (*travels[a])[0] : 0.0; };
-  std::array<std::size_t, kAxes> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
-  Circle circle;
-  circle.first = std::min(order[0], order[1]);
-  circle.second = std::max(order[0], order[1]);
-  circle.diameter_mm = std::min(kShareOfTravel * length(order[1]), kLargestDiameter_mm);
-  if (circle.diameter_mm <= 0.0) return circle;
-  Vector3 middle{};
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (travels[a]) middle[a] = 0.5 * ((*travels[a])[0] + (*travels[a])[1]);
-  for (std::size_t i = 0; i < kCirclePlaces; ++i) {
-    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / kCirclePlaces;
-    controllers::MachinePlace place{middle, {Approach::forward, Approach::forward, Approach::forward}};
-    place.position_mm[circle.first] += 0.5 * circle.diameter_mm * std::cos(angle);
-    place.position_mm[circle.second] += 0.5 * circle.diameter_mm * std::sin(angle);
-    if (std::sin(angle) > 0.0) place.approach[circle.first] = Approach::reverse;
-    if (std::cos(angle) < 0.0) place.approach[circle.second] = Approach::reverse;
-    circle.places.push_back(place);
-  }
-  return circle;
-}
 
 /// Length of vectors counted from the last two, the reference from both sides.
 struct Sizes {
@@ -198,6 +102,29 @@ QuantitySizes sizes_left(const Contribution& rest, const std::vector<double>& we
   return {rms_of(rest.readings), volume.largest_um, volume.rms_um, circular_deviation_um(circle, rest.circle)};
 }
 
+/// Two sizes are as good as one another within this share of the true one, or so little.
+double near_um(double size_um) { return std::max(kNear_um, kNear * size_um); }
+
+/// The size that most of the draws agree with: where they fall into two heaps, such as a step before or behind the
+/// place that the map has, their median may lie between the heaps, where none is. Of all such sizes the one nearest to
+/// the median of these draws.
+/// @param drawn  ascending, not empty
+Expected expected_of(const std::vector<double>& drawn) {
+  Expected best;
+  std::size_t most = 0;
+  for (std::size_t first = 0, end = 0; first < drawn.size(); ++first) {
+    const double greatest = drawn[first] + near_um(drawn[first]);
+    while (end < drawn.size() && drawn[end] - near_um(drawn[end]) <= greatest) ++end;
+    if (end - first <= most) continue;
+    most = end - first;
+    best.um = std::clamp(drawn[first + most / 2], drawn[end - 1] - near_um(drawn[end - 1]), greatest);
+  }
+  best.least_um = drawn.front();
+  best.at_most_um = drawn.back();
+  best.share = static_cast<double>(most) / static_cast<double>(drawn.size());
+  return best;
+}
+
 /// One draw after the other; `expected` when all are in.
 class Draws {
  public:
@@ -208,26 +135,67 @@ class Draws {
     std::vector<double> values = drawn_[quantity];
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], values.back()};
+    return expected_of(values);
+  }
+
+  /// In some quantity, in all draws but the share that a bound leaves: what uncertain values gain by chance is none.
+  [[nodiscard]] bool is_gain(const Draws& after) const {
+    for (std::size_t q = 0; q < drawn_.size(); ++q) {
+      std::size_t gains = 0;
+      for (std::size_t k = 0; k < drawn_[q].size(); ++k)
+        if (drawn_[q][k] - after.drawn_[q][k] > std::max(kNoGain * drawn_[q][k], kResolution_um)) ++gains;
+      if (gains > 0 && gains + drawn_[q].size() / kRefits >= drawn_[q].size()) return true;
+    }
+    return false;
   }
 
  private:
   std::array<std::vector<double>, std::size(kQuantities)> drawn_;
 };
 
-bool is_gain(const Expected& before, const Expected& after) {
-  return before.um - after.um > std::max(kNoGain * before.um, kResolution_um);
+/// A prediction that may as well come out otherwise.
+std::string doubt(const CauseCost& cost, std::string_view quantity, std::string_view remedy, const Expected& size) {
+  return fmt::format("{} with {} {} {:.1f} um ({:.0f} %; {:.1f} to {:.1f} um possible)", quantity,
+                     name_with_alternatives(cost.effect), remedy, size.um, 100.0 * size.share, size.least_um,
+                     size.at_most_um);
 }
 
-Remedy remedy_for(const CauseCost& cost) {
-  const auto gains = [&](Expected Remaining::*from, Expected Remaining::*to) {
-    return std::any_of(std::begin(kQuantities), std::end(kQuantities),
-                       [&](auto quantity) { return is_gain(cost.*quantity.*from, cost.*quantity.*to); });
-  };
-  if (cost.effect.traits().of_measurement)
-    return gains(&Remaining::left, &Remaining::repaired) ? Remedy::set_up : Remedy::nothing;
-  if (gains(&Remaining::compensated, &Remaining::repaired)) return Remedy::repair;
-  return gains(&Remaining::left, &Remaining::compensated) ? Remedy::compensate : Remedy::nothing;
+/// Predictions that are not likely enough, and why. @param steps  that fall anywhere between two targets, in words
+void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
+  constexpr double kLikely = 0.8;
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> doubts;
+  for (const CauseCost& cost : answer.causes) {
+    const auto look = [&](std::string_view quantity, const Remaining& one) {
+      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "left", one.left));
+      if (one.compensated.share < kLikely) doubts.push_back(doubt(cost, quantity, "compensated", one.compensated));
+      if (one.repaired.share < kLikely) doubts.push_back(doubt(cost, quantity, "repaired", one.repaired));
+    };
+    look("volume, largest", cost.volume_largest);
+    look("volume, rms", cost.volume_rms);
+    if (answer.diameter_mm > 0.0) look("circle G", cost.circle);
+  }
+  if (doubts.empty()) return;
+  std::string note;
+  if (!steps.empty())
+    note = fmt::format("{}: where it is decides, and these readings do not tell; measure there in fine steps. ",
+                       fmt::join(steps, ", "));
+  note += "Not sure (chance of being right within 10 % or 1 um): ";
+  const std::size_t more = doubts.size() > kMost ? doubts.size() - kMost : 0;
+  doubts.resize(doubts.size() - more);
+  note += fmt::format("{}", fmt::join(doubts, "; "));
+  if (more > 0) note += fmt::format("; {} more (_share of --json)", more);
+  answer.notes.push_back(std::move(note));
+}
+
+struct CauseDraws {
+  Draws left, compensated, repaired;
+};
+
+Remedy remedy_for(const model::EffectInstance& effect, const CauseDraws& draws) {
+  if (effect.traits().of_measurement) return draws.left.is_gain(draws.repaired) ? Remedy::set_up : Remedy::nothing;
+  if (draws.compensated.is_gain(draws.repaired)) return Remedy::repair;
+  return draws.left.is_gain(draws.compensated) ? Remedy::compensate : Remedy::nothing;
 }
 
 double largest_cost_um(const CauseCost& cost) {
@@ -265,7 +233,10 @@ Cell remaining_cell(std::string_view name, const Remaining& one) {
                       {"repaired_um", {number_or_null(one.repaired.um), {}}},
                       {"left_at_most_um", {number_or_null(one.left.at_most_um), {}}},
                       {"compensated_at_most_um", {number_or_null(one.compensated.at_most_um), {}}},
-                      {"repaired_at_most_um", {number_or_null(one.repaired.at_most_um), {}}}});
+                      {"repaired_at_most_um", {number_or_null(one.repaired.at_most_um), {}}},
+                      {"left_share", {number_or_null(one.left.share), {}}},
+                      {"compensated_share", {number_or_null(one.compensated.share), {}}},
+                      {"repaired_share", {number_or_null(one.repaired.share), {}}}});
 }
 
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
@@ -283,14 +254,87 @@ Cell cause_cell(const CauseCost& cost, bool has_circle) {
                       {"circle", std::move(circle)}});
 }
 
+/// Of an error that is a value times coordinates.
+Result<Vectors> linear_errors(const controllers::ErrorsAt& errors, const Places& places) {
+  constexpr double kFar_mm = 1000.0;
+  Places few(kAxes + 1);
+  for (std::size_t a = 0; a < kAxes; ++a) few[a + 1].position_mm[a] = kFar_mm;
+  const auto at = errors(few);
+  if (!at) return at;
+  Vectors all(places.size(), at->front());
+  for (std::size_t k = 0; k < places.size(); ++k)
+    for (std::size_t a = 0; a < kAxes; ++a)
+      for (std::size_t d = 0; d < kAxes; ++d)
+        all[k][d] += ((*at)[a + 1][d] - at->front()[d]) * places[k].position_mm[a] / kFar_mm;
+  return all;
+}
+
+/// An effect of one sense by the coordinate of one axis, or by none, is asked at each coordinate once.
+Result<Vectors> errors_of_effect(const model::EffectInstance& effect, const ModelWork& work, const Places& places,
+                                 const std::string& model_file) {
+  model::Model alone = work.model;
+  alone.effects = {effect};
+  const auto errors = errors_of_model(alone, *work.machine, model_file);
+  const model::Place acts_by = effect.definition().place;
+  if (acts_by == model::Place::squareness) return linear_errors(errors, places);
+  if (acts_by != model::Place::axis_and_sense && acts_by != model::Place::sense) return errors(places);
+  std::map<std::pair<double, PerAxis<Approach>>, std::size_t> number;
+  std::vector<std::size_t> which;
+  Places different;
+  for (const controllers::MachinePlace& place : places) {
+    const auto [at, is_new] = number.try_emplace(
+        {effect.axis ? place.position_mm[index_of(*effect.axis)] : 0.0, place.approach}, different.size());
+    if (is_new) different.push_back(place);
+    which.push_back(at->second);
+  }
+  const auto few = errors(different);
+  if (!few) return few;
+  Vectors all;
+  all.reserve(places.size());
+  for (const std::size_t k : which) all.push_back((*few)[k]);
+  return all;
+}
+
 Result<Contribution> contribution_of(const model::EffectFit& effect, const ModelWork& work, const Places& volume,
                                      const Circle& circle, const std::string& model_file) {
-  model::Model alone = work.model;
-  alone.effects = {effect.effect};
-  const auto errors = errors_of_model(alone, *work.machine, model_file);
-  auto in_volume = errors(volume);
+  auto in_volume = errors_of_effect(effect.effect, work, volume, model_file);
   if (!in_volume) return tl::unexpected(in_volume.error());
-  auto on_circle = errors(circle.places);
+  auto on_circle = errors_of_effect(effect.effect, work, circle.places, model_file);
+  if (!on_circle) return tl::unexpected(on_circle.error());
+  return Contribution{effect.contribution, std::move(*in_volume), std::move(*on_circle)};
+}
+
+/// What the unit takes an effect for at the places: straight between the points of its axis's table, squareness
+/// exactly.
+Result<Vectors> errors_in_map(const model::EffectInstance& effect, const ModelWork& work, const TablePoints& tables_mm,
+                              const Places& places, const std::string& model_file) {
+  if (!effect.axis || tables_mm[index_of(*effect.axis)].empty() ||
+      effect.definition().place == model::Place::squareness)
+    return errors_of_effect(effect, work, places, model_file);
+  const std::size_t axis = index_of(*effect.axis);
+  std::array<Places, 2> at{places, places};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto points_mm = points_about(tables_mm[axis], places[k].position_mm[axis]);
+    for (std::size_t end = 0; end < 2; ++end) at[end][k].position_mm[axis] = points_mm[end];
+  }
+  auto below = errors_of_effect(effect, work, at[0], model_file);
+  if (!below) return below;
+  const auto above = errors_of_effect(effect, work, at[1], model_file);
+  if (!above) return tl::unexpected(above.error());
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double from_mm = at[0][k].position_mm[axis], to_mm = at[1][k].position_mm[axis];
+    const double share = (places[k].position_mm[axis] - from_mm) / (to_mm - from_mm);
+    for (std::size_t d = 0; d < kAxes; ++d) (*below)[k][d] = std::lerp((*below)[k][d], (*above)[k][d], share);
+  }
+  return below;
+}
+
+Result<Contribution> contribution_in_map(const model::EffectFit& effect, const ModelWork& work,
+                                         const TablePoints& tables_mm, const Places& volume, const Circle& circle,
+                                         const std::string& model_file) {
+  auto in_volume = errors_in_map(effect.effect, work, tables_mm, volume, model_file);
+  if (!in_volume) return tl::unexpected(in_volume.error());
+  auto on_circle = errors_in_map(effect.effect, work, tables_mm, circle.places, model_file);
   if (!on_circle) return tl::unexpected(on_circle.error());
   return Contribution{effect.contribution, std::move(*in_volume), std::move(*on_circle)};
 }
@@ -303,33 +347,46 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     return problem(ProblemKind::refused, "the volume is of linear axes: `ecs model what-if` takes rotary ones");
   const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
-  const VolumePlaces volume = volume_places(*work.machine, places, *fit, work.data);
+  model::Model in_map = work.model;
+  in_map.effects.clear();
+  for (const model::EffectFit& effect : fit->effects) in_map.effects.push_back(effect.effect);
+  const auto tables_mm = tables_of(*work.machine, in_map);
+  std::vector<std::string> steps;
+  for (const model::EffectInstance& effect : in_map.effects)
+    if (const auto targets = targets_about(effect, work.data))
+      steps.push_back(fmt::format("{} may be anywhere from {:.4g} to {:.4g} mm from the datum", to_text(effect),
+                                  (*targets)[0], (*targets)[1]));
   const Circle circle = circle_of(*work.machine);
   RepairAnswer answer;
   answer.readings = work.data.size();
-  answer.places = volume.places.size() / 2 - 1;
   answer.diameter_mm = circle.diameter_mm;
   answer.plane =
       fmt::format("{}{}", letter_of(static_cast<Axis>(circle.first)), letter_of(static_cast<Axis>(circle.second)));
   answer.noise_um = fit->noise.noise_um;
 
-  const auto contributions = [&](const model::Fit& of) -> Result<std::vector<Contribution>> {
+  const auto contributions = [&](const model::Fit& of, const auto& contribution) -> Result<std::vector<Contribution>> {
     std::vector<Contribution> each;
     for (const model::EffectFit& effect : of.effects) {
-      auto one = contribution_of(effect, work, volume.places, circle, model_file);
+      auto one = contribution(effect);
       if (!one) return tl::unexpected(one.error());
       each.push_back(std::move(*one));
     }
     return each;
   };
-  const auto fitted = contributions(*fit);
-  if (!fitted) return tl::unexpected(fitted.error());
-  struct CauseDraws {
-    Draws left, compensated, repaired;
-  };
-  std::vector<CauseDraws> draws(fitted->size());
+  std::vector<CauseDraws> draws(fit->effects.size());
+  VolumePlaces volume;
+  Result<std::vector<Contribution>> fitted;
   const auto draw = [&](const model::Fit& possible) -> Result<void> {
-    const auto machine = contributions(possible);
+    if (volume.places.empty() || !steps.empty()) {
+      volume = volume_places(*work.machine, places, possible, *fit, work.data, tables_mm);
+      fitted = contributions(*fit, [&](const model::EffectFit& effect) {
+        return contribution_in_map(effect, work, tables_mm, volume.places, circle, model_file);
+      });
+      if (!fitted) return tl::unexpected(fitted.error());
+    }
+    const auto machine = contributions(possible, [&](const model::EffectFit& effect) {
+      return contribution_of(effect, work, volume.places, circle, model_file);
+    });
     if (!machine) return tl::unexpected(machine.error());
     Contribution rest{fit->residual, Vectors(volume.places.size()), Vectors(circle.places.size())};
     for (std::size_t i = 0; i < machine->size(); ++i) {
@@ -349,14 +406,15 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   };
   for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed))
     if (auto drawn = draw(possible); !drawn) return tl::unexpected(drawn.error());
+  answer.places = volume.places.empty() ? 0 : volume.places.size() / 2 - 1;
   bool unseen = false;
-  for (std::size_t i = 0; i < fitted->size(); ++i) {
+  for (std::size_t i = 0; i < draws.size(); ++i) {
     CauseCost cost;
     cost.effect = fit->effects[i].effect;
     for (std::size_t q = 0; q < std::size(kQuantities); ++q)
       cost.*
           kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
-    cost.remedy = remedy_for(cost);
+    cost.remedy = remedy_for(cost.effect, draws[i]);
     cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
                                              : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();
@@ -364,6 +422,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   }
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
+  note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(
         "volume and circle are those of a machine at rest, unloaded, without a change of temperature: what depends on "

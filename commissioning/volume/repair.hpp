@@ -11,10 +11,12 @@
 
 namespace ecs::commissioning {
 
-/// Expected: the median over what the fit leaves possible; at most: with 95 %.
+/// Over what the fit leaves possible.
 struct Expected {
-  double um = 0.0;
-  double at_most_um = 0.0;
+  double um = 0.0;  ///< the size that most of it agrees with, within 10 % or 1 um
+  double least_um = 0.0;
+  double at_most_um = 0.0;  ///< with 95 %
+  double share = 0.0;       ///< of what is possible that agrees
 };
 
 /// One quantity, everything that the unit can compensate being compensated but for the cause itself. The map is that of

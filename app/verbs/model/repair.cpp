@@ -10,7 +10,8 @@ namespace {
 
 struct RepairArguments : VerbArguments {
   ModelOptions common{*this};
-  const int& points = integer("--points", "places in the volume, at most, and more beside a step", 1331, 8, 100'000);
+  const int& points =
+      integer("--points", "places in the volume, at most, and more for a wave and beside a step", 1331, 8, 100'000);
 };
 
 Result<Outcome> repair(VerbContext& context, const RepairArguments& arguments) {
