@@ -1,7 +1,7 @@
 // Friction that a drive has to overcome where its axis turns round, read on the fly: the slide stands while the drive
-// builds up the force, then catches up (reversal pip; Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, Automatica
-// 30, 1083). While it stands the axis it should have left falls behind with the square of the time, for it turns round
-// at constant acceleration; the loop of the drive then settles as at the aperiodic limit, (1 + t/T) exp(-t/T).
+// builds up the force, then catches up (reversal pip; Armstrong-Hélouvry et al. 1994, Automatica 30, 1083). While it
+// stands the axis it should have left falls behind with the square of the time, for it turns round at constant
+// acceleration; the loop of the drive then settles as at the aperiodic limit, (1 + t/T) exp(-t/T).
 #include <algorithm>
 #include <cmath>
 

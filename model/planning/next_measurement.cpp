@@ -16,6 +16,7 @@
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/planning/circles.hpp"
 #include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/sentences.hpp"
@@ -170,7 +171,8 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
     return e.traits().of_approach || e.approach != ApproachMode::both;
   });
-  std::vector<PresentLine> lines = present_lines(data, times);
+  const Observations on_lines = without_paths(data);
+  std::vector<PresentLine> lines = present_lines(on_lines, times);
   const auto concerns = [&](const PresentLine& line) {
     return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
       const bool in_sense = sense_text(e).empty() || *e.sense == line.sense;
@@ -181,8 +183,10 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   if (lines.size() > kMostLines) lines.resize(kMostLines);
   std::vector<MeasurementProposal> options;
   for (const PresentLine& line : lines)
-    for (MeasurementProposal& option : measuring_options(data, line, times, of_approach, on_the_fly))
+    for (MeasurementProposal& option : measuring_options(on_lines, line, times, of_approach, on_the_fly))
       options.push_back(std::move(option));
+  if (times.ball_bar)
+    for (MeasurementProposal& option : circle_options(data, times)) options.push_back(std::move(option));
   return options;
 }
 
@@ -324,9 +328,10 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
 /// The line as it is measured now, once more and both ways: whether what is left comes back. What changes in time
 /// comes at other places on the way back.
 void take_repetition(NextMeasurement& next, const Setting& in) {
-  std::vector<PresentLine> lines = present_lines(in.data, in.times);
-  if (lines.empty()) return;
-  MeasurementProposal again = lines.front().now;
+  std::vector<PresentLine> lines = present_lines(without_paths(in.data), in.times);
+  const auto circles = has_circles(in.data) ? circle_options(in.data, in.times) : std::vector<MeasurementProposal>{};
+  if (lines.empty() && circles.empty()) return;
+  MeasurementProposal again = lines.empty() ? circles.front() : lines.front().now;
   again.targets_mm = off_equal_steps(again.targets_mm, again.targets_mm);
   again.bidirectional = true;
   constexpr int kTwice = 2;
@@ -418,13 +423,14 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          (diagnosis.reservation.empty() ? "" : " What these data cannot show: " + diagnosis.reservation);
 }
 
-NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis) {
+NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
+                             const MeasuringTimes& times) {
   if (auto settled = nothing_in_doubt(diagnosis)) {
     for (Candidate& candidate : diagnosis.candidates)
       if (candidate.named) candidate.next_measurement = *settled;
     return {{}, {}, {std::move(*settled)}};
   }
-  NextMeasurement next = next_measurement(model, data, diagnosis);
+  NextMeasurement next = next_measurement(model, data, diagnosis, times);
   if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().named) return next;
   const OpenGroup group = open_group(diagnosis);
   for (Candidate& candidate : diagnosis.candidates)
@@ -446,14 +452,16 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
         "plans are of linear axes; of a rotary axis measure the turn again both ways, at targets of another step");
     return next;
   }
-  const Observations lines = without_paths(data);
-  if (lines.size() == 0) {
+  MeasuringTimes own = times;
+  own.ball_bar = times.ball_bar || has_circles(data);
+  const Observations present = own.ball_bar ? data : without_paths(data);
+  if (present.size() == 0) {
     next.notes.emplace_back(
-        "plans are of lines along one axis, and these readings are of circles or diagonals: measure a line along each "
-        "axis of the plane and give both files together");
+        "plans are of lines along one axis and of circles, and these readings are of diagonals: measure a line along "
+        "each axis of the volume and give both files together");
     return next;
   }
-  const Setting setting{model, lines, times};
+  const Setting setting{model, present, own};
   Result<void> asked;
   const bool is_named = diagnosis.verdict == Verdict::missing_effect || diagnosis.verdict == Verdict::partly_explained;
   if (is_named && !diagnosis.candidates.empty())

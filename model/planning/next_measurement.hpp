@@ -29,6 +29,10 @@ struct MeasurementProposal {
   Sense sense = Sense::EX;
   std::vector<double> targets_mm;  ///< ascending
   Vector3 parked_mm{};             ///< of the other axes; 0 for the moving one
+  /// A circle of a ball bar in place of a line (path.hpp), with a reading every so many degrees: axis and sense are of
+  /// its first axis, there are no targets, and a run is a turn counter-clockwise and one clockwise.
+  std::optional<Path> circle{};
+  double circle_step_deg = 1.0;
   bool bidirectional = true;
   int approach = 1;            ///< of the first pass; of every pass where not bidirectional
   double overrun_mm = 5.0;     ///< motion in the sense of approach before the first target of a pass, at least
@@ -77,6 +81,8 @@ struct MeasuringTimes {
   double least_degC = 15.0;                ///< sensible range for machine and workshop
   double greatest_degC = 30.0;             ///<
   double greatest_feed_mm_min = 10'000.0;  ///<
+  double circle_minutes = 15.0;            ///< ball bar set up for another circle
+  bool ball_bar = false;                   ///< one is at hand; where circles are measured already it is
   bool zeroed_each_run = false;            ///< the readout is set to zero at the start of each run
 };
 
@@ -87,8 +93,9 @@ struct NextMeasurement {
   std::vector<std::string> notes;
 };
 
-/// For the first group of rivals; for a lone cause its confirmation; for `unexplained_structure` the variables that the
-/// residual may depend on; for `adequate` the causes that could be there unseen.
+/// Runs along lines, and circles where a ball bar is at hand. For the first group of rivals; for a lone cause its
+/// confirmation; for `unexplained_structure` the variables that the residual may depend on; for `adequate` the causes
+/// that could be there unseen.
 /// @param data  what `diagnosis` was made from
 [[nodiscard]] NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                                const MeasuringTimes& times = {});
@@ -96,7 +103,8 @@ struct NextMeasurement {
 /// What to measure after a diagnosis, the same in every answer: next_measurement(), or no proposal and a note where
 /// nothing_in_doubt(). Named candidates and their rivals that the first proposal decides between take its sentence as
 /// Candidate::next_measurement, in place of the advice of their effect.
-[[nodiscard]] NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis);
+[[nodiscard]] NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
+                                           const MeasuringTimes& times = {});
 
 /// Whether readings at the rows of `plan` (their values do not count) determine the model.
 struct PlanCheck {

@@ -2,11 +2,13 @@
 #include "model/planning/part_program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "laser/writers/measurement_writer.hpp"
+#include "model/planning/circles.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::model {
@@ -33,6 +35,10 @@ class ProgramWriter {
   }
 
   std::string text() {
+    if (plan_.circle) {
+      circle(*plan_.circle);
+      return text_;
+    }
     head();
     if (targets_.empty()) {
       note("no target inside the travel");
@@ -56,6 +62,47 @@ class ProgramWriter {
     return axis ? std::clamp(mm, axis->travel_mm[0], axis->travel_mm[1]) : mm;
   }
   [[nodiscard]] std::string to(double mm) const { return letter_of(plan_.axis) + word(mm); }
+
+  [[nodiscard]] std::string at_angle(const Path& circle, double angle_deg) const {
+    const Vector3 point = point_on_circle(circle, angle_deg);
+    std::string code;
+    for (const Axis axis : circle.plane) code += letter_of(axis) + word(point[index_of(axis)]);
+    return code;
+  }
+
+  /// Arc from one angle to another; of a plane in the other order of its axes the control sees the other sense.
+  void arc(const Path& circle, double from_deg, double to_deg, const std::string& remark) {
+    constexpr std::array kCentre{'I', 'J', 'K'};
+    const bool turned = (index_of(circle.plane[0]) + 1) % kAxes != index_of(circle.plane[1]);
+    const Vector3 from = point_on_circle(circle, from_deg);
+    std::string code = fmt::format("G0{}{}", (to_deg > from_deg) != turned ? 3 : 2, at_angle(circle, to_deg));
+    for (const Axis axis : circle.plane)
+      code += kCentre[index_of(axis)] + word(circle.from_mm[index_of(axis)] - from[index_of(axis)]);
+    block(code + fmt::format("F{:g}", plan_.feed_mm_min), remark);
+  }
+
+  void circle(const Path& circle) {
+    constexpr std::array kPlaneWords{19, 18, 17};  // by the axis that the plane lacks
+    const std::size_t aside = kAxes - index_of(circle.plane[0]) - index_of(circle.plane[1]);
+    note(plan_.sentence.empty() ? plan_.condition : plan_.sentence);
+    note("read by the ball bar while the axes move");
+    note(fmt::format("about {:.0f} min in all", plan_.minutes));
+    note("check that the ball bar clears every motion before starting");
+    block(fmt::format("G90G{}", kPlaneWords[aside]));
+    if (machine_.axes[aside])
+      block(fmt::format("G00{}{}", letter_of(kAllAxes[aside]), word(circle.from_mm[aside])), "PARK THE OTHER AXIS");
+    if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
+    block("G00" + at_angle(circle, -kOverlap_deg));
+    block("G04H2");
+    arc(circle, -kOverlap_deg, 0.0, "RUN IN");
+    arc(circle, 0.0, kTurn_deg, "ONCE ROUND COUNTER-CLOCKWISE");
+    arc(circle, 0.0, kOverlap_deg, "RUN OUT");
+    block("G04H2");
+    arc(circle, kOverlap_deg, 0.0, "RUN IN");
+    arc(circle, 0.0, -kTurn_deg, "ONCE ROUND CLOCKWISE");
+    arc(circle, 0.0, -kOverlap_deg, "RUN OUT");
+    if (plan_.runs > 1) line("$END", "END OF RUNS");
+  }
 
   void conditions() {
     for (const auto& [sensor, degC] : plan_.temperatures_degC)
@@ -180,11 +227,15 @@ laser::Reading row_of(const MeasurementProposal& plan, const Stop& stop) {
   row.sense = plan.sense;
   row.position_mm = plan.parked_mm;
   row.position_mm[index_of(plan.axis)] = stop.target_mm;
+  if (plan.circle) {
+    row.position_mm = point_on_circle(*plan.circle, stop.target_mm);
+    row.text_extras[std::string(kPathColumn)] = to_text(*plan.circle);
+  }
   row.approach = static_cast<Approach>(stop.approach);
   row.run = stop.run;
   row.time_s = std::round(stop.after_s * kTenths) / kTenths;
   row.feed_mm_min = stop.feed_mm_min;
-  row.travel_since_reversal_mm = stop.since_reversal_mm;
+  if (!plan.circle) row.travel_since_reversal_mm = stop.since_reversal_mm;
   row.load_kg = plan.load_kg;
   row.pressure_hPa = plan.pressure_hPa;
   row.humidity_pct = plan.humidity_pct;

@@ -5,11 +5,22 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/data/motions.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/planning/circles.hpp"
 
 namespace ecs::model {
 namespace {
+
+/// The columns that readings along paths have.
+void make_room_for_paths(Observations& data) {
+  if (data.feed_mm_min.empty()) data.feed_mm_min.assign(data.size(), kNotMeasured);
+  if (!data.path.empty()) return;
+  data.path.assign(data.size(), 0);
+  data.along.assign(data.size(), kNotMeasured);
+  data.place.assign(data.size(), kNotMeasured);
+}
 
 /// A present reading of the same axis and sense, to take from what a proposal does not say.
 std::size_t pattern_of(const Observations& present, const MeasurementProposal& proposal) {
@@ -29,6 +40,12 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
   data.approach[k] = stop.approach;
   data.position_mm[k] = proposal.parked_mm;
   data.position_mm[k][index_of(proposal.axis)] = stop.target_mm;
+  if (!data.path.empty()) data.path[k] = 0;
+  if (proposal.circle) {
+    data.position_mm[k] = point_on_circle(*proposal.circle, stop.target_mm);
+    data.path[k] = data.paths.size();
+    data.along[k] = data.place[k] = stop.target_mm;
+  }
   if (proposal.compensated) data.compensated[k] = *proposal.compensated;
   set(data.time_s, k, start_s + stop.after_s);
   set(data.feed_mm_min, k, stop.feed_mm_min);
@@ -137,12 +154,16 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
     if (!std::isnan(t)) last_s = std::max(last_s, t);
   if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.set_up != 1; }))
     all.data.extras.try_emplace("set_up", Column(rows.size(), 1.0));
+  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.circle; }))
+    make_room_for_paths(all.data);
   for (std::size_t i = 0; i < proposals.size(); ++i) {
+    if (proposals[i].circle) all.data.paths.push_back(*proposals[i].circle);  // a pass of its own, measured or not
     const double start_s = last_s + kSecondsAMinute * (proposals[i].wait_minutes + proposals[i].set_up_minutes);
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }
   fill_extras(all, present, std::any_of(proposals.begin(), proposals.end(), [](const auto& p) { return p.own_zero; }));
+  set_motions(all.data);
   return all;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/planning/circles.hpp"
+
 namespace ecs::model {
 
 double to_micrometre(double mm) {
@@ -17,6 +19,7 @@ std::vector<int> pass_senses(const MeasurementProposal& proposal) {
 }
 
 std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_min) {
+  if (proposal.circle) return stops_on_circle(proposal, rapid_mm_min);
   std::vector<Stop> stops;
   if (proposal.targets_mm.empty()) return stops;
   double now_s = 0.0;

@@ -20,7 +20,7 @@ inline constexpr double kTypicalLoad_kg = 100.0;
 
 /// One reading of a run.
 struct Stop {
-  double target_mm = 0.0;
+  double target_mm = 0.0;  ///< on a circle the angle [deg]
   int approach = 1;
   int run = 1;
   double feed_mm_min = 0.0;

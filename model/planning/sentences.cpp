@@ -82,7 +82,23 @@ std::string what_it_tells(const MeasurementProposal& p, Question question) {
   return text;
 }
 
+namespace {
+
+std::string sentence_of_circle(const MeasurementProposal& p) {
+  const Path& circle = *p.circle;
+  std::string centre;
+  for (const Axis axis : circle.plane)
+    centre += fmt::format(" {}{:g}", letter_of(axis), circle.from_mm[index_of(axis)]);
+  return fmt::format(
+      "Measure {}, by a ball bar: radius {:g} mm about{}, {} {} counter-clockwise and clockwise, a reading every {:g} "
+      "degrees, feed {:g} mm/min.",
+      p.condition, circle.radius_mm, centre, p.runs, p.runs == 1 ? "turn" : "turns", p.circle_step_deg, p.feed_mm_min);
+}
+
+}  // namespace
+
 std::string sentence_of(const MeasurementProposal& p) {
+  if (p.circle) return sentence_of_circle(p);
   std::string what = readings_word(p.sense, p.axis);
   if (what.starts_with("Angles")) what.front() = 'a';
   std::string text = fmt::format("Measure {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min", what,

@@ -135,6 +135,15 @@ Index columns_called_for(const EffectInstance& effect, const Columns& columns, c
   return best;
 }
 
+/// Of the present circle of that name, else of any; without circles that of a reading of the lines.
+NoiseGroup noise_of_circle(const Belief& belief, const std::string& name) {
+  NoiseGroup group;
+  group.white = belief.noise.pure.noise_um;
+  for (const NoiseGroup& known : belief.noise.groups)
+    if (!known.path.empty() && (group.path.empty() || known.path == name)) group = known;
+  return group;
+}
+
 NoiseModel with_new_rows(const Belief& belief, const WithProposals& all,
                          const std::vector<MeasurementProposal>& proposals) {
   NoiseModel noise = belief.noise;
@@ -143,7 +152,10 @@ NoiseModel with_new_rows(const Belief& belief, const WithProposals& all,
     NoiseGroup group;
     group.white = belief.noise.pure.noise_um;
     for (const NoiseGroup& known : belief.noise.groups)
-      if (known.sense == proposals[i].sense && known.axis == proposals[i].axis) group = known;
+      if (known.path.empty() && !proposals[i].circle && known.sense == proposals[i].sense &&
+          known.axis == proposals[i].axis)
+        group = known;
+    if (proposals[i].circle) group = noise_of_circle(belief, name_of(*proposals[i].circle));
     group.rows.clear();
     for (std::size_t k = 0; k < all.count[i]; ++k) group.rows.push_back(all.first[i] + k);
     noise.groups.push_back(std::move(group));

@@ -28,6 +28,8 @@ struct NextArguments : VerbArguments {
   const std::string& program = output_file("--program", "part program of the proposal to write");
   const std::string& targets =
       output_file("--targets", "target list of the proposal to write, a measurement set without readings");
+  const bool& ball_bar =
+      flag("--ball-bar", "a ball bar is at hand: circles are proposed too; where DATA hold circles they are");
   const double& noise_um =
       number("--noise", "of one reading, for --check without DATA [um]", 0.5, Need::optional, 1e-6, 1e6);
 };
@@ -41,32 +43,34 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
         {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
   Json separation;  // null: a repetition separates nothing by itself
   if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
-  return record_cell("\n{tells}{sentence}",
-                     {{"tells", {one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)}},
-                      {"axis", word_cell(axis_json(one.axis))},
-                      {"sense", word_cell(name_of(one.sense))},
-                      {"targets_mm", {one.targets_mm, ""}},
-                      {"parked_mm", {position_json(one.parked_mm), ""}},
-                      {"bidirectional", {one.bidirectional, ""}},
-                      {"approach", integer_cell(one.approach)},
-                      {"runs", integer_cell(one.runs)},
-                      {"feed_mm_min", {number_or_null(one.feed_mm_min), ""}},
-                      {"second_feed_mm_min", {number_or_null(one.second_feed_mm_min), ""}},
-                      {"dwell_s", {number_or_null(one.dwell_s), ""}},
-                      {"new_set_up", {one.new_set_up, ""}},
-                      {"temperatures_degC", {one.temperatures_degC, ""}},
-                      {"pressure_hPa", {number_or_null(one.pressure_hPa), ""}},
-                      {"humidity_pct", {number_or_null(one.humidity_pct), ""}},
-                      {"load_kg", {number_or_null(one.load_kg), ""}},
-                      {"compensated", {one.compensated ? Json(*one.compensated) : Json(nullptr), ""}},
-                      {"reversed", {one.reversed ? Json(*one.reversed) : Json(nullptr), ""}},
-                      {"condition", word_cell(one.condition)},
-                      {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
-                      {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
-                      {"minutes", {number_or_null(one.minutes), ""}},
-                      {"separation_sigma", {std::move(separation), ""}},
-                      {"pairs", {std::move(pairs), ""}},
-                      {"sentence", {one.sentence, paragraph(one.sentence, 3)}}});
+  AnswerFields fields = {{"tells", {one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)}},
+                         {"axis", word_cell(axis_json(one.axis))},
+                         {"sense", word_cell(name_of(one.sense))},
+                         {"targets_mm", {one.targets_mm, ""}},
+                         {"parked_mm", {position_json(one.parked_mm), ""}},
+                         {"bidirectional", {one.bidirectional, ""}},
+                         {"approach", integer_cell(one.approach)},
+                         {"runs", integer_cell(one.runs)},
+                         {"feed_mm_min", {number_or_null(one.feed_mm_min), ""}},
+                         {"second_feed_mm_min", {number_or_null(one.second_feed_mm_min), ""}},
+                         {"dwell_s", {number_or_null(one.dwell_s), ""}},
+                         {"new_set_up", {one.new_set_up, ""}},
+                         {"temperatures_degC", {one.temperatures_degC, ""}},
+                         {"pressure_hPa", {number_or_null(one.pressure_hPa), ""}},
+                         {"humidity_pct", {number_or_null(one.humidity_pct), ""}},
+                         {"load_kg", {number_or_null(one.load_kg), ""}},
+                         {"compensated", {one.compensated ? Json(*one.compensated) : Json(nullptr), ""}},
+                         {"reversed", {one.reversed ? Json(*one.reversed) : Json(nullptr), ""}},
+                         {"condition", word_cell(one.condition)},
+                         {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
+                         {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
+                         {"minutes", {number_or_null(one.minutes), ""}},
+                         {"separation_sigma", {std::move(separation), ""}},
+                         {"pairs", {std::move(pairs), ""}},
+                         {"sentence", {one.sentence, paragraph(one.sentence, 3)}}};
+  if (one.circle)
+    fields.push_back({"circle", {{{"path", to_text(*one.circle)}, {"step_deg", one.circle_step_deg}}, ""}});
+  return record_cell("\n{tells}{sentence}", fields);
 }
 
 std::string rivals_text(const std::vector<std::string>& rivals) {
@@ -116,6 +120,12 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
   return text + "\n";
 }
 
+model::MeasuringTimes times_of(const NextArguments& arguments) {
+  model::MeasuringTimes times;
+  times.ball_bar = arguments.ball_bar;
+  return times;
+}
+
 Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   if (arguments.common.data.empty())
     return problem(ProblemKind::usage, "expected DATA to propose from, or --check PLAN to judge a plan");
@@ -128,7 +138,7 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   if (!work) return tl::unexpected(work.error());
   auto diagnosis = model::diagnose(work->model, work->data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  const model::NextMeasurement next = model::planned_next(work->model, work->data, *diagnosis);
+  const model::NextMeasurement next = model::planned_next(work->model, work->data, *diagnosis, times_of(arguments));
   const auto written = written_for(next, work->machine, arguments);
   if (!written) return tl::unexpected(written.error());
   Cell answer = proposals_cell(next, *diagnosis, arguments);
