@@ -50,6 +50,9 @@ Result<void> same_machine(const params::ParametersFile& unit, const params::Mach
   return {};
 }
 
+/// A header counts whole ones.
+int freedom_in_map(double freedom) { return std::max(1, static_cast<int>(freedom)); }
+
 laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& arguments, const std::string& sha256,
                        const params::Machine& machine) {
   laser::ErrorMap map;
@@ -73,12 +76,12 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
       map.tables.push_back(std::move(table));
     }
     header.sources.push_back({std::string(name_of(curve.component)), file, sha256});
-    header.uncertainty.push_back({curve.component, curve.value, curve.pass, work.found.degrees_of_freedom});
+    header.uncertainty.push_back({curve.component, curve.value, curve.pass, freedom_in_map(curve.degrees_of_freedom)});
   }
   for (const model::IdentifiedSquareness& square : work.found.squareness) {
     if (!square.determined) continue;
     header.sources.push_back({std::string(name_of(square.component)), file, sha256});
-    header.uncertainty.push_back({square.component, square.u_um_per_m, 0.0, work.found.degrees_of_freedom});
+    header.uncertainty.push_back({square.component, square.u_um_per_m, 0.0, freedom_in_map(square.degrees_of_freedom)});
   }
   header.processing.push_back(
       fmt::format("identified from {} lengths of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "

@@ -6,6 +6,7 @@
 
 #include "model/lengths/identify.hpp"
 #include "model/lengths/length_solution.hpp"
+#include "model/lengths/noise_certainty.hpp"
 #include "model/lengths/noise_fit.hpp"
 
 namespace ecs::model {
@@ -18,7 +19,7 @@ struct FittedLengths {
   NuisanceColumns nuisance;
   Linearised linear;
   LengthSolution solution;
-  Eigen::MatrixXd covariance;   ///< of all unknowns
+  NoiseCertainty certainty;     ///< covariance of all unknowns
   Eigen::VectorXd residual_um;  ///< plain
   Eigen::VectorXd sigmas;       ///< of each residual, of the standard deviation that it has without its own reading
   ScatterVariances variances{};

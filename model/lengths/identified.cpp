@@ -22,7 +22,7 @@ constexpr double kLeastRepeats = 10.0;
 
 class LengthReport {
  public:
-  explicit LengthReport(const FittedLengths& fitted) : fitted_(fitted) {
+  explicit LengthReport(const FittedLengths& fitted) : fitted_(fitted), covariance_(fitted.certainty.covariance()) {
     for (std::size_t c = 0; c < kComponents; ++c) largest_u_[c] = largest_u(static_cast<Component>(c));
   }
 
@@ -46,7 +46,8 @@ class LengthReport {
       const Eigen::MatrixXd weight =
           volume_weight(fitted_.curves, {fitted_.test.tools.front().offset_mm}, kVolumePlaces);
       const auto m = fitted_.curves.size();
-      out.volume_um = std::sqrt(std::max(0.0, (weight * fitted_.covariance.topLeftCorner(m, m)).trace()));
+      out.volume_um = std::sqrt(std::max(0.0, (weight * covariance_.topLeftCorner(m, m)).trace()));
+      out.volume_U_um = *out.volume_um * coverage_factor(fitted_.certainty.degrees_of_freedom(weight, 0));
     }
     compare_repeats(out);
   }
@@ -56,7 +57,7 @@ class LengthReport {
   [[nodiscard]] double largest_u(Component component) const {
     const auto& block = fitted_.curves.block(component);
     if (block.size() == 0) return 0.0;
-    const Eigen::MatrixXd own = fitted_.covariance.block(block.first, block.first, block.size(), block.size());
+    const Eigen::MatrixXd own = covariance_.block(block.first, block.first, block.size(), block.size());
     if (is_squareness(component)) return std::sqrt(own(0, 0));
     double most = 0.0;
     const auto& [low, high] = fitted_.curves.machine().travel_mm[index_of(moving_axis(component))];
@@ -91,8 +92,8 @@ class LengthReport {
     if (!out.acts || block.size() == 0) return out;
     const std::size_t a = index_of(moving_axis(component));
     const int points = 2 * fitted_.curves.intervals(moving_axis(component)) + 1;
-    const Eigen::MatrixXd own = fitted_.covariance.block(block.first, block.first, block.size(), block.size());
-    Eigen::MatrixXd rows(points, block.size());
+    const Eigen::MatrixXd own = covariance_.block(block.first, block.first, block.size(), block.size());
+    Eigen::MatrixXd rows(points, block.size()), squares = Eigen::MatrixXd::Zero(block.size(), block.size());
     out.determined = largest_u_[index_of(component)] <= kAsGoodAsNothing;
     for (int i = 0; i < points; ++i) {
       const double p = std::lerp(fitted_.curves.machine().travel_mm[a][0], fitted_.curves.machine().travel_mm[a][1],
@@ -105,17 +106,28 @@ class LengthReport {
         const double value = row.dot(fitted_.solution.x.segment(block.first, block.size()));
         const double u = std::sqrt(std::max(0.0, row.dot(own * row)));
         (side > 0 ? out.forward : out.reverse).push_back(value);
+        const double k = coverage_factor(fitted_.certainty.degrees_of_freedom(row, block.first));
         (side > 0 ? out.u_forward : out.u_reverse).push_back(u);
+        (side > 0 ? out.U_forward : out.U_reverse).push_back(k * u);
+        squares += row * row.transpose();
       }
     }
     if (!out.determined) {
       out.why_not =
           what_is_missing(component, fitted_.test, fitted_.curves, fitted_.linear.direction, together_with(component));
-      out.forward.clear(), out.reverse.clear(), out.u_forward.clear(), out.u_reverse.clear();
+      for (auto* list : {&out.forward, &out.reverse, &out.u_forward, &out.u_reverse, &out.U_forward, &out.U_reverse})
+        list->clear();
       return out;
     }
+    out.degrees_of_freedom = freedom_of(squares, block.first);
     state_for_map(out, rows * own * rows.transpose());
     return out;
+  }
+
+  /// Of a mean variance: never more than the readings leave.
+  [[nodiscard]] double freedom_of(const Eigen::MatrixXd& weights, Eigen::Index first) const {
+    return std::min(fitted_.certainty.degrees_of_freedom(weights, first),
+                    static_cast<double>(fitted_.degrees_of_freedom));
   }
 
   /// Two numbers for the header of a map, which counts errors from the reference: what lies between neighbours, and
@@ -154,7 +166,9 @@ class LengthReport {
       return out;
     }
     out.um_per_m = fitted_.solution.x(block.first);
-    out.u_um_per_m = std::sqrt(fitted_.covariance(block.first, block.first));
+    out.u_um_per_m = std::sqrt(covariance_(block.first, block.first));
+    out.degrees_of_freedom = freedom_of(Eigen::MatrixXd::Ones(1, 1), block.first);
+    out.U_um_per_m = coverage_factor(out.degrees_of_freedom) * out.u_um_per_m;
     return out;
   }
 
@@ -215,6 +229,7 @@ class LengthReport {
   }
 
   const FittedLengths& fitted_;
+  const Eigen::MatrixXd& covariance_;
   std::array<double, kComponents> largest_u_{};
 };
 

@@ -35,6 +35,7 @@ class LengthFit {
     solve();
     if (!settings_.keep_outliers)
       for (int round = 0; round < kOutlierRounds && take_outliers(); ++round) solve();
+    count_noise();
     return std::move(fitted_);
   }
 
@@ -76,32 +77,34 @@ class LengthFit {
     fitted_.nuisance = nuisance_of(fitted_.test, fitted_.curves.size());
     Eigen::VectorXd x = Eigen::VectorXd::Zero(fitted_.nuisance.end);
     const auto p = x.size();
-    std::optional<SharedNoise> shared;  // by the directions of the poses that are wanted: the errors turn them by 1e-5
+    shared_.reset();  // by the directions of the poses that are wanted: the errors turn them by 1e-5
     for (int i = 0; i < kLinearisations; ++i) {
       linearise_about(x);
-      if (!shared) shared.emplace(fitted_.test, fitted_.curves, fitted_.linear.direction);
+      if (!shared_) shared_.emplace(fitted_.test, fitted_.curves, fitted_.linear.direction);
       if (i + 1 == kLinearisations) break;
-      if (i + 2 == kLinearisations && choose_noise(*shared, x)) continue;
-      const Eigen::MatrixXd both = whitened(*shared);
+      if (i + 2 == kLinearisations && choose_noise(*shared_, x)) continue;
+      const Eigen::MatrixXd both = whitened(*shared_);
       x = near_solution_of(both.leftCols(p), both.col(p));
     }
-    const Eigen::MatrixXd both = whitened(*shared);
+    const Eigen::MatrixXd both = whitened(*shared_);
     fitted_.solution = solution_of(both.leftCols(p), both.col(p));
     fitted_.degrees_of_freedom = static_cast<int>(both.rows()) - fitted_.solution.rank;
     const double unit =
         std::max(kLeastSigma_um * kLeastSigma_um, fitted_.solution.squares / std::max(1, fitted_.degrees_of_freedom));
     for (double& variance : fitted_.variances) variance *= unit;
-    fitted_.covariance = unit * fitted_.solution.covariance;
+    fitted_.solution.back *= std::sqrt(unit);
+    fitted_.solution.covariance *= unit;
     fitted_.residual_um = y_ - fitted_.linear.columns * fitted_.solution.x;
-    fitted_.single_um = std::sqrt(shared->mean_variance(fitted_.variances));
-    find_sigmas(*shared);
+    fitted_.single_um = std::sqrt(shared_->mean_variance(fitted_.variances));
+    find_sigmas(*shared_);
   }
 
   /// The variances by the residuals, and the solution with them; nothing where there is nothing to divide.
   bool choose_noise(const SharedNoise& shared, Eigen::VectorXd& x) {
     const Eigen::VectorXd left = y_ - fitted_.linear.columns * x;
     const double rms_um = std::sqrt(left.squaredNorm() / static_cast<double>(left.size()));
-    if (left.size() - x.size() < kLeastFreedom || rms_um < kNoNoise_um) {
+    divided_ = left.size() - x.size() >= kLeastFreedom && rms_um >= kNoNoise_um;
+    if (!divided_) {
       fitted_.variances = {1.0, 0.0, 0.0, 0.0, 0.0};
       return false;
     }
@@ -109,6 +112,17 @@ class LengthFit {
     fitted_.variances = fit.variances;
     x = fit.x;
     return true;
+  }
+
+  /// The covariance of the unknowns, with what it costs that the noise is known from the residuals alone.
+  void count_noise() {
+    if (fitted_.degrees_of_freedom < kLeastFreedom) {
+      fitted_.certainty = NoiseCertainty(fitted_.solution.covariance);
+      return;
+    }
+    std::array<bool, kScatters> estimated{true, divided_, divided_, divided_, divided_};
+    fitted_.certainty =
+        NoiseCertainty(*shared_, fitted_.solution.basis, fitted_.solution.back, fitted_.variances, estimated);
   }
 
   /// P·y over the root of its variance (the studentised deleted residual of correlated readings: J. Haslett, K. Hayes,
@@ -151,6 +165,8 @@ class LengthFit {
   const IdentifySettings& settings_;
   FittedLengths fitted_;
   Eigen::VectorXd y_;
+  std::optional<SharedNoise> shared_;
+  bool divided_ = false;  ///< the noise, by its causes
 };
 
 Result<void> checked(const LengthTest& test, const params::Machine& named, const LengthMachine& machine) {

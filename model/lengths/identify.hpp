@@ -2,8 +2,9 @@
 // why. Sources: W. Knapp and others, ISO 230-6 and ISO 230-2 for lines; H. Schwenke, M. Franke, J. Hannaford,
 // H. Kunzmann, Error mapping of CMMs and machine tools by a single tracking interferometer, CIRP Annals 54 (2005) 475;
 // K. Umetsu and others, Meas. Sci. Technol. 16 (2005) 2466. Variance of the noise: restricted maximum likelihood
-// (H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545).
-// Does not live here: files (length_test.hpp), the map (commissioning/lengths), plans (plan_lengths.hpp).
+// (H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545), and what it costs that it is an estimate
+// (noise_certainty.hpp). Does not live here: files (length_test.hpp), the map (commissioning/lengths), plans
+// (plan_lengths.hpp).
 #pragma once
 
 #include <string>
@@ -29,6 +30,8 @@ struct IdentifiedCurve {
   std::vector<double> position_mm;           ///< even, both ends of the travel among them
   std::vector<double> forward, reverse;      ///< error [um, um/m]
   std::vector<double> u_forward, u_reverse;  ///< standard uncertainties (k = 1)
+  std::vector<double> U_forward, U_reverse;  ///< 95 %: Student's t with the degrees of freedom of each value
+  double degrees_of_freedom = 0.0;           ///< of the mean of their squares
   double value = 0.0;                        ///< as the header of a map states it: of each value by itself
   double pass = 0.0;                         ///< and common to the table
 };
@@ -39,6 +42,8 @@ struct IdentifiedSquareness {
   bool determined = false;
   std::string why_not;
   double um_per_m = 0.0, u_um_per_m = 0.0;
+  double U_um_per_m = 0.0;  ///< 95 %
+  double degrees_of_freedom = 0.0;
 };
 
 struct IdentifiedSetUp {
@@ -62,15 +67,16 @@ struct Identification {
   std::size_t readings = 0;             ///< used
   int unknowns = 0;                     ///< determined
   int degrees_of_freedom = 0;
-  double residual_um = 0.0;         ///< standard deviation of a single reading: instrument and what does not repeat
-  double white_um = 0.0;            ///< of it, of each reading by itself
-  double stop_um = 0.0;             ///< of it, of a stop, kept while the axis is parked: of each translation
-  double stop_um_per_m = 0.0;       ///< the same of each angle
-  double pass_um = 0.0;             ///< of it, common to a pass of an axis: of each translation
-  double pass_um_per_m = 0.0;       ///< the same of each angle
-  std::optional<double> repeat_um;  ///< of a single reading, from poses measured again in other runs
-  std::optional<double> volume_um;  ///< √(mean squared standard uncertainty) over the volume (k = 1), first tool
-  PerAxis<double> knots_mm{};       ///< that were used
+  double residual_um = 0.0;           ///< standard deviation of a single reading: instrument and what does not repeat
+  double white_um = 0.0;              ///< of it, of each reading by itself
+  double stop_um = 0.0;               ///< of it, of a stop, kept while the axis is parked: of each translation
+  double stop_um_per_m = 0.0;         ///< the same of each angle
+  double pass_um = 0.0;               ///< of it, common to a pass of an axis: of each translation
+  double pass_um_per_m = 0.0;         ///< the same of each angle
+  std::optional<double> repeat_um;    ///< of a single reading, from poses measured again in other runs
+  std::optional<double> volume_um;    ///< √(mean squared standard uncertainty) over the volume (k = 1), first tool
+  std::optional<double> volume_U_um;  ///< the same, 95 %
+  PerAxis<double> knots_mm{};         ///< that were used
   std::vector<std::string> notes;
   /// Everything that acts is determined.
   [[nodiscard]] bool whole() const;

@@ -47,12 +47,12 @@ LengthSolution solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd
   while (out.rank < s.size() && s(out.rank) > kNoSingular * s(0)) ++out.rank;
   const Eigen::VectorXd inverse = s.head(out.rank).cwiseInverse();
   const Eigen::MatrixXd back_scaled = svd.matrixV().leftCols(out.rank) * inverse.asDiagonal();
-  const Eigen::MatrixXd back = out.norm.cwiseInverse().asDiagonal() * back_scaled;
+  out.back = out.norm.cwiseInverse().asDiagonal() * back_scaled;
   out.basis = scaled * back_scaled;
-  out.x = back * (out.basis.transpose() * y);
+  out.x = out.back * (out.basis.transpose() * y);
   const Eigen::VectorXd left = y - columns * out.x;
-  out.x += back * (out.basis.transpose() * left);  // once more, for what rounding lost
-  out.covariance = back * back.transpose();
+  out.x += out.back * (out.basis.transpose() * left);  // once more, for what rounding lost
+  out.covariance = out.back * out.back.transpose();
   out.free = svd.matrixV().rightCols(p - out.rank);
   out.squares = (y - columns * out.x).squaredNorm();
   return out;

@@ -8,10 +8,11 @@ namespace ecs::model {
 
 struct LengthSolution {
   Eigen::VectorXd x;
-  Eigen::MatrixXd covariance;  ///< of unit variance of the whitened observations
+  Eigen::MatrixXd covariance;  ///< where the whitened observations have unit variance
   Eigen::MatrixXd free;        ///< orthonormal basis of what is not determined, columns scaled by `norm`
   Eigen::VectorXd norm;        ///< of the columns
   Eigen::MatrixXd basis;       ///< orthonormal, of what the columns reach
+  Eigen::MatrixXd back;        ///< from coordinates in it to unknowns; covariance = back · backᵀ
   double squares = 0.0;        ///< of the whitened residuals
   int rank = 0;
 };

@@ -142,6 +142,7 @@ class LengthPlanner {
         std::vector<PlanStand> stands;
         for (const std::size_t s : stands_at(ranked[i].second)) stands.push_back(stands_[s]);
         if (best && best->reached && static_cast<double>(k) * settings_.times.line_minutes >= best->minutes) break;
+        if (best && settings_.stopped && settings_.stopped()) return std::move(*best);
         PlanChoice choice = chosen_paths(task_, stands);
         if (!best || better(choice, *best)) best = std::move(choice);
       }

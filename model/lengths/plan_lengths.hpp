@@ -4,6 +4,7 @@
 // plan_set_ups.hpp).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,8 @@ struct LengthPlanSettings {
   double tool_minutes = 5.0;      ///< another tool at the same station
   double feed_mm_min = 2000.0;
   double dwell_s = 2.0, trigger_s = 1.0;
-  MeasuringTimes times{};  ///< line_minutes for a tracker or a line, align_minutes for a ball bar
+  std::function<bool()> stopped{};  ///< asked now and then: true ends the search, the plan is then the best so far
+  MeasuringTimes times{};           ///< line_minutes for a tracker or a line, align_minutes for a ball bar
 };
 
 /// One component after the other, each with its own set-up (thesis 6.3).

@@ -27,12 +27,15 @@ double alike(double part_a, double part_b) {
   return kOffset + (1.0 - kOffset) * std::exp(-0.5 * apart * apart);
 }
 
-/// How far a reading changes with each component: um by um, um by um/m.
+/// How far a reading changes when a carriage moves by each of its components: um by um, um by um/m. What scatters is
+/// the carriage, so an angle of a carriage that the tool travels over acts through the lever along its own axis as
+/// well: the curves hold that lever within a straightness, but from one stop to the next it does not repeat.
 Eigen::MatrixXd sensitivities(const LengthTest& test, const MachineCurves& curves, const Eigen::MatrixXd& direction) {
+  const TermTable terms = *terms_of(curves.machine().chain, Convention::iso, CurveKind::carriage);
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(direction.rows(), static_cast<Eigen::Index>(kCurves));
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     const LengthReading& r = test.readings[static_cast<std::size_t>(i)];
-    for (const Term& term : curves.terms()) {
+    for (const Term& term : terms) {
       if (is_squareness(term.component)) continue;
       const double lever =
           term.has_lever ? curves.lever_mm(term, r.position_mm, test.tools[r.tool].offset_mm) / kMmPerM : 1.0;

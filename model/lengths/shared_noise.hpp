@@ -1,7 +1,6 @@
 // What does not repeat, as lengths see it: noise of each reading, scatter of every component at a stop, and a shape of
-// every pass of an axis. Translations and angles scatter alike, and act through the same levers as their components; an
-// axis that is parked keeps the scatter of its last stop.
-// Does not live here: how large it is (noise_fit.hpp).
+// every pass of an axis. Translations and angles scatter alike, and act through the levers of the carriage that moves;
+// an axis that is parked keeps the scatter of its last stop. Does not live here: how large it is (noise_fit.hpp).
 #pragma once
 
 #include <array>

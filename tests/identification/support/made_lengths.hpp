@@ -110,7 +110,7 @@ struct MadeLengths {
       for (std::size_t t = 0; t < test.tools.size(); ++t) volume(s, t, targets);
     }
   }
-  /// What every translation and every angle of an axis keeps from its last stop, standard deviations.
+  /// What every translation and every angle of a carriage keeps from its last stop, standard deviations.
   double stop_um = 0.0, stop_um_per_m = 0.0;
 
   /// Fills in the deviations. @param noise_um  white
@@ -130,7 +130,7 @@ struct MadeLengths {
                             before->position_mm[a] == r.position_mm[a] && before->approach[a] == r.approach[a];
         if (!parked) stop[c] = (is_angular(static_cast<Component>(c)) ? stop_um_per_m : stop_um) * normal(generator);
       }
-      const Vector3 off = tool_error_um(*terms_of(*params::chain_of(machine), Convention::iso, CurveKind::measured),
+      const Vector3 off = tool_error_um(*terms_of(*params::chain_of(machine), Convention::iso, CurveKind::carriage),
                                         stop, r.position_mm, params::measurement_lines_of(machine), tool);
       for (std::size_t a = 0; a < kAxes; ++a) error[a] += off[a];
       before = &r;
