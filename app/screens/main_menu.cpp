@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "app/screens/laser/screen.hpp"
+#include "app/screens/lengths/screen.hpp"
 #include "app/screens/logbook/screen.hpp"
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
@@ -71,6 +72,9 @@ constexpr Synonyms kSynonyms[] = {
     {"model diagnose", "cause effect missing why"},
     {"monitor", "live readout dro watch"},
     {"VOLUME", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
+    {"LENGTHS", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
+    {"lengths fit", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
+    {"lengths plan", "tracker tracking interferometer ball bar diagonal multilateration fewest minutes"},
     {"volume", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
 };
 
@@ -180,6 +184,8 @@ Choices all_choices(const Connection& connection) {
                                        [connection] { return monitor_screen(connection); }});
   choices.insert(choices.end() - 1, {"VOLUME", "the error anywhere, before and after, and how certain it is",
                                      [] { return volume_screen(); }});
+  choices.insert(choices.end() - 1, {"LENGTHS", "all 21 components from lengths; what is missing, a plan",
+                                     [] { return lengths_screen(); }});
   choices.insert(choices.end() - 1,
                  {"LOGBOOK", "what was done at a machine; verify, replay", [] { return logbook_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",

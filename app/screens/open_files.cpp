@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/laser/screen.hpp"
+#include "app/screens/lengths/screen.hpp"
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
@@ -41,6 +42,9 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
     return model_form(connection, {first_of(files, FileKind::model), first_of(files, FileKind::machine),
                                    data == files.end() ? std::vector<std::string>{} : data->second});
   }
+  if (has(FileKind::lengths))
+    return lengths_screen(first_of(files, FileKind::lengths), first_of(files, FileKind::machine),
+                          first_of(files, FileKind::parameters));
   if (has(FileKind::measurements) || has(FileKind::map)) {
     auto screen = std::make_unique<LaserScreen>(connection);
     const FileKind kind = has(FileKind::measurements) ? FileKind::measurements : FileKind::map;

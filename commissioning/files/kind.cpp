@@ -43,6 +43,7 @@ FileKind kind_of_beginning(const fs::path& path, std::string_view text) {
   if (path.extension() == ".nc") return FileKind::part_program;
   if (text.starts_with("{") && text.find("\"ecs_status\"") != std::string_view::npos) return FileKind::status;
   if (has_line(text, "# sample_period_us:") && has_line(text, "# um_per_count:")) return FileKind::datum_record;
+  if (has_line(text, "# set_up: ") && has_line(text, "# tool: ")) return FileKind::lengths;
   return FileKind::other;
 }
 
@@ -65,9 +66,9 @@ FileLook look_at_measurements(const fs::path& path) {
 }  // namespace
 
 std::string_view name_of(FileKind kind) {
-  static constexpr std::array<std::string_view, 10> kNames{
-      "measurements",     "model",          "error map",       "parameters",   "machine",
-      "memory of a unit", "datum sequence", "state of a unit", "part program", "file"};
+  static constexpr std::array<std::string_view, 11> kNames{
+      "measurements",   "model",           "error map",    "parameters", "machine", "memory of a unit",
+      "datum sequence", "state of a unit", "part program", "lengths",    "file"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -19,6 +19,7 @@ enum class FileKind : std::uint8_t {
   datum_record,  ///< a datum sequence
   status,        ///< the saved state of a unit
   part_program,
+  lengths,  ///< measured, or a plan of them (docs/identification.md)
   other,
 };
 /// "measurements", "model", "error map", …
