@@ -76,7 +76,10 @@ MachinePose pose_at(const JointMachine& machine, const Angles& angles_deg) {
   PerJoint<Frame> frame{};
   PerJoint<AffineVector> lever{};
   Frame before = kStraight;
+  bool before_bed = true;
   for (const ChainJoint& one : machine.chain) {
+    if (before_bed && !one.carries_workpiece) pose.bed = before;
+    before_bed = before_bed && one.carries_workpiece;
     Frame after = before;
     if (is_rotary(one.joint)) {
       const RotaryGeometry& axis = geometry_of(machine, one.joint);
@@ -89,6 +92,8 @@ MachinePose pose_at(const JointMachine& machine, const Angles& angles_deg) {
     frame[index_of(one.joint)] = is_rotary(one.joint) && one.carries_workpiece ? after : before;
     before = after;
   }
+  if (before_bed) pose.bed = before;
+  pose.tool = before;
   AffineVector point{machine.tool_offset_mm, {}};
   for (std::size_t i = machine.chain.count; i-- > 0;) {
     const Joint joint = machine.chain.joints[i].joint;

@@ -46,6 +46,8 @@ struct MachinePose {
   PerJoint<std::array<Vector3, kAxes>> about{};  ///< by joint and EA, EB, EC: direction of the rotation at the tool
   std::array<Gain, kComponents - kCurves> squareness{};
   std::array<Vector3, kAxes> along{};  ///< by linear axis: its direction in the frame of the workpiece
+  std::array<Vector3, kAxes> bed{};    ///< X, Y, Z of the machine that does not move, in the frame of the workpiece
+  std::array<Vector3, kAxes> tool{};   ///< X, Y, Z of the tool at angles of 0, in the frame of the workpiece
 };
 
 [[nodiscard]] MachinePose pose_at(const JointMachine& machine, const Angles& angles_deg);

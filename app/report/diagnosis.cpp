@@ -47,8 +47,7 @@ std::vector<std::string> words_in(const Json& object, const char* key) {
 std::string unit_of(const std::optional<model::EffectInstance>& effect, std::string_view name) {
   if (effect)
     for (const model::ParameterDefinition& parameter : effect->definition().parameters)
-      if (model::shown_name(parameter.name, effect->rotary) == name)
-        return effect->rotary && parameter.unit == "mm" ? "deg" : std::string(parameter.unit);
+      if (model::shown_name(parameter.name, *effect) == name) return model::unit_of(*effect, parameter);
   return "";
 }
 

@@ -81,10 +81,9 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
   }
   (*controller)->commands_.begun();
   Message& message = (*controller)->message_;
-  const std::string begun = fmt::format(
-      "begun in {} with offset and slope of what was measured, backlash where both approaches were; d finds "
-      "what else there is, a adds it",
-      std::filesystem::path(files.model).filename().string());
+  const std::string begun =
+      fmt::format("begun in {} with {}; d finds what else there is, a adds it",
+                  std::filesystem::path(files.model).filename().string(), usual_in_words((*controller)->work_->data));
   if (message.text().empty())
     message.say(begun);
   else
@@ -175,9 +174,10 @@ void ModelController::start_adding(const model::AddRequest& request, const std::
               if (!added) return tl::unexpected(added.error());
               if (!rivals.empty()) keep_alternatives(added->model.effects.back(), rivals);
               const std::string effect = name_with_alternatives(added->model.effects.back());
-              auto now = fitted(std::move(added->model), work->data,
-                                fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model",
-                                            effect, added->rms_before_um, added->rms_after_um));
+              auto now =
+                  fitted(std::move(added->model), work->data,
+                         fmt::format("added {}: {:.3f} -> {:.3f} {} rms; u takes it back, s writes the model", effect,
+                                     added->rms_before_um, added->rms_after_um, work->data.reading_unit()));
               if (now) {
                 now->done = effect;
                 now->words = commands.add(name, request, now->model.effects.back().tied_with);
@@ -190,19 +190,20 @@ void ModelController::start_removing(std::size_t effect) {
   if (busy() || effect >= model_.effects.size()) return;
   if (model_.effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
   const std::string name = place_text(model_.effects[effect]);
-  start_fit(
-      "removing " + name,
-      [model = model_, work = work_, before = fit_.rms_um, effect, name,
-       words = commands_.remove(name)]() -> Result<Fitted> {
-        auto without = without_effect(model, work->data, effect, before, work->data_name);
-        if (!without) return tl::unexpected(without.error());
-        auto comparison =
-            owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
-        Fitted now{
-            std::move(without->model), std::move(without->fit), std::move(comparison), {}, "removed " + name, words};
-        now.said = fmt::format("removed {}: {:.3f} -> {:.3f} um rms; u puts it back", name, before, now.fit.rms_um);
-        return now;
-      });
+  start_fit("removing " + name,
+            [model = model_, work = work_, before = fit_.rms_um, effect, name,
+             words = commands_.remove(name)]() -> Result<Fitted> {
+              auto without = without_effect(model, work->data, effect, before, work->data_name);
+              if (!without) return tl::unexpected(without.error());
+              auto comparison =
+                  owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
+              Fitted now{std::move(without->model), std::move(without->fit),
+                         std::move(comparison),     {},
+                         "removed " + name,         words};
+              now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; u puts it back", name, before,
+                                     now.fit.rms_um, work->data.reading_unit());
+              return now;
+            });
 }
 
 void ModelController::step_over(Steps& from, Steps& to, const char* label) {

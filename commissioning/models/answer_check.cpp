@@ -104,7 +104,7 @@ Candidate candidate_in(const Json& object, AnswerReader& reader) {
   for (const auto& [name, value] : parameters.items())
     if (value.is_number())
       candidate.parameters.push_back(
-          {model::library_name(name, candidate.effect.rotary), "", value.get<double>(), {}, false, false});
+          {model::library_name(name, candidate.effect), "", value.get<double>(), {}, false, false});
   return candidate;
 }
 

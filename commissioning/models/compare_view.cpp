@@ -108,9 +108,9 @@ std::string outliers_text(const Comparison& c) {
 
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
-  const std::string summary =
-      paragraph(fmt::format("{} readings: rms {:.3f} um, peak {:.3f} um; noise of one reading {}; lack of fit: {}",
-                            readings, c.rms_um, c.peak_um, noise_text(c.noise), lack_of_fit.text));
+  const std::string summary = paragraph(
+      fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack of fit: {}", readings,
+                  c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), lack_of_fit.text));
   return record_cell("{summary}\n{directions}{variables}{worst}{outliers}",
                      {{"observations", {readings, ""}},
                       {"summary", shown_cell(summary)},

@@ -20,12 +20,12 @@ using model::Diagnosis;
 using model::Verdict;
 
 std::string summary(const Diagnosis& d) {
-  std::string text = fmt::format("{} readings. The model leaves rms {:.3f} um; the noise of one reading is {}. ",
-                                 d.observations, d.rms_um, noise_text(d.noise));
+  std::string text = fmt::format("{} readings. The model leaves rms {:.3f} {}; the noise of one reading is {}. ",
+                                 d.observations, d.rms_um, d.noise.unit, noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {}: rms {:.3f} um. ",
+    text += fmt::format("With {}: rms {:.3f} {}. ",
                         d.verdict == Verdict::unexplained_structure ? "the best that was tried" : "what is named",
-                        d.rms_after_um);
+                        d.rms_after_um, d.noise.unit);
   text += fmt::format("Lack of fit: {}", lack_of_fit_cell(d.lack_of_fit).text);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
@@ -79,7 +79,7 @@ std::string values_text(const Candidate& c) {
   for (const double value : found->second)
     if (values.size() < kMostShown) values.push_back(fmt::format("{:.5g}", value));
   const std::string all = fmt::format("{}", fmt::join(values, c.effect.definition().search.has_slope ? ", " : " to "));
-  return fmt::format("{} {}{}: all fit as well", model::shown_name(searched, c.effect.rotary), all,
+  return fmt::format("{} {}{}: all fit as well", model::shown_name(searched, c.effect), all,
                      found->second.size() > kMostShown ? " and more" : "");
 }
 
@@ -92,8 +92,7 @@ std::string place_in_table(const model::EffectInstance& effect) {
 
 Json parameters_set_json(const Candidate& candidate) {
   Json sets = Json::object();
-  for (const auto& [name, values] : candidate.parameters_set)
-    sets[model::shown_name(name, candidate.effect.rotary)] = values;
+  for (const auto& [name, values] : candidate.parameters_set) sets[model::shown_name(name, candidate.effect)] = values;
   return sets;
 }
 

@@ -74,11 +74,13 @@ std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const mod
   if (candidate.named && diagnosis.lack_of_fit_after)
     facts.push_back({"with what is named", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
   facts.push_back(
-      {"residual", fmt::format("{:.3f} -> {:.3f} um rms, {:.1f} % explained; noise {:.3f} um", diagnosis.rms_um,
-                               candidate.rms_after_um, 100.0 * candidate.explained, diagnosis.noise.noise_um)});
+      {"residual", fmt::format("{:.3f} -> {:.3f} {} rms, {:.1f} % explained; noise {:.3f} {}", diagnosis.rms_um,
+                               candidate.rms_after_um, diagnosis.noise.unit, 100.0 * candidate.explained,
+                               diagnosis.noise.noise_um, diagnosis.noise.unit)});
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
-    facts.push_back({"held out", judged(fmt::format("{:.3f} -> {:.3f} um on readings it was not fitted to",
-                                                    *candidate.held_out_rms_before_um, *candidate.held_out_rms_um),
+    facts.push_back({"held out", judged(fmt::format("{:.3f} -> {:.3f} {} on readings it was not fitted to",
+                                                    *candidate.held_out_rms_before_um, *candidate.held_out_rms_um,
+                                                    diagnosis.noise.unit),
                                         *candidate.held_out_rms_um < *candidate.held_out_rms_before_um)});
   if (model::explains_alone(candidate, diagnosis)) {
     facts.push_back({"by chance", judged(fmt::format("{} of data sets of noise alone look as good",

@@ -72,7 +72,8 @@ std::optional<EffectInstance> effect_in(const Json& object) {
     effect.rotary = named->rotary;
   }
   effect.sense = sense_named(word_in(object, "sense"));
-  static_cast<void>(model::set_code(id, word_in(object, "code"), effect.sense, effect.code));
+  static_cast<void>(set_code(effect, word_in(object, "code")));
+  if (id->place == model::Place::artefact) effect.rotary = true;
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
   effect.sensor = word_in(object, "sensor");
   effect.sensor2 = word_in(object, "sensor2");

@@ -51,6 +51,12 @@ bool take_number(PointQuery& query, std::string_view key, double value) {
     query.position_mm[index_of(a)] = value;
     return true;
   }
+  for (const Axis a : kAllAxes) {
+    const std::string_view column = laser::target_column(a, false);
+    if (!query.rotary || (key != column && key != column.substr(0, 1))) continue;
+    query.place_mm[index_of(a)] = value;
+    return true;
+  }
   if (key == "approach" && (value == 1.0 || value == -1.0))
     query.approach = static_cast<int>(value);
   else if (key == "time_s")
@@ -133,7 +139,8 @@ Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<pa
   const auto asked = asked_in(words);
   if (!asked) return tl::unexpected(asked.error());
   PlaceShares shares{asked->query, {Sense::EX, Sense::EY, Sense::EZ}, {}};
-  if (asked->query.rotary) shares.senses = {Sense::EA, Sense::EB, Sense::EC};
+  const bool of_ball = asked->query.place_mm != Vector3{};
+  if (asked->query.rotary && !of_ball) shares.senses = {Sense::EA, Sense::EB, Sense::EC};
   if (asked->sense_given) shares.senses = {asked->query.sense};
   for (const Sense sense : shares.senses) {
     PointQuery query = asked->query;

@@ -275,7 +275,7 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
     if (folded.series.empty()) continue;  // no line shows it, only circles or diagonals
     panels.push_back(std::move(folded));
     panels.back().x_label = data.position_unit();
-    panels.back().y_label = "um";
+    panels.back().y_label = is_rotation(line.sense) ? "um/m" : "um";
   }
   std::vector<std::string> variables{"run", "time_s", "travel_since_reversal_mm"};
   for (const auto& sensor : data.sensors_degC) variables.push_back(sensor.first);
@@ -305,6 +305,12 @@ PlotFigure fit_figure(const Fit& fit, const Observations& data, const std::strin
   return figure;
 }
 
+std::string plot_unit(std::string_view unit) {
+  std::string text(unit);
+  for (std::size_t at = text.find("um"); at != std::string::npos; at = text.find("um", at)) text.replace(at, 2, "µm");
+  return text;
+}
+
 Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observations& data,
                                     const model::Diagnosis& diagnosis, bool plain) {
   const model::FitOptions options{plain};
@@ -312,8 +318,9 @@ Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observation
   if (!fit) return tl::unexpected(fit.error());
   const auto explained = explained_by(model, data, *fit, diagnosis, options);
   if (!explained) return tl::unexpected(explained.error());
-  std::string title = fmt::format("{}: rms {:.2f} µm, noise {:.2f} µm", verdict_title(diagnosis), diagnosis.rms_um,
-                                  diagnosis.noise.noise_um);
+  std::string title =
+      fmt::format("{}: rms {:.2f} {}, noise {:.2f} {}", verdict_title(diagnosis), diagnosis.rms_um,
+                  plot_unit(diagnosis.noise.unit), diagnosis.noise.noise_um, plot_unit(diagnosis.noise.unit));
   if (*explained) title += fmt::format("; explained by {}", (*explained)->effects);
   PlotFigure figure = figure_of_lines(*fit, data, *explained ? &**explained : nullptr, title);
   if (*explained) add_folded(figure, (*explained)->after, data, fit->effects.size());

@@ -10,6 +10,9 @@
 
 namespace ecs::commissioning {
 
+/// "µm/m" of "um/m".
+[[nodiscard]] std::string plot_unit(std::string_view unit);
+
 /// Which readings of a line a panel shows: the means per target, those of one run, or all.
 struct ShownReadings {
   std::optional<int> run;

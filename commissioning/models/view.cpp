@@ -98,8 +98,9 @@ std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
 }
 
 std::string noise_text(const model::PureError& noise) {
-  if (noise.from_repeats) return fmt::format("{:.3f} um from repeats", noise.noise_um);
-  return fmt::format("at most {:.3f} um, from neighbouring readings (there are no repeats)", noise.noise_um);
+  if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
+  return fmt::format("at most {:.3f} {}, from neighbouring readings (there are no repeats)", noise.noise_um,
+                     noise.unit);
 }
 
 std::string_view direction_text(int approach) {

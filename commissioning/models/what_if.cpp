@@ -81,9 +81,10 @@ Cell achieved_cell(const WhatIfAnswer& answer) {
   if (!answer.achieved) return null_cell();
   const Achieved& achieved = *answer.achieved;
   Cell cell = record_cell(
-      "Measured again: {readings} readings, rms {rms_um} um (peak {peak_um} um): {of_predicted} times what was "
+      "Measured again: {readings} readings, rms {rms_um} {unit} (peak {peak_um} {unit}): {of_predicted} times what was "
       "predicted.",
-      {{"rms_um", number_cell(achieved.rms_um, 3)},
+      {{"unit", shown_cell(std::string(answer.unit))},
+       {"rms_um", number_cell(achieved.rms_um, 3)},
        {"peak_um", number_cell(achieved.peak_um, 3)},
        {"readings", count_cell(achieved.data.size())},
        {"of_predicted",
@@ -136,28 +137,29 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   std::vector<AfterDirection> directions =
       after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{});
   std::vector<std::string> notes = notes_on(work, *again, directions);
-  return WhatIfAnswer{*what, std::move(directions), *again, std::move(notes), work.model, work.data.rotary};
+  return WhatIfAnswer{
+      *what, std::move(directions), *again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
 }
 
-std::string what_if_summary(const model::WhatIf& what, const model::Model& model) {
+std::string what_if_summary(const model::WhatIf& what, const model::Model& model, std::string_view unit) {
   std::string text = fmt::format(
-      "Compensating all that the unit can would bring the rms of the readings from {:.3f} to {:.3f} um (peak {:.3f} "
-      "um), noise included.",
-      what.rms_now_um, what.rms_after_um, what.peak_after_um);
+      "Compensating all that the unit can would bring the rms of the readings from {:.3f} to {:.3f} {} (peak {:.3f} "
+      "{}), noise included.",
+      what.rms_now_um, what.rms_after_um, unit, what.peak_after_um, unit);
   std::vector<std::string> machine, measurement;
   for (const model::WhatIf::Share& share : what.shares)
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
-  text += fmt::format(" The machine would keep {:.3f} um rms: {}noise and what the model does not explain.",
-                      what.machine_um, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
+  text += fmt::format(" The machine would keep {:.3f} {} rms: {}noise and what the model does not explain.",
+                      what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
   if (!measurement.empty())
-    text += fmt::format(" {:.3f} um rms belong to the measurement, not to the machine: {}.", what.measurement_um,
+    text += fmt::format(" {:.3f} {} rms belong to the measurement, not to the machine: {}.", what.measurement_um, unit,
                         fmt::join(measurement, ", "));
   return text;
 }
 
 Cell what_if_cell(const WhatIfAnswer& answer) {
-  const std::string summary = paragraph(what_if_summary(answer.what, answer.model));
+  const std::string summary = paragraph(what_if_summary(answer.what, answer.model, answer.unit));
   return record_cell("{summary}{achieved}\n{effects}\n{directions}{notes}",
                      {{"summary", shown_cell(summary)},
                       {"rms_now_um", {number_or_null(answer.what.rms_now_um), ""}},

@@ -26,8 +26,9 @@ struct WhatIfAnswer {
   std::vector<AfterDirection> directions;
   std::optional<Achieved> achieved;
   std::vector<std::string> notes;
-  model::Model model;   ///< that was asked about
-  bool rotary = false;  ///< its axes are A, B, C
+  model::Model model;            ///< that was asked about
+  bool rotary = false;           ///< its axes are A, B, C
+  std::string_view unit = "um";  ///< of its readings
 };
 
 /// @param model_file  as problems name it
@@ -38,7 +39,8 @@ struct WhatIfAnswer {
 
 /// "Compensating all that the unit can would bring … Of that the machine keeps …, … belong to the measurement": for
 /// the verb, the screen and the report.
-[[nodiscard]] std::string what_if_summary(const model::WhatIf& what, const model::Model& model);
+[[nodiscard]] std::string what_if_summary(const model::WhatIf& what, const model::Model& model,
+                                          std::string_view unit = "um");
 
 /// Its text has 80 columns.
 [[nodiscard]] Cell what_if_cell(const WhatIfAnswer& answer);

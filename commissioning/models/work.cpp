@@ -157,6 +157,13 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   return work;
 }
 
+std::string usual_in_words(const model::Observations& data) {
+  if (!data.through_chain.empty())
+    return "the place of the ball, and backlash of each rotary axis that was turned both ways";
+  return data.rotary ? "offset of what was measured, backlash where both approaches were"
+                     : "offset and slope of what was measured, backlash where both approaches were";
+}
+
 Problem in_file(Problem why, const std::string& file) {
   if (why.kind == ProblemKind::bad_input && why.file.empty()) why.file = file;
   for (Problem& other : why.also) other = in_file(std::move(other), file);

@@ -43,6 +43,9 @@ struct ModelWork {
 /// problem if there is such a file; nothing is left behind where the data cannot be read.
 [[nodiscard]] Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments);
 
+/// What a new model begins with, in words: "offset and slope of what was measured, ...".
+[[nodiscard]] std::string usual_in_words(const model::Observations& data);
+
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);
 

@@ -9,13 +9,21 @@
 
 #include <fmt/format.h>
 
+#include "kinematics/machine_pose.hpp"
 #include "model/data/motions.hpp"
+#include "params/rotary_machine.hpp"
 
 namespace ecs::model {
 namespace {
 
 using laser::MeasurementSet;
 using laser::Reading;
+
+/// Columns of readings of a ball or another artefact: 1 where the sensor turns with the workpiece, and the tool offset.
+constexpr std::string_view kOnWorkpiece = "on_workpiece";
+constexpr std::array<std::string_view, kAxes> kToolColumns{"tool_x_mm", "tool_y_mm", "tool_z_mm"};
+/// Less of an error in a reading is the rounding of sines.
+constexpr double kLeastShare = 1e-9;
 
 /// The path of each reading of a set.
 struct Paths {
@@ -53,8 +61,9 @@ auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool b
   Vector3 parked = r.rotary ? r.angle_deg : r.position_mm;
   parked[index_of(r.axis)] = 0.0;
   if (paths.of[k] > 0) parked = {};
+  const Vector3 place = r.rotary ? r.position_mm : Vector3{};
   return std::make_tuple(by_time ? *r.time_s : 0.0, paths.of[k], r.axis, r.sense, parked, r.run,
-                         -static_cast<int>(r.approach), travelled, r.error, r.feed_mm_min, r.load_kg, r.row);
+                         -static_cast<int>(r.approach), travelled, place, r.error, r.feed_mm_min, r.load_kg, r.row);
 }
 
 std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
@@ -162,7 +171,87 @@ void put_on_paths(Observations& data, Paths paths, const std::vector<std::size_t
   set_motions(data);
 }
 
+/// The file says where the linear axes stood: writers fill the columns of what was not given with 0.
+bool has_places(const MeasurementSet& set) {
+  return std::any_of(set.readings.begin(), set.readings.end(),
+                     [](const Reading& r) { return r.position_mm != Vector3{}; });
+}
+
+double number_or_0(const Reading& r, std::string_view column) {
+  const auto found = r.extras.find(column);
+  return found == r.extras.end() ? 0.0 : found->second;
+}
+
+double unless_rounding(double share) { return std::abs(share) < kLeastShare ? 0.0 : share; }
+
+double share_along(const Vector3& a, const Vector3& b) {
+  return unless_rounding(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+}
+
+/// How the errors of the rotary axes reach a reading, in the directions of the bed, or of the workpiece where the
+/// sensor turns with it.
+ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& machine,
+                              const kinematics::MachinePose& pose) {
+  const bool turns_along = number_or_0(r, kOnWorkpiece) != 0.0;
+  Vector3 direction{};
+  direction[index_of(direction_of(r.sense))] = 1.0;
+  if (!turns_along) direction = pose.bed[index_of(direction_of(r.sense))];
+  ThroughChain chain;
+  for (const kinematics::ChainJoint& one : machine.chain) {
+    if (!kinematics::is_rotary(one.joint)) continue;
+    const std::size_t j = index_of(one.joint);
+    for (std::size_t s = 0; s < 2 * kAxes; ++s) {
+      Vector3 moved = pose.gain[j][s].at_0;
+      for (std::size_t l = 0; l < kAxes; ++l)
+        for (std::size_t d = 0; d < kAxes; ++d) moved[d] += pose.gain[j][s].slope[l][d] * r.position_mm[l];
+      if (is_rotation(r.sense)) moved = s < kAxes ? Vector3{} : pose.about[j][s - kAxes];
+      chain.of_axis[j - kAxes][s] = share_along(moved, direction);
+    }
+  }
+  if (is_rotation(r.sense)) return chain;
+  for (std::size_t d = 0; d < kAxes; ++d) {
+    chain.of_workpiece[d] = unless_rounding(-direction[d]);
+    chain.of_tool[d] = share_along(pose.tool[d], direction);
+  }
+  return chain;
+}
+
+/// Where the linear axes stood, and what follows from it on a machine whose pivots are known.
+void take_chain(Observations& data, const MeasurementSet& set, const std::optional<params::Machine>& machine) {
+  const bool any_translation =
+      std::any_of(data.sense.begin(), data.sense.end(), [](Sense sense) { return !is_rotation(sense); });
+  if (!has_places(set) || !any_translation) return;
+  for (const std::size_t k : data.file_order) data.place_mm.push_back(set.readings[k].position_mm);
+  auto joints = machine ? params::joint_machine_of(*machine) : std::nullopt;
+  if (!joints) {
+    data.notes.emplace_back(
+        "no machine file with rotary axes: readings are taken as errors of the axis itself, location errors cannot be "
+        "tried");
+    return;
+  }
+  data.machine.rotary_configuration = machine->rotary_configuration;
+  std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
+  for (const std::size_t k : data.file_order) {
+    const Reading& r = set.readings[k];
+    for (std::size_t d = 0; d < kAxes; ++d) joints->tool_offset_mm[d] = number_or_0(r, kToolColumns[d]);
+    const auto [found, is_new] = poses.try_emplace({r.angle_deg, joints->tool_offset_mm});
+    if (is_new) found->second = kinematics::pose_at(*joints, r.angle_deg);
+    data.through_chain.push_back(through_chain_of(r, *joints, found->second));
+  }
+  for (const bool moved : {true, false})
+    for (const Axis a : kAllAxes)
+      if (joints->chain.has(static_cast<kinematics::Joint>(kAxes + index_of(a))) &&
+          (std::find(data.axis.begin(), data.axis.end(), a) != data.axis.end()) == moved)
+        data.rotary_axes.push_back(a);
+}
+
 }  // namespace
+
+std::string_view Observations::reading_unit() const {
+  const auto rotations = std::count_if(sense.begin(), sense.end(), [](Sense s) { return is_rotation(s); });
+  if (rotations == 0) return "um";
+  return static_cast<std::size_t>(rotations) == sense.size() ? "um/m" : "um, um/m";
+}
 
 Observations observations_of(const MeasurementSet& set, const KnownTables& tables,
                              const std::optional<params::Machine>& machine) {
@@ -185,6 +274,7 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
   if (!data.rotary) take_machine(data, machine);
+  if (data.rotary) take_chain(data, set, machine);
   data.map = tables.map;
   data.known = tables.components;
   if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
@@ -216,6 +306,9 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   part.run = taken(all.run, chosen);
   part.approach = taken(all.approach, chosen);
   part.position_mm = taken(all.position_mm, chosen);
+  part.place_mm = taken(all.place_mm, chosen);
+  part.through_chain = taken(all.through_chain, chosen);
+  part.rotary_axes = all.rotary_axes;
   part.compensated = taken(all.compensated, chosen);
   part.paths = all.paths;
   part.path = taken(all.path, chosen);

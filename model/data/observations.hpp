@@ -2,6 +2,7 @@
 // components that effects need. Does not live here: what effects make of them (model/regression/regressors.hpp).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <map>
@@ -36,6 +37,15 @@ struct KnownTables {
   std::vector<KnownComponent> components;
 };
 
+/// What a reading of a ball or of another artefact holds of errors elsewhere in the chain of a machine with rotary
+/// axes.
+struct ThroughChain {
+  std::array<std::array<double, 6>, kAxes> of_axis{};  ///< by A, B, C and sense: of 1 um or 1 um/m of that error
+  Vector3 of_workpiece{};  ///< of 1 um along X, Y, Z of the workpiece at angles of 0 by which the ball on it is off
+  Vector3 of_tool{};       ///< likewise of the tool and what is in the spindle
+  friend bool operator==(const ThroughChain&, const ThroughChain&) = default;
+};
+
 /// One column of numbers, kNotMeasured where a row has none. Empty: the data do not have this column at all.
 using Column = std::vector<double>;
 
@@ -64,6 +74,12 @@ struct Observations {
   bool has_compensated_column = false;
   bool has_run_column = false;
   bool rotary = false;  ///< the axes are A, B, C: all positions are in degrees, a turn is 360
+  /// Of rotary axes: where the linear axes stood. Empty: the file does not say.
+  std::vector<Vector3> place_mm;
+  /// Of rotary axes where `place_mm` and their pivots are known: how their errors reach the reading. Empty: readings of
+  /// an error of the axis itself.
+  std::vector<ThroughChain> through_chain;
+  std::vector<Axis> rotary_axes;  ///< of the machine, where `through_chain` is known: those that moved come first
 
   // Readings along paths; sense and axis of such a row are those of the first axis of its path, approach is that along
   // the path, and its reading is what is left of it without centre, radius or zero (motions.hpp).
@@ -75,7 +91,7 @@ struct Observations {
   std::vector<std::size_t> of_moved;     ///< number of the row among the readings of `moved`
   std::vector<bool> aside;               ///< of motions: only what the approach of the moving axis does counts
 
-  params::Machine machine;   ///< may be without axes: datum 0, lines 0; of rotary axes nothing is known
+  params::Machine machine;   ///< may be without axes: datum 0, lines 0; of rotary axes only their letters are known
   TermTable terms;           ///< empty: no chain known, or rotary axes
   MeasurementLines lines{};  ///< where each axis was measured [mm]
   Vector3 datum_mm{};        ///< positions of effects count from here
@@ -112,10 +128,18 @@ struct Observations {
   /// The rows on which effects act: these readings, or the motions they are made up of.
   [[nodiscard]] const Observations& motions() const;
   [[nodiscard]] char letter(Axis a) const { return laser::letter_of(a, rotary); }
+  /// "um", "um/m" where all readings are of rotations, "um, um/m" where some are.
+  [[nodiscard]] std::string_view reading_unit() const;
   /// "mm", "deg"
   [[nodiscard]] std::string_view position_unit() const { return laser::target_unit(rotary); }
   /// "x_mm", "c_deg"
   [[nodiscard]] std::string_view position_name(Axis a) const { return laser::target_column(a, rotary); }
+  /// What 1 um (1 um/m) of an error of an axis in `s` does in reading k; of axes without a known chain 1 in readings
+  /// of that sense, else 0.
+  [[nodiscard]] double share_of(std::size_t k, Axis a, Sense s) const {
+    if (through_chain.empty()) return sense[k] == s ? 1.0 : 0.0;
+    return through_chain[k].of_axis[index_of(a)][static_cast<std::size_t>(s)];
+  }
   /// Coordinate from the datum [mm], of rotary axes [deg].
   [[nodiscard]] double p_mm(std::size_t k, Axis a) const { return position_mm[k][index_of(a)] - datum_mm[index_of(a)]; }
 };

@@ -41,7 +41,8 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
   for (const EffectInstance& effect : model.candidates)
     if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
   if (!list.empty() || request.id->place == Place::formulas) return list;
-  if ((request.axis && (request.sense || request.code)) || (request.id->place == Place::set_up && request.sense)) {
+  if ((request.axis && (request.sense || request.code)) || (request.id->place == Place::set_up && request.sense) ||
+      request.id->place == Place::artefact) {
     EffectInstance effect;
     effect.id = request.id;
     effect.axis = request.axis;
@@ -121,7 +122,11 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       request.rotary = axis->rotary;
       if (axis->rotary && !id->traits.on_rotary_axes)
         return problem(ProblemKind::usage, fmt::format("{}: no effect of a rotary axis {}", id->id, part));
-    } else if (sense && (id->place != Place::set_up || is_rotation(*sense))) {
+    } else if (const auto coded = code_named(id, part); coded && coded->axis) {
+      request.axis = coded->axis;
+      request.rotary = true;
+      request.sense = coded->sense;
+    } else if (sense && id->place != Place::location && (id->place != Place::set_up || is_rotation(*sense))) {
       request.sense = sense;
     } else if (code) {
       request.code = code;
@@ -130,7 +135,8 @@ Result<AddRequest> parse_add_request(std::string_view text) {
                      fmt::format("expected EFFECT[:axis[:sense or code]], such as cyclic:X:EX, got \"{}\"", text));
     }
   }
-  if (id->place == Place::set_up) request.axis = std::nullopt;  // it has none
+  if (id->place == Place::set_up || id->place == Place::artefact) request.axis = std::nullopt;  // it has none
+  if (id->place == Place::artefact) request.rotary = true;
   return request;
 }
 

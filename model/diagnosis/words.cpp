@@ -108,10 +108,7 @@ bool is_guess(const ParameterEstimate& parameter) {
 }
 
 std::string value_of(const EffectInstance& effect, const ParameterEstimate& parameter, const Observations& data) {
-  std::string unit = parameter.unit;
-  if (effect.sense && is_rotation(*effect.sense) && effect.definition().place != Place::set_up &&
-      unit.starts_with("um"))
-    unit.replace(0, 2, "um/m");
+  const std::string& unit = parameter.unit;
   if (parameter.name != effect.definition().searched_parameter())
     return size_text(parameter.value, unit) +
            (parameter.undetermined || is_guess(parameter) ? " (not determined)" : "");
@@ -230,12 +227,13 @@ std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosi
         share < kLeastShareSaid ? ", too little to be evidence by itself" : ", no more than noise would");
   }
   std::string text =
-      fmt::format("With it the residual{} falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
+      fmt::format("With it the residual{} falls from {:.3g} to {:.3g} {} rms ({} explained; noise {:.3g} {})",
                   diagnosis.outliers.empty() ? "" : " without the outliers", candidate.kept_rms_before_um,
-                  candidate.kept_rms_after_um, percent(share_alone(candidate)), diagnosis.noise.noise_um);
+                  candidate.kept_rms_after_um, diagnosis.noise.unit, percent(share_alone(candidate)),
+                  diagnosis.noise.noise_um, diagnosis.noise.unit);
   if (held_out_falls(candidate))
-    text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} um",
-                        *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
+    text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} {}",
+                        *candidate.held_out_rms_before_um, *candidate.held_out_rms_um, diagnosis.noise.unit);
   else if (candidate.held_out_rms_um)
     return text + "; alone it does not predict readings that it was not fitted to";
   return explains ? text + chance_text(candidate, diagnosis) : text;
@@ -254,13 +252,15 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   }
   std::string text = fmt::format("Together with {} ", fmt::join(others, " and "));
   if (falls(candidate.kept_rms_before_um, joint.rms_after_um))
-    text += fmt::format("it brings the residual from {:.3g} to {:.3g} um rms (noise {:.3g} um)",
-                        candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.noise_um);
+    text += fmt::format("it brings the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
+                        candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.unit,
+                        diagnosis.noise.noise_um, diagnosis.noise.unit);
   else
-    text += fmt::format("it leaves {:.3g} um rms (noise {:.3g} um)", joint.rms_after_um, diagnosis.noise.noise_um);
+    text += fmt::format("it leaves {:.3g} {} rms (noise {:.3g} {})", joint.rms_after_um, diagnosis.noise.unit,
+                        diagnosis.noise.noise_um, diagnosis.noise.unit);
   if (falls(joint.held_out_rms_before_um, joint.held_out_rms_um))
-    text += fmt::format(", on readings they were not fitted to from {:.3g} to {:.3g} um", joint.held_out_rms_before_um,
-                        joint.held_out_rms_um);
+    text += fmt::format(", on readings they were not fitted to from {:.3g} to {:.3g} {}", joint.held_out_rms_before_um,
+                        joint.held_out_rms_um, diagnosis.noise.unit);
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 

@@ -52,13 +52,20 @@ struct ParameterEstimate {
   std::optional<double> sigma;  ///< absent: held, or the data do not determine it
   bool held = false;            ///< given in the model file
   bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
+  bool is_direction = false;    ///< of an axis line: shown as um_per_m
 };
 
-/// A name of the library as model files and JSON show it: of a rotary axis "period_deg" for "period_mm".
-[[nodiscard]] std::string shown_name(std::string_view parameter, bool rotary);
+/// A name of the library as model files and JSON show it: of a rotary axis "period_deg" for "period_mm"; of the
+/// direction of an axis line "um_per_m" for "um".
+[[nodiscard]] std::string shown_name(std::string_view parameter, const EffectInstance& effect);
 [[nodiscard]] std::string shown_name(const ParameterEstimate& parameter);
 /// The name of the library for what a model file or JSON shows.
-[[nodiscard]] std::string library_name(std::string_view shown, bool rotary);
+[[nodiscard]] std::string library_name(std::string_view shown, const EffectInstance& effect);
+/// Of a parameter at its place: "deg" for "mm" of a rotary axis, "um/m" for "um" in readings of a rotation and of the
+/// direction of an axis line.
+[[nodiscard]] std::string unit_of(const EffectInstance& effect, const ParameterDefinition& parameter);
+/// A location error AO., BO., CO.: in um/m.
+[[nodiscard]] bool is_direction(const EffectInstance& effect);
 
 /// What the unit can do about an effect.
 enum class Carrier : std::uint8_t {
@@ -76,6 +83,8 @@ enum class Place : std::uint8_t {
   rotation,         ///< `code` EAX … ECZ: every direction in which the terms give it a lever
   squareness,       ///< `code` C0Y, B0Z, A0Z: likewise
   set_up,           ///< `code` EA, EB, EC (kept as the sense): translations across that axis, whichever axis moved
+  location,         ///< `code` XOC, AOC … (kept as `sense` and the rotary axis): through the chain of the machine
+  artefact,         ///< no axis, sense or code: translations in readings through a chain
   map,              ///< compensated readings, through the tables of the map: all, of one axis or of one component
   formulas,         ///< the senses of the user's formulas
 };

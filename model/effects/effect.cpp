@@ -11,7 +11,14 @@
 namespace ecs::model {
 namespace {
 constexpr std::array<std::string_view, 3> kModes{"both", "forward", "reverse"};
-}
+/// Location errors of A, B, C by their first letter (ISO 230-7).
+constexpr std::array<std::array<std::string_view, kAxes>, 6> kLocations{{{"XOA", "XOB", "XOC"},
+                                                                         {"YOA", "YOB", "YOC"},
+                                                                         {"ZOA", "ZOB", "ZOC"},
+                                                                         {"AOA", "AOB", "AOC"},
+                                                                         {"BOA", "BOB", "BOC"},
+                                                                         {"COA", "COB", "COC"}}};
+}  // namespace
 
 std::string_view name_of(EffectId id) { return id->id; }
 
@@ -31,6 +38,7 @@ std::string to_text(const EffectInstance& effect) {
   if (!effect.axis && !effect.sense && !effect.code) return text;
   const EffectDefinition& definition = effect.definition();
   if (definition.place != Place::set_up) text += effect.axis ? fmt::format(":{}", axis_letter(effect)) : ":";
+  if (definition.place == Place::location) return text + fmt::format(":{}", code_text(effect));
   const bool by_sense = definition.place == Place::known_component && effect.sense;
   if (effect.code && !by_sense) return text + fmt::format(":{}", name_of(*effect.code));
   if (effect.sense) text += fmt::format(":{}", name_of(*effect.sense));
@@ -45,18 +53,43 @@ std::string place_text(const EffectInstance& effect) {
 }
 
 std::string_view sense_text(const EffectInstance& effect) {
-  return effect.sense && effect.definition().place != Place::set_up ? name_of(*effect.sense) : "";
+  const Place place = effect.definition().place;
+  return effect.sense && place != Place::set_up && place != Place::location ? name_of(*effect.sense) : "";
 }
 
 std::string_view code_text(const EffectInstance& effect) {
+  if (effect.definition().place == Place::location)
+    return effect.sense && effect.axis ? kLocations[static_cast<std::size_t>(*effect.sense)][index_of(*effect.axis)]
+                                       : "";
   if (effect.sense && effect.definition().place == Place::set_up) return name_of(*effect.sense);
   return effect.code ? name_of(*effect.code) : "";
 }
 
-bool set_code(EffectId id, std::string_view word, std::optional<Sense>& sense, std::optional<Component>& code) {
-  if (id->place != Place::set_up) return (code = component_of(word)).has_value();
-  sense = sense_named(word);
-  return sense && is_rotation(*sense);
+std::optional<Coded> code_named(EffectId id, std::string_view word) {
+  if (id->place == Place::location) {
+    for (std::size_t s = 0; s < kLocations.size(); ++s)
+      for (const Axis axis : kAllAxes)
+        if (kLocations[s][index_of(axis)] == word) return Coded{axis, static_cast<Sense>(s), {}};
+    return std::nullopt;
+  }
+  if (id->place == Place::set_up) {
+    const auto sense = sense_named(word);
+    return sense && is_rotation(*sense) ? std::optional(Coded{{}, sense, {}}) : std::nullopt;
+  }
+  const auto component = component_of(word);
+  return component ? std::optional(Coded{{}, {}, component}) : std::nullopt;
+}
+
+bool set_code(EffectInstance& effect, std::string_view word) {
+  const auto coded = code_named(effect.id, word);
+  if (!coded || (coded->axis && effect.axis && (effect.axis != coded->axis || !effect.rotary))) return false;
+  if (coded->axis) {
+    effect.axis = coded->axis;
+    effect.rotary = true;
+  }
+  if (coded->sense) effect.sense = coded->sense;
+  if (coded->code) effect.code = coded->code;
+  return true;
 }
 
 std::string sensors_text(const EffectInstance& effect) {

@@ -62,7 +62,8 @@ struct FittedCurve {
 struct EffectInstance {
   EffectId id = nullptr;
   std::optional<Axis> axis;       ///< absent where the effect has none (the whole map)
-  std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map; of a set-up its rotation
+  std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map; of a set-up its rotation,
+                                  ///< of a location error its first letter: EX of XOC, EA of AOC
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   bool rotary = false;            ///< `axis` is A, B or C: positions and lengths are in degrees
   ApproachMode approach = ApproachMode::both;
@@ -100,9 +101,16 @@ struct EffectInstance {
 /// Sense and code as model files and JSON name them, "" where there is none; the rotation of a set-up is its code.
 [[nodiscard]] std::string_view sense_text(const EffectInstance& effect);
 [[nodiscard]] std::string_view code_text(const EffectInstance& effect);
-/// Sets what `code = "…"` says. False: no such component, or for a set-up no rotation EA, EB, EC.
-[[nodiscard]] bool set_code(EffectId id, std::string_view word, std::optional<Sense>& sense,
-                            std::optional<Component>& code);
+/// What `code = "…"` says.
+struct Coded {
+  std::optional<Axis> axis;  ///< of a location error: the rotary axis
+  std::optional<Sense> sense;
+  std::optional<Component> code;
+};
+/// Nothing: no such component, for a set-up no rotation EA, EB, EC, for a location error none such as XOC.
+[[nodiscard]] std::optional<Coded> code_named(EffectId id, std::string_view word);
+/// Sets it. False: none, or of another axis than the effect has.
+[[nodiscard]] bool set_code(EffectInstance& effect, std::string_view word);
 
 /// "t_spindle_degC", "t_front_degC and t_back_degC", "" where no sensor is used.
 [[nodiscard]] std::string sensors_text(const EffectInstance& effect);

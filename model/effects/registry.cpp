@@ -23,6 +23,9 @@
   EFFECT(thermal_drift)      \
   EFFECT(thermal_bend)       \
   EFFECT(set_up_rotation)    \
+  EFFECT(location)           \
+  EFFECT(ball_on_table)      \
+  EFFECT(ball_in_spindle)    \
   EFFECT(artefact_angle)     \
   EFFECT(artefact_form)      \
   EFFECT(warm_up)            \
@@ -94,19 +97,45 @@ std::string how_compensated(const EffectInstance& effect, const params::Machine&
   return std::string(effect.definition().how);
 }
 
-std::string shown_name(std::string_view parameter, bool rotary) {
+namespace {
+
+constexpr std::string_view kShift = "um", kTilt = "um_per_m";
+
+std::string in_degrees(std::string_view parameter) {
   constexpr std::string_view kLength = "_mm";
-  if (!rotary || !parameter.ends_with(kLength)) return std::string(parameter);
+  if (!parameter.ends_with(kLength)) return std::string(parameter);
   return std::string(parameter.substr(0, parameter.size() - kLength.size())) + "_deg";
 }
 
-std::string shown_name(const ParameterEstimate& parameter) {
-  return shown_name(parameter.name, parameter.unit == "deg");
+}  // namespace
+
+bool is_direction(const EffectInstance& effect) {
+  return effect.definition().place == Place::location && effect.sense && is_rotation(*effect.sense);
 }
 
-std::string library_name(std::string_view shown, bool rotary) {
+std::string unit_of(const EffectInstance& effect, const ParameterDefinition& parameter) {
+  constexpr std::string_view kLength = "um";
+  if (effect.rotary && parameter.unit == "mm") return "deg";
+  const Place place = effect.definition().place;
+  const bool of_rotation = effect.sense && is_rotation(*effect.sense) && place != Place::set_up;
+  if (!of_rotation || !parameter.unit.starts_with(kLength)) return std::string(parameter.unit);
+  return "um/m" + std::string(parameter.unit.substr(kLength.size()));
+}
+
+std::string shown_name(std::string_view parameter, const EffectInstance& effect) {
+  if (is_direction(effect) && parameter == kShift) return std::string(kTilt);
+  return effect.rotary ? in_degrees(parameter) : std::string(parameter);
+}
+
+std::string shown_name(const ParameterEstimate& parameter) {
+  if (parameter.is_direction && parameter.name == kShift) return std::string(kTilt);
+  return parameter.unit == "deg" ? in_degrees(parameter.name) : parameter.name;
+}
+
+std::string library_name(std::string_view shown, const EffectInstance& effect) {
   constexpr std::string_view kAngle = "_deg";
-  if (!rotary || !shown.ends_with(kAngle)) return std::string(shown);
+  if (is_direction(effect) && shown == kTilt) return std::string(kShift);
+  if (!effect.rotary || !shown.ends_with(kAngle)) return std::string(shown);
   return std::string(shown.substr(0, shown.size() - kAngle.size())) + "_mm";
 }
 

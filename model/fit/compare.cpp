@@ -110,6 +110,7 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
   reading.sense = query.sense;
   reading.rotary = query.rotary;
   (query.rotary ? reading.angle_deg : reading.position_mm) = query.position_mm;
+  if (query.rotary) reading.position_mm = query.place_mm;
   reading.approach = static_cast<Approach>(query.approach);
   reading.time_s = query.time_s;
   reading.feed_mm_min = query.feed_mm_min;

@@ -85,6 +85,7 @@ struct PointQuery {
   bool rotary = false;  ///< it is A, B or C: positions are in degrees
   Sense sense = Sense::EX;
   Vector3 position_mm{};
+  Vector3 place_mm{};  ///< of rotary axes: where the linear axes stand, for what a ball there shows
   int approach = 1;
   std::optional<double> time_s, feed_mm_min, load_kg;
   std::map<std::string, double, std::less<>> sensors_degC;

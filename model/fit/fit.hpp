@@ -29,9 +29,10 @@ struct EffectFit {
 
 /// Scatter of repeats: same axis, sense, position, approach and conditions.
 struct PureError {
-  double noise_um = 0.0;      ///< standard deviation of one reading
-  bool from_repeats = false;  ///< false: from differences of neighbouring readings
-  double dof = 0.0;           ///< degrees of freedom of the repeats
+  double noise_um = 0.0;         ///< standard deviation of one reading
+  bool from_repeats = false;     ///< false: from differences of neighbouring readings
+  double dof = 0.0;              ///< degrees of freedom of the repeats
+  std::string_view unit = "um";  ///< of the readings: um, um/m, or both
 };
 
 struct LackOfFit {

@@ -197,14 +197,19 @@ void take_undetermined(TomlReader& reader, const toml::table& table, EffectInsta
   for (const toml::node& one : *names) effect.undetermined->push_back(one.as_string()->get());
 }
 
-/// The component of `code`; of a set-up its rotation.
+constexpr std::string_view kLocationCodes = "a location error of the axis, such as XOC or AOC of C";
+
+/// The component of `code`; of a set-up its rotation, of a location error its letter.
 void take_code(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
   const auto word = reader.word(table, "code");
-  if (!word || set_code(effect.id, *word, effect.sense, effect.code)) return;
-  const bool set_up = effect.definition().place == Place::set_up;
+  if (!word || set_code(effect, *word)) return;
+  const Place place = effect.definition().place;
   reader.complain(*table.get("code"),
                   fmt::format("code: expected {}, got \"{}\"",
-                              set_up ? "EA, EB or EC" : "one of the 21 components, such as ECX or C0Y", *word));
+                              place == Place::set_up     ? "EA, EB or EC"
+                              : place == Place::location ? kLocationCodes
+                                                         : "one of the 21 components, such as ECX or C0Y",
+                              *word));
 }
 
 /// What an effect must have besides its id, and what follows from what it has.
@@ -226,6 +231,14 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   if (definition.place == Place::set_up) {
     want(table.contains("code"), "code = EA, EB or EC");
     effect.axis = std::nullopt;
+    return;
+  }
+  if (definition.place == Place::location)
+    return want(table.contains("code") && effect.axis && effect.sense, fmt::format("code = {}", kLocationCodes));
+  if (definition.place == Place::artefact) {
+    effect.axis = std::nullopt;
+    effect.sense = std::nullopt;
+    effect.rotary = true;
     return;
   }
   const bool needs_axis =
@@ -290,21 +303,21 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
     reader.complain(*table.get("formula"), "formula: only effects with id = \"user\" have one");
   std::vector<std::string> known;
   for (const ParameterDefinition& parameter : effect.definition().parameters)
-    known.push_back(shown_name(parameter.name, effect.rotary));
+    known.push_back(shown_name(parameter.name, effect));
   for (const auto& [key, values] : {std::pair{"parameters", &effect.parameters}, std::pair{"fitted", &effect.fitted}}) {
     std::map<std::string, double> shown;
     take_numbers(reader, table, key, shown, known);
-    for (const auto& [name, value] : shown) values->emplace(library_name(name, effect.rotary), value);
+    for (const auto& [name, value] : shown) values->emplace(library_name(name, effect), value);
   }
   if (const toml::table* curve = reader.child(table, "curve")) {
-    const std::string places = shown_name("p_mm", effect.rotary);
+    const std::string places = shown_name("p_mm", effect);
     reader.only(*curve, {places, "value"}, "curve");
     if (auto points = curve_in(reader, *curve, places, "curve")) effect.curve = std::move(*points);
   }
   const auto period = effect.parameters.find("period_mm");
   if (period != effect.parameters.end() && period->second <= 0.0)
     reader.complain(*table.get("parameters"),
-                    fmt::format("{}: expected a period above 0", shown_name("period_mm", effect.rotary)));
+                    fmt::format("{}: expected a period above 0", shown_name("period_mm", effect)));
   complete(reader, table, effect);
   return effect;
 }

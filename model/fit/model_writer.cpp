@@ -31,7 +31,7 @@ std::string list_of(const std::vector<double>& values) {
 std::string table_of(const EffectInstance& effect, const std::map<std::string, double>& values) {
   std::vector<std::string> words;
   for (const auto& [name, value] : values)
-    words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect.rotary), shortest(value)));
+    words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect), shortest(value)));
   return fmt::format("{{ {} }}", fmt::join(words, ", "));
 }
 
@@ -83,8 +83,8 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
     text += fmt::format("undetermined = [{}]\n", fmt::join(names, ", "));
   }
   if (!effect.curve.empty())
-    text += fmt::format("curve = {{ {} = {}, value = {} }}\n", shown_name("p_mm", effect.rotary),
-                        list_of(effect.curve.p_mm), list_of(effect.curve.value));
+    text += fmt::format("curve = {{ {} = {}, value = {} }}\n", shown_name("p_mm", effect), list_of(effect.curve.p_mm),
+                        list_of(effect.curve.value));
   return text;
 }
 

@@ -207,7 +207,8 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
 namespace {
 
 Repeats numbered(const Observations& data, bool conditions) {
-  using Key = std::tuple<Channel, Axis, int, std::array<double, kAxes>, double, double, bool>;
+  using Places = std::array<double, kAxes>;
+  using Key = std::tuple<Channel, Axis, int, Places, double, double, bool, Places>;
   std::map<Key, std::size_t> nodes;
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -217,7 +218,8 @@ Repeats numbered(const Observations& data, bool conditions) {
                   rounded(data.place_of(k)),
                   conditions ? rounded(cell(data.feed_mm_min, k), kSameCondition) : 0.0,
                   conditions ? rounded(cell(data.load_kg, k), kSameCondition) : 0.0,
-                  data.compensated[k]};
+                  data.compensated[k],
+                  data.place_mm.empty() ? Places{} : rounded(data.place_mm[k])};
     repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
   }
   repeats.nodes = nodes.size();
@@ -244,6 +246,7 @@ NoiseModel plain_noise(const Observations& data, double sigma_um) {
   NoiseModel noise;
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
+  noise.pure.unit = data.reading_unit();
   for (NoiseGroup& group : noise.groups) group.white = sigma_um;
   noise.shapes = {{0.0, 1.0, 1.0, std::vector<double>(noise.groups.size(), sigma_um * sigma_um)}};
   return noise;
@@ -256,6 +259,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   noise.has_time = !data.time_s.empty();
   Repeats repeats = repeats_of(data);
   std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
+  noise.pure.unit = data.reading_unit();
   noise.pure.from_repeats = many(deviation);
   bool from_places = noise.pure.from_repeats;
   if (!from_places) {

@@ -57,7 +57,7 @@ void Search::build_shapes(std::size_t f) {
   const Family& family = families_[f];
   FamilyBank& bank = banks_[f];
   const EffectDefinition& definition = family.effect.definition();
-  const bool of_place = definition.columns_of_place != nullptr;
+  const bool of_place = definition.columns_of_place != nullptr && regressors_.data().through_chain.empty();
   Shapes shapes;
   const std::vector<std::size_t>& rows = family.acting.rows;
   if (of_place) {
@@ -95,12 +95,15 @@ void Search::build_shapes(std::size_t f) {
       if (coarse != (!periodic || i % 2 == 0)) continue;
       if (!of_place) {
         parts.push_back(part_at(family.grid[i]));
+        if (periodic) parts.back().conservativeResize(Eigen::NoChange, count);  // the fundamental
         count = parts.back().cols();
       }
       add(family.grid[i], count, coarse);
     }
-  for (const double value : family.facts)
+  for (const double value : family.facts) {
+    if (!of_place) parts.push_back(part_at(value));
     add(value, periodic ? static_cast<Index>(definition.column_count()) : count, false);
+  }
   bank.last = items_.size();
 
   for (std::size_t other = 0; other < f && of_place; ++other)

@@ -31,7 +31,7 @@ std::vector<Axis> moved_axes(const Observations& data, Sense sense) {
 bool both_approaches(const Observations& data, Sense sense, Axis axis) {
   bool forward = false, reverse = false;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    if (data.sense[k] != sense || data.axis[k] != axis) continue;
+    if (data.share_of(k, axis, sense) == 0.0 || data.axis[k] != axis) continue;
     forward = forward || data.approach[k] > 0;
     reverse = reverse || data.approach[k] < 0;
   }
@@ -41,7 +41,7 @@ bool both_approaches(const Observations& data, Sense sense, Axis axis) {
 std::size_t places(const Observations& data, Sense sense, Axis axis) {
   std::vector<double> values;
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (data.sense[k] == sense) values.push_back(data.p_mm(k, axis));
+    if (data.share_of(k, axis, sense) != 0.0) values.push_back(data.p_mm(k, axis));
   return distinct(std::move(values), 1e-6).size();
 }
 
@@ -85,6 +85,23 @@ bool seen_by_line(const Observations& all, const EffectInstance& effect) {
     if (!all.on_path(k) && all.sense[k] == effect.sense && all.axis[k] == effect.axis && all.approach[k] != 0)
       return true;
   return false;
+}
+
+/// Error motions of the rotary axes that moved, in all six senses: they reach readings of a ball through the chain.
+void add_motions(const Observations& data, std::vector<EffectInstance>& out) {
+  const auto of_motion = [&](const Site& site, CandidatesAt EffectDefinition::*kind) {
+    std::vector<EffectInstance> found;
+    add_at(site, kind, false, found);
+    for (EffectInstance& one : found)
+      if (one.definition().place == Place::axis_and_sense) out.push_back(std::move(one));
+  };
+  for (const Sense sense : kSenses)
+    for (const Axis axis : data.rotary_axes) {
+      if (places(data, sense, axis) < 2) continue;
+      of_motion(site_at(data, sense, axis, true), &EffectDefinition::along_axis);
+      if (both_approaches(data, sense, axis))
+        of_motion(site_at(data, sense, axis, true), &EffectDefinition::of_reversal);
+    }
 }
 
 void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
@@ -170,10 +187,12 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
     const std::vector<Axis> varied = varied_axes(data, sense);
     const auto site = [&](Axis axis) { return site_at(data, sense, axis, !varied.empty()); };
     add_at(site(natural_axis(data, sense)), &EffectDefinition::of_sense, false, out);
+    if (!data.through_chain.empty()) continue;
     for (const Axis axis : varied) add_at(site(axis), &EffectDefinition::along_axis, false, out);
     for (const Axis axis : moved_axes(data, sense))
       if (both_approaches(data, sense, axis)) add_at(site(axis), &EffectDefinition::of_reversal, false, out);
   }
+  add_motions(data, out);
   add_levered(data, out);
   add_map_faults(data, out);
   // a circle and a diagonal show a slope across as squareness, which is the commoner cause (where lines are measured
@@ -186,8 +205,10 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
     std::stable_partition(out.begin(), out.end(), leans);
   }
   // of effects that do the same the first is named: those of the machine before the set-up
-  std::stable_partition(out.begin(), out.end(),
-                        [](const EffectInstance& one) { return one.definition().place != Place::set_up; });
+  std::stable_partition(out.begin(), out.end(), [](const EffectInstance& one) {
+    const Place place = one.definition().place;
+    return place != Place::set_up && place != Place::artefact;
+  });
   return out;
 }
 
@@ -195,6 +216,15 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
   constexpr std::size_t kForSlope = 3;
   const Observations data = without_paths(all);
   std::vector<EffectInstance> usual;
+  if (!data.through_chain.empty()) {
+    const auto site = [&](Sense sense, Axis axis) { return site_at(data, sense, axis, true); };
+    add_at(site(data.sense.front(), Axis::X), &EffectDefinition::of_sense, true, usual);
+    std::erase_if(usual, [](const EffectInstance& one) { return one.definition().place != Place::artefact; });
+    for (const Axis axis : data.rotary_axes)
+      if (const auto own = static_cast<Sense>(kAxes + index_of(axis)); both_approaches(data, own, axis))
+        add_at(site(own, axis), &EffectDefinition::of_reversal, true, usual);
+    return usual;
+  }
   for (const Sense sense : kSenses) {
     if (!has(data, sense)) continue;
     const auto site = [&](Axis axis) { return site_at(data, sense, axis, true); };

@@ -34,12 +34,12 @@ std::vector<Coded> coded(const EffectDefinition& definition) {
 }
 
 /// Amplitude and phase of a·sin + b·cos, with sigmas by propagation.
-void add_harmonic(std::vector<ParameterEstimate>& out, const Eigen::VectorXd& c, const Eigen::MatrixXd& covariance,
-                  Eigen::Index at, std::span<const ParameterDefinition, 2> names) {
+void add_harmonic(const EffectInstance& effect, std::vector<ParameterEstimate>& out, const Eigen::VectorXd& c,
+                  const Eigen::MatrixXd& covariance, Eigen::Index at, std::span<const ParameterDefinition, 2> names) {
   if (at + 1 >= c.size()) return;
   const double a = c(at), b = c(at + 1);
   const double size = std::hypot(a, b);
-  ParameterEstimate amplitude{std::string(names[0].name), std::string(names[0].unit), size, {}, false, false};
+  ParameterEstimate amplitude{std::string(names[0].name), unit_of(effect, names[0]), size, {}, false, false};
   ParameterEstimate phase{std::string(names[1].name), std::string(names[1].unit), std::atan2(b, a), {}, false, false};
   if (covariance.rows() > at + 1 && size > 0.0) {
     const double vaa = covariance(at, at), vbb = covariance(at + 1, at + 1), vab = covariance(at, at + 1);
@@ -79,8 +79,8 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
   const EffectDefinition& definition = effect.definition();
   std::vector<ParameterEstimate> out;
   const auto add = [&](const ParameterDefinition& parameter, double value, std::optional<double> sigma, bool held) {
-    const std::string_view unit = effect.rotary && parameter.unit == "mm" ? "deg" : parameter.unit;
-    out.push_back({std::string(parameter.name), std::string(unit), value, sigma, held, false});
+    out.push_back(
+        {std::string(parameter.name), unit_of(effect, parameter), value, sigma, held, false, is_direction(effect)});
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
     const bool is_whole_fraction = effect.rotary && definition.traits.periodic;  // of a turn: exact
@@ -94,7 +94,7 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
     const auto j = static_cast<Eigen::Index>(first);
     if (j >= linear.size()) break;
     if (parameter.coding == Coding::amplitude) {
-      add_harmonic(out, linear, covariance, j, std::span<const ParameterDefinition, 2>(&parameter, 2));
+      add_harmonic(effect, out, linear, covariance, j, std::span<const ParameterDefinition, 2>(&parameter, 2));
       continue;
     }
     std::optional<double> sigma;

@@ -20,6 +20,16 @@ constexpr double kSameLever_m = 1e-5, kSameTarget_mm = 1e-3;
 /// Only what the approach of its moving axis does counts in the row.
 bool is_aside(const Observations& data, std::size_t k) { return !data.aside.empty() && data.aside[k]; }
 
+/// An error motion of a rotary axis in readings of a ball.
+bool acts_through_chain(const Observations& data, const EffectInstance& effect) {
+  return !data.through_chain.empty() && effect.rotary && effect.axis && effect.sense &&
+         effect.definition().place == Place::axis_and_sense;
+}
+
+double chain_factor(const Observations& data, std::size_t k, const EffectInstance& effect) {
+  return acts_through_chain(data, effect) ? data.share_of(k, *effect.axis, *effect.sense) : 1.0;
+}
+
 bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
   if (is_aside(data, k)) {
@@ -32,7 +42,12 @@ bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance
     return !is_rotation(data.sense[k]) && direction_of(data.sense[k]) != direction_of(*effect.sense);
   if (definition.place == Place::map)
     return data.compensated[k] && data.map && (!definition.traits.of_approach || data.approach[k] != 0);
-  if (effect.sense && data.sense[k] != *effect.sense) return false;
+  if (definition.place == Place::artefact) return !data.through_chain.empty() && !is_rotation(data.sense[k]);
+  if (definition.place == Place::location)
+    return !data.through_chain.empty() && data.share_of(k, *effect.axis, *effect.sense) != 0.0;
+  if (acts_through_chain(data, effect) ? data.share_of(k, *effect.axis, *effect.sense) == 0.0
+                                       : effect.sense && data.sense[k] != *effect.sense)
+    return false;
   if (!effect.axis) return true;
   if (definition.traits.of_approach) return is_own_motion(data, k, *effect.axis);
   if (effect.approach == ApproachMode::both) return true;
@@ -209,7 +224,8 @@ Eigen::VectorXd Regressors::of_curve(const EffectInstance& effect, const Acting&
   const laser::MapTable table{Component::EXX, Approach::unknown, effect.curve.p_mm, effect.curve.value};
   for (const std::size_t k : acting.rows) {
     const double value = laser::compensation_at(table, motions_.position_mm[k][index_of(*effect.axis)]);
-    sum(static_cast<Eigen::Index>(k)) = value * effect.definition().curve_factor({motions_, k, effect});
+    sum(static_cast<Eigen::Index>(k)) =
+        value * effect.definition().curve_factor({motions_, k, effect}) * chain_factor(motions_, k, effect);
   }
   if (data_.moved) return readings_from(sum).col(0);
   return sum;
@@ -234,7 +250,7 @@ Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Ac
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions_.size()), static_cast<Eigen::Index>(count));
   for (const std::size_t k : acting.rows) {
     const double p = motions_.p_mm(k, *effect.axis);
-    const double factor = definition.curve_factor({motions_, k, effect});
+    const double factor = definition.curve_factor({motions_, k, effect}) * chain_factor(motions_, k, effect);
     for (std::size_t f = 0; f < count; ++f)
       columns(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
           factor * curve_function(definition, basis, f, p);
@@ -274,7 +290,7 @@ Columns Regressors::motion_columns(const EffectInstance& effect, double searched
   Eigen::RowVectorXd row(columns.of.cols());
   for (const std::size_t k : acting.rows) {
     fill_row({motions_, k, effect, searched}, {row.data(), static_cast<std::size_t>(row.size())});
-    columns.of.row(static_cast<Eigen::Index>(k)) = row;
+    columns.of.row(static_cast<Eigen::Index>(k)) = chain_factor(motions_, k, effect) * row;
   }
   return columns;
 }

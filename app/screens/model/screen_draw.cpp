@@ -124,8 +124,9 @@ int ModelScreen::asked_rows(const Area& area) const {
 std::string ModelScreen::state_text() const {
   const model::Fit& fit = controller_->fit();
   const std::size_t effects = controller_->model().effects.size();
-  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um",
-                     controller_->data().size(), effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} {}, noise of one reading {:.3f} {}",
+                     controller_->data().size(), effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.unit,
+                     fit.noise.noise_um, fit.noise.unit);
 }
 
 int ModelScreen::state_rows(const Area& area) const {

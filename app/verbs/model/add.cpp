@@ -27,7 +27,9 @@ struct AddArguments : VerbArguments {
   const std::string& sensor2 = text("--sensor2", "column of the second sensor, where it follows the difference of two");
   const std::string& sense = choice("--sense", {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect");
   const std::string& code =
-      text("--code", "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation");
+      text("--code",
+           "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation; XOC "
+           "and so on of location");
   const std::string& machine = text("--machine", kMachineHelp);
   const std::vector<std::string>& alternatives =
       texts("--or", "what `diagnose` cannot tell it from: kept with it until a measurement decides");
@@ -50,10 +52,18 @@ Result<model::AddRequest> request_of(const AddArguments& arguments) {
   if (!arguments.sensor2.empty()) request->sensor2 = arguments.sensor2;
   if (!arguments.sense.empty()) request->sense = sense_named(arguments.sense);
   if (arguments.code.empty()) return request;
-  if (model::set_code(request->id, arguments.code, request->sense, request->code)) return request;
+  if (const auto coded = model::code_named(request->id, arguments.code)) {
+    if (coded->axis) {
+      request->axis = coded->axis;
+      request->rotary = true;
+    }
+    if (coded->sense) request->sense = coded->sense;
+    if (coded->code) request->code = coded->code;
+    return request;
+  }
   return problem(ProblemKind::usage,
                  fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, or EA, "
-                             "EB, EC of set_up_rotation, got \"{}\"",
+                             "EB, EC of set_up_rotation, XOC … of location, got \"{}\"",
                              arguments.code));
 }
 
@@ -64,12 +74,12 @@ Problem with_hint(Problem why) {
   return why;
 }
 
-Cell added_cell(const model::Added& added, const std::string& output) {
+Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
-  const std::string summary = paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
+  const std::string summary = paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} {}, noise of one reading {:.3f} {}",
                                                     name_with_alternatives(added.effect.effect), added.rms_before_um,
-                                                    added.rms_after_um, added.noise_um));
+                                                    added.rms_after_um, unit, added.noise_um, unit));
   return record_cell("{summary}{effect}\n{history}{model}\n",
                      {{"summary", shown_cell(summary)},
                       {"rms_before_um", {number_or_null(added.rms_before_um), ""}},
@@ -100,7 +110,7 @@ Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto kept = model::write_model(arguments.output, added->model, arguments.model); !kept)
       return tl::unexpected(kept.error());
-  return outcome_of(added_cell(*added, arguments.output));
+  return outcome_of(added_cell(*added, work->data.reading_unit(), arguments.output));
 }
 
 struct UndoArguments : VerbArguments {

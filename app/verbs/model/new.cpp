@@ -21,10 +21,9 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   std::vector<std::string> effects;
   for (const model::EffectInstance& effect : work->model.effects) effects.push_back(place_text(effect));
   return outcome_of(
-      record_cell("begun in {model}: offset and slope of what was measured, backlash where both approaches "
-                  "were{of_paths}\n{effects}next: ecs model diagnose {model} "
-                  "{data}\n",
+      record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: ecs model diagnose {model} {data}\n",
                   {{"model", word_cell(arguments.model)},
+                   {"usual", shown_cell(usual_in_words(work->data))},
                    {"of_paths", shown_cell(work->data.paths.empty() ? "" : "; of circles and diagonals nothing")},
                    {"effects", lines_cell(effects, "  ")},
                    {"data", shown_cell(work->data_name)}}));
@@ -32,8 +31,8 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
 
 }  // namespace
 
-extern const VerbDefinition kModelNew =
-    verb<NewArguments>("model new", "a model to begin with: offset, slope and backlash of what was measured",
-                       "ecs model new model.toml data.csv --machine machine.toml", begin);
+extern const VerbDefinition kModelNew = verb<NewArguments>(
+    "model new", "a model to begin with: offset, slope, backlash of what was measured; of a ball its place",
+    "ecs model new model.toml data.csv --machine machine.toml", begin);
 
 }  // namespace ecs::app

@@ -1,0 +1,248 @@
+// Location errors of rotary axes and error motions in readings of a ball: what the model says of them against exact
+// matrices (tests/support/exact_joints.hpp), and what it finds in such readings.
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/fit.hpp"
+#include "model/regression/candidates.hpp"
+#include "tests/model/support/measured_lines.hpp"
+#include "tests/support/exact_joints.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+
+namespace {
+
+using kinematics::Angles;
+
+/// A machine for the model and for exact matrices.
+struct TurningMachine {
+  params::Machine machine = mill("XYTZ");
+  ecs::test::ExactMachine exact;
+
+  TurningMachine(const char* configuration, std::vector<std::pair<char, params::MachineRotaryAxis>> rotary) {
+    std::string linear;
+    for (const char letter : std::string(configuration))
+      if (letter < 'A' || letter > 'C') linear += letter;
+    machine = mill(linear.c_str());
+    machine.rotary_configuration = exact.configuration = configuration;
+    for (const auto& [letter, axis] : rotary) {
+      const auto r = static_cast<std::size_t>(letter - 'A');
+      machine.rotary[r] = axis;
+      exact.rotary[r] = {axis.direction, axis.pivot_mm};
+    }
+  }
+};
+
+TurningMachine trunnion() {
+  return {"XYACTZ",
+          {{'A', {{-100.0, 30.0}, {1.0, 0.0, 0.0}, {600.0, 300.0, -560.0}}},
+           {'C', {{0.0, 360.0}, {0.0, 0.0, 1.0}, {605.0, 298.0, -500.0}}}}};
+}
+
+/// Directions of the machine's X, Y, Z in the frame of the workpiece: of linear axes between bed and tool, or that
+/// carry the rotary ones.
+Eigen::Matrix3d bed_of(ecs::test::ExactMachine exact, const Angles& angles) {
+  exact.values = {};
+  exact.location = {};
+  Eigen::Matrix3d bed;
+  const Eigen::Vector3d from = exact_pose(exact, {}, angles).translation();
+  for (int l = 0; l < 3; ++l) {
+    Vector3 one{};
+    one[static_cast<std::size_t>(l)] = 1.0;
+    bed.col(l) = exact_pose(exact, one, angles).translation() - from;
+  }
+  return bed;
+}
+
+struct Ball {
+  Eigen::Vector3d off_um{0.0, 0.0, 0.0};
+  double noise_um = 0.0;
+  bool on_workpiece = false;
+};
+
+/// C over a turn at A 0 and A -60, A over its travel at C 0 and C 90, two runs there and back.
+laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ball, std::uint64_t seed = 1) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  ecs::test::ExactMachine ideal = made.exact;
+  ideal.values = {};
+  ideal.location = {};
+  const Eigen::Vector3d at = exact_pose(ideal, {800.0, 340.0, -450.0}, {}).translation();
+  laser::MeasurementSet set;
+  double time_s = 0.0;
+  const auto take = [&](Axis moving, const Angles& angles, Approach approach, int run) {
+    time_s += 5.0;
+    const Eigen::Matrix3d bed = bed_of(made.exact, angles);
+    const Eigen::Vector3d p = bed.transpose() * (at - exact_pose(ideal, {}, angles).translation());
+    const Vector3 position{p.x(), p.y(), p.z()};
+    const Vector3 e = exact_tool_error(made.exact, position, angles).error_um;
+    const Eigen::Vector3d error = Eigen::Vector3d(e[0], e[1], e[2]) - ball.off_um;
+    const Eigen::Vector3d read = ball.on_workpiece ? error : Eigen::Vector3d(bed.transpose() * error);
+    for (int d = 0; d < 3; ++d) {
+      laser::Reading r;
+      r.axis = moving;
+      r.rotary = true;
+      r.sense = static_cast<Sense>(d);
+      r.position_mm = position;
+      r.angle_deg = angles;
+      r.error = read[d] + ball.noise_um * normal(random);
+      r.approach = approach;
+      r.run = run;
+      r.time_s = time_s;
+      r.row = static_cast<int>(set.readings.size()) + 1;
+      if (ball.on_workpiece) r.extras["on_workpiece"] = 1.0;
+      set.readings.push_back(r);
+    }
+  };
+  for (const double parked : {0.0, -60.0})
+    for (int run = 1; run <= 2; ++run)
+      for (const Approach approach : {Approach::forward, Approach::reverse})
+        for (int i = 0; i < 12; ++i)
+          take(Axis::Z, {parked, 0.0, 30.0 * (approach == Approach::forward ? i : 11 - i)}, approach, run);
+  for (const double parked : {0.0, 90.0})
+    for (int run = 1; run <= 2; ++run)
+      for (const Approach approach : {Approach::forward, Approach::reverse})
+        for (int i = 0; i < 10; ++i)
+          take(Axis::X, {-96.0 + 14.0 * (approach == Approach::forward ? i : 9 - i), 0.0, parked}, approach, run);
+  return set;
+}
+
+Model begun(const laser::MeasurementSet& set, const TurningMachine& made) {
+  Model model;
+  model.effects = usual_effects(observations_of(set, model, made.machine));
+  return model;
+}
+
+Diagnosis found_in(const laser::MeasurementSet& set, const TurningMachine& made) {
+  const Model model = begun(set, made);
+  const auto found = diagnose(model, observations_of(set, model, made.machine));
+  REQUIRE(found);
+  return *found;
+}
+
+const Candidate* named_candidate(const Diagnosis& found) {
+  for (const Candidate& one : found.candidates)
+    if (one.named) return &one;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("every error of the rotary axes reaches a reading as exact matrices say") {
+  for (const bool on_workpiece : {false, true})
+    for (const std::size_t axis : {0U, 2U})
+      for (std::size_t s = 0; s < 6; ++s) {
+        CAPTURE(axis);
+        CAPTURE(s);
+        TurningMachine made = trunnion();
+        constexpr double kSmall = 0.5;  // um, um/m: second order stays below 1e-6 um
+        made.exact.location[axis][s] = kSmall;
+        const laser::MeasurementSet set = ball_set(made, {{}, 0.0, on_workpiece});
+        const Observations data = observations_of(set, Model{}, made.machine);
+        REQUIRE(data.through_chain.size() == data.size());
+        double worst = 0.0, size = 0.0;
+        for (std::size_t k = 0; k < data.size(); ++k) {
+          const double expected = kSmall * data.share_of(k, static_cast<Axis>(axis), static_cast<Sense>(s));
+          worst = std::max(worst, std::abs(expected - data.reading[k]));
+          size = std::max(size, std::abs(expected));
+        }
+        CHECK(worst < 2e-6);
+        CHECK(size > 0.01);
+      }
+}
+
+TEST_CASE("a ball off its place turns with the workpiece") {
+  const TurningMachine made = trunnion();
+  const laser::MeasurementSet set = ball_set(made, {{12.0, -7.0, 5.0}});
+  const Model model = begun(set, made);
+  const auto fitted = fit(model, observations_of(set, model, made.machine));
+  REQUIRE(fitted);
+  CHECK(fitted->rms_um < 1e-6);
+  const auto& place = fitted->effects.front().parameters;
+  REQUIRE(place.size() == 3);
+  CHECK(place[0].value == Approx(12.0));
+  CHECK(place[1].value == Approx(-7.0));
+  CHECK(place[2].value == Approx(5.0));
+}
+
+TEST_CASE("a hidden location error is named, fitted, and what looks like it is said") {
+  struct Case {
+    std::size_t axis, letter;
+    const char* name;
+    double size;
+  };
+  for (const Case& one : {Case{2, 0, "location:C:XOC", 6.0}, Case{2, 4, "location:C:BOC", 25.0},
+                          Case{0, 1, "location:A:YOA", 5.0}, Case{0, 5, "location:A:COA", -30.0}}) {
+    CAPTURE(one.name);
+    TurningMachine made = trunnion();
+    made.exact.location[one.axis][one.letter] = one.size;
+    const Diagnosis found = found_in(ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 11), made);
+    CHECK(found.verdict == Verdict::missing_effect);
+    const Candidate* named = named_candidate(found);
+    REQUIRE(named != nullptr);
+    CHECK(to_text(named->effect) == one.name);
+    CHECK(named->parameters.front().value == Approx(one.size).epsilon(0.15));
+    CHECK(named->parameters.front().unit == (one.letter < 3 ? "um" : "um/m"));
+  }
+}
+
+TEST_CASE("at one angle of the other axis, places of both axis lines and the zero of the probe are one group") {
+  TurningMachine made = trunnion();
+  made.exact.location[2][1] = 7.0;  // YOC
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 12);
+  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  const Diagnosis found = found_in(set, made);
+  const Candidate* named = named_candidate(found);
+  REQUIRE(named != nullptr);
+  CHECK(to_text(named->effect) == "location:C:YOC");
+  std::vector<std::string> rivals;
+  for (const EffectInstance& rival : named->rivals) rivals.push_back(to_text(rival));
+  CHECK(std::find(rivals.begin(), rivals.end(), "location:A:YOA") != rivals.end());
+  CHECK(std::find_if(rivals.begin(), rivals.end(),
+                     [](const std::string& rival) { return rival.starts_with("offset:"); }) != rivals.end());
+}
+
+TEST_CASE("a sound machine with a ball off its place is adequate") {
+  const TurningMachine made = trunnion();
+  CHECK(found_in(ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 13), made).verdict == Verdict::adequate);
+}
+
+TEST_CASE("an eccentric encoder is a wave of one turn in the positioning, seen through the radius of the ball") {
+  TurningMachine made = trunnion();
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 14);
+  const Observations data = observations_of(set, Model{}, made.machine);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double wave = 40.0 * std::sin(data.position_mm[k][2] * std::numbers::pi / 180.0 + 0.7);
+    set.readings[data.file_order[k]].error += wave * data.share_of(k, Axis::Z, Sense::EC);
+  }
+  const Diagnosis found = found_in(set, made);
+  const Candidate* named = named_candidate(found);
+  REQUIRE(named != nullptr);
+  CHECK(to_text(named->effect) == "cyclic:C:EC");
+  CHECK(found.verdict == Verdict::missing_effect);
+}
+
+TEST_CASE("a model file holds location errors by their code, directions in um/m") {
+  const auto read = parse_model(
+      "[[effect]]\nid = \"location\"\naxis = \"C\"\ncode = \"XOC\"\nparameters = { um = 3.5 }\n\n"
+      "[[effect]]\nid = \"location\"\ncode = \"BOC\"\nfitted = { um_per_m = -12 }\n\n"
+      "[[effect]]\nid = \"ball_on_table\"\n",
+      "model.toml", {});
+  REQUIRE_MESSAGE(read, (read ? "" : read.error().message));
+  CHECK(to_text(read->effects[0]) == "location:C:XOC");
+  CHECK(to_text(read->effects[1]) == "location:C:BOC");
+  const std::string text = to_toml(*read);
+  CHECK(text.find("um_per_m = -12") != std::string::npos);
+  CHECK(parse_model(text, "model.toml", {})->effects == read->effects);
+  for (const char* wrong : {"code = \"XXC\"", "axis = \"A\"\ncode = \"XOC\"", "code = \"ECX\""}) {
+    const auto refused = parse_model(std::string("[[effect]]\nid = \"location\"\n") + wrong + "\n", "m.toml", {});
+    REQUIRE(!refused);
+    CHECK(refused.error().message.find("such as XOC") != std::string::npos);
+  }
+}
