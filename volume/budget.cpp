@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volume/roughness.hpp"
 #include "volume/uncertainty.hpp"
 
 namespace ecs::volume {
@@ -15,15 +16,6 @@ double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-/// Standard deviation of independent noise from third differences (J. von Neumann et al., Ann. Math. Stat. 12 (1941)
-/// 153, for first differences); their median, so that a bend of the curve does not count as noise.
-double roughness_of(const std::vector<double>& values) {
-  std::vector<double> third;
-  for (std::size_t i = 0; i + 3 < values.size(); ++i)
-    third.push_back(std::abs(values[i + 3] - 3.0 * values[i + 2] + 3.0 * values[i + 1] - values[i]));
-  return kMadToSigma * median_of(std::move(third)) / std::sqrt(20.0);
 }
 
 /// The error midway between two values, from the curvature that second differences show above their noise.
@@ -72,13 +64,22 @@ void take_repeatability(CurveUncertainty& curve, const CompensatedMachine& machi
 
 }  // namespace
 
+double roughness_of(const std::vector<double>& values) {
+  std::vector<double> third;
+  for (std::size_t i = 0; i + 3 < values.size(); ++i)
+    third.push_back(std::abs(values[i + 3] - 3.0 * values[i + 2] + 3.0 * values[i + 1] - values[i]));
+  return kMadToSigma * median_of(std::move(third)) / std::sqrt(20.0);
+}
+
 UncertaintyBudget budget_of(const CompensatedMachine& machine, const UncertaintySettings& settings) {
   UncertaintyBudget budget;
   for (std::size_t c = 0; c < kCurves; ++c) budget.curves[c].component = static_cast<Component>(c);
   const TermTable terms = terms_of_machine(machine.parameters, machine.parameters.convention, CurveKind::measured);
   for (const Term& term : terms) {
     const std::size_t c = index_of(term.component);
-    const bool acts = !term.has_lever || term.uses_coordinate || machine.tool_offset_mm[index_of(term.lever)] != 0.0;
+    // with rotary axes every rotation acts at some angle
+    const bool acts = machine.rotary || !term.has_lever || term.uses_coordinate ||
+                      machine.tool_offset_mm[index_of(term.lever)] != 0.0;
     if (!acts) continue;
     if (is_squareness(term.component)) {
       const laser::StatedUncertainty* stated = stated_for(machine.map.header, term.component);

@@ -99,7 +99,7 @@ void MapDraws::next() {
     squareness_[c] = budget_.squareness_um_per_m[c] * normal(generator_);
 }
 
-Field MapDraws::over(const Grid& grid) const {
+Components MapDraws::components_over(const Grid& grid) const {
   Components components;
   components.squareness = squareness_;
   for (std::size_t c = 0; c < kCurves; ++c) {
@@ -126,7 +126,11 @@ Field MapDraws::over(const Grid& grid) const {
       }
     }
   }
-  Field field(grid, components, kinematics_);
+  return components;
+}
+
+Field MapDraws::over(const Grid& grid) const {
+  Field field(grid, components_over(grid), kinematics_);
   field.count_from_reference();
   return field;
 }

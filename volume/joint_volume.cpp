@@ -59,12 +59,13 @@ Angles reference_angles(const RotaryAxes& rotary) {
   return angles;
 }
 
-JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components)
+JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components,
+                         RotaryErrors rotary, Field compensation)
     : grid_(grid),
       machine_(machine.rotary->machine),
-      rotary_(machine.rotary->errors),
+      rotary_(std::move(rotary)),
       components_(std::move(components)),
-      compensation_(compensation_over(machine, grid)) {
+      compensation_(std::move(compensation)) {
   machine_.lines_mm = machine.errors.kinematics.lines_mm;
   machine_.tool_offset_mm = machine.errors.kinematics.tool_offset_mm;
   machine_.curves = machine.errors.curves;
@@ -77,7 +78,18 @@ JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Co
 Result<JointVolume> JointVolume::over(const CompensatedMachine& machine, const Grid& grid) {
   auto components = machine.errors.components(grid);
   if (!components) return tl::unexpected(components.error());
-  return JointVolume(machine, grid, std::move(*components));
+  return JointVolume(machine, grid, std::move(*components), machine.rotary->errors, compensation_over(machine, grid));
+}
+
+JointVolume JointVolume::of(const CompensatedMachine& machine, const Grid& grid, Components components,
+                            RotaryErrors rotary) {
+  return {machine, grid, std::move(components), std::move(rotary), Field(grid, {}, {})};
+}
+
+Field JointVolume::errors(const Angles& angles_deg) const {
+  Field field = errors_at(pose_at(machine_, angles_deg), angles_deg);
+  field.shift(minus(at_zero_));
+  return field;
 }
 
 Field JointVolume::errors_at(const kinematics::MachinePose& pose, const Angles& angles_deg) const {

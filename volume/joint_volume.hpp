@@ -25,12 +25,19 @@ class JointVolume {
   /// @pre machine.rotary, and its errors are components
   [[nodiscard]] static Result<JointVolume> over(const CompensatedMachine& machine, const Grid& grid);
 
+  /// Errors by themselves, without a map: `components` made for this grid.
+  [[nodiscard]] static JointVolume of(const CompensatedMachine& machine, const Grid& grid, Components components,
+                                      RotaryErrors rotary);
+
   [[nodiscard]] BeforeAfter at(const kinematics::Angles& angles_deg) const;
+  /// Those before compensation.
+  [[nodiscard]] Field errors(const kinematics::Angles& angles_deg) const;
   /// Tool against workpiece, by side, at the first place of the grid [um/m]; the unit compensates none of it.
   [[nodiscard]] std::array<Vector3, 2> orientation_at(const kinematics::Angles& angles_deg) const;
 
  private:
-  JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components);
+  JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components, RotaryErrors rotary,
+              Field compensation);
   [[nodiscard]] Field errors_at(const kinematics::MachinePose& pose, const kinematics::Angles& angles_deg) const;
 
   Grid grid_;

@@ -2,77 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.hpp"
-#include "volume/shapes.hpp"
-#include "volume/uncertainty.hpp"
+#include "volume/curve_covariance.hpp"
 
 namespace ecs::volume {
-namespace {
-
-double product_of(const Shapes& a, const Shapes& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-/// Covariance of two values read from one table.
-double within_table(const CurveUncertainty& u, const laser::MapTable& table, const std::array<double, 2>& travel_mm,
-                    double a_mm, double b_mm) {
-  const TablePlace a = place_in(table, a_mm), b = place_in(table, b_mm);
-  double shared = 0.0;  // Σ of the products of the weights that both give to one value
-  for (const std::size_t i : {a.below, a.below + 1})
-    for (const std::size_t j : {b.below, b.below + 1})
-      if (i == j) shared += (i == a.below ? 1.0 - a.part : a.part) * (j == b.below ? 1.0 - b.part : b.part);
-  double sum = u.value * u.value * shared;
-  if (a.below == b.below) sum += u.between * u.between * a.bow() * b.bow();
-  if (u.pass > 0.0) {
-    const double heavy_tails = u.degrees_of_freedom / (u.degrees_of_freedom - 2.0);  // variance of Student's t
-    sum += heavy_tails * u.pass * u.pass * product_of(shapes_at(travel_mm, a_mm), shapes_at(travel_mm, b_mm));
-  }
-  return sum;
-}
-
-/// A coordinate of an axis, and the side from which it was reached.
-struct Stop {
-  double mm = 0.0;
-  std::size_t side = 1;
-};
-
-class CurveCovariance {
- public:
-  CurveCovariance(const CompensatedMachine& machine, const CurveUncertainty& u)
-      : u_(u),
-        travel_mm_(*machine.travel_mm[index_of(moving_axis(u.component))]),
-        reference_mm_(reference_of(machine.parameters)[index_of(moving_axis(u.component))]) {
-    for (std::size_t side = 0; side < kSides.size(); ++side)
-      table_[side] = table_of(machine.map, u.component, kSides[side]);
-  }
-
-  [[nodiscard]] double of(const Stop& a, const Stop& b) const {
-    double sum = u_.per_m * u_.per_m * (a.mm - reference_mm_) * (b.mm - reference_mm_) / (kMmPerM * kMmPerM);
-    if (u_.unmeasured > 0.0)
-      sum += u_.unmeasured * u_.unmeasured * product_of(shapes_at(travel_mm_, a.mm), shapes_at(travel_mm_, b.mm));
-    const laser::MapTable* table = table_[a.side];
-    if (table == nullptr || table != table_[b.side] || table->position_mm.empty()) return sum;
-    return sum + within_table(u_, *table, travel_mm_, a.mm, b.mm);
-  }
-  /// With the mean of both sides at the reference.
-  [[nodiscard]] double with_reference(const Stop& a) const {
-    return 0.5 * (of(a, {reference_mm_, 0}) + of(a, {reference_mm_, 1}));
-  }
-  [[nodiscard]] double of_reference() const {
-    return 0.5 * (with_reference({reference_mm_, 0}) + with_reference({reference_mm_, 1}));
-  }
-
- private:
-  const CurveUncertainty& u_;
-  std::array<double, 2> travel_mm_;
-  double reference_mm_;
-  std::array<const laser::MapTable*, 2> table_{};
-};
-
-/// How each component acts at the tool at a place: E_d = Σ gain[component][d] · value.
-using Gains = std::array<Vector3, kComponents>;
 Gains gains_at(const Kinematics& kinematics, const Vector3& position_mm) {
   Gains gains{};
   for (const Term& term : kinematics.terms) {
@@ -90,8 +22,6 @@ void add_product(Covariance& sum, const Vector3& a, const Vector3& b, double wei
   for (std::size_t i = 0; i < kAxes; ++i)
     for (std::size_t j = 0; j < kAxes; ++j) sum[i][j] += weight * a[i] * b[j];
 }
-
-}  // namespace
 
 Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBudget& budget, const Vector3& position_mm,
                          std::size_t side) {

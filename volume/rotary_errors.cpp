@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -28,10 +29,6 @@ bool closes(const RotaryTable& table) {
   return span >= kTurn_deg - 2.0 * span / static_cast<double>(table.p_deg.size() - 1);
 }
 
-double between(double angle, double a, double b, double at_a, double at_b) {
-  return b > a ? std::lerp(at_a, at_b, (angle - a) / (b - a)) : at_a;
-}
-
 struct RotaryComponent {
   Joint joint = Joint::C;
   bool is_location = false;
@@ -55,6 +52,7 @@ class RotaryReader {
   RotaryReader(const laser::CsvTable& table, const JointChain& chain, laser::Findings& findings)
       : chain_(chain), findings_(findings) {
     for (std::size_t k = 0; k < kRotaryColumns.size(); ++k) place_[k] = *laser::place_of(table, kRotaryColumns[k]);
+    u_ = laser::place_of(table, "u");
   }
 
   void take(const laser::CsvRow& row) {
@@ -69,10 +67,16 @@ class RotaryReader {
     const auto error = number_in(field(3).text);
     if (!error || std::abs(*error) > kLargestError)
       return refuse(row, field(3), "error: expected a number of um or um/m within 32000");
+    std::optional<double> u;
+    if (u_ && !row.fields[*u_].text.empty()) {
+      u = number_in(row.fields[*u_].text);
+      if (!u || *u < 0.0 || *u > kLargestError)
+        return refuse(row, row.fields[*u_], "u: expected a standard uncertainty in um or um/m, 0 or more");
+    }
     if (component->is_location)
-      take_location(row, field(1), field(2), *component, *error);
+      take_location(row, field(1), field(2), *component, *error, u);
     else
-      take_motion(row, field(1), field(2), *component, *error);
+      take_motion(row, field(1), field(2), *component, *error, u);
   }
 
   RotaryErrors finish() {
@@ -86,7 +90,7 @@ class RotaryReader {
   }
 
   void take_location(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
-                     const RotaryComponent& component, double error) {
+                     const RotaryComponent& component, double error, std::optional<double> u) {
     if (!angle.text.empty())
       return refuse(row, angle, "p_deg: expected nothing: a location error is a constant of the axis line");
     if (!approach.text.empty() && approach.text != "0")
@@ -99,10 +103,12 @@ class RotaryReader {
           row, angle,
           fmt::format("component: {}O{} occurs twice", "XYZABC"[component.sense], letter_of(component.joint)));
     errors_.location[rotary][component.sense] = error;
+    errors_.location_u[rotary][component.sense] = u;
+    errors_.location_given[rotary][component.sense] = true;
   }
 
   void take_motion(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
-                   const RotaryComponent& component, double error) {
+                   const RotaryComponent& component, double error, std::optional<double> u) {
     const auto p_deg = number_in(angle.text);
     if (!p_deg || std::abs(*p_deg) > kFurthestAngle_deg)
       return refuse(row, angle, "p_deg: expected an angle within 3600 deg of 0");
@@ -114,45 +120,62 @@ class RotaryReader {
       return refuse(row, angle, "p_deg: expected each angle once in a component and approach");
     table.p_deg.push_back(*p_deg);
     table.error.push_back(error);
+    if (u ? table.u.size() + 1 != table.error.size() : !table.u.empty())
+      return refuse(row, angle,
+                    "u: expected a standard uncertainty at every angle of a component and approach or at none");
+    if (u) table.u.push_back(*u);
   }
 
   RotaryTable& table_for(const RotaryComponent& component, Approach approach) {
     const auto sense = static_cast<Sense>(component.sense);
     for (RotaryTable& table : errors_.tables)
       if (table.joint == component.joint && table.sense == sense && table.approach == approach) return table;
-    return errors_.tables.emplace_back(RotaryTable{component.joint, sense, approach, {}, {}});
+    return errors_.tables.emplace_back(RotaryTable{component.joint, sense, approach, {}, {}, {}});
   }
 
   static void sort_by_angle(RotaryTable& table) {
-    std::vector<std::pair<double, double>> points;
-    for (std::size_t i = 0; i < table.p_deg.size(); ++i) points.emplace_back(table.p_deg[i], table.error[i]);
+    std::vector<std::tuple<double, double, double>> points;
+    for (std::size_t i = 0; i < table.p_deg.size(); ++i)
+      points.emplace_back(table.p_deg[i], table.error[i], table.u.empty() ? 0.0 : table.u[i]);
     std::sort(points.begin(), points.end());
-    for (std::size_t i = 0; i < points.size(); ++i) std::tie(table.p_deg[i], table.error[i]) = points[i];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      std::tie(table.p_deg[i], table.error[i], std::ignore) = points[i];
+      if (!table.u.empty()) table.u[i] = std::get<2>(points[i]);
+    }
   }
 
   const JointChain& chain_;
   laser::Findings& findings_;
   std::array<std::size_t, kRotaryColumns.size()> place_{};
+  std::optional<std::size_t> u_;  ///< place of the column u
   std::vector<std::pair<std::size_t, std::size_t>> given_;
   RotaryErrors errors_;
 };
 
 }  // namespace
 
-double value_at(const RotaryTable& table, double angle_deg) {
+TableWeights weights_in(const RotaryTable& table, double angle_deg) {
   const auto& p = table.p_deg;
-  if (p.empty()) return 0.0;
+  const auto between = [](std::size_t below, std::size_t above, double part) {
+    return TableWeights{{below, above}, {1.0 - part, part}};
+  };
   double angle = angle_deg;
   if (closes(table)) {
     angle = p.front() + std::fmod(angle_deg - p.front(), kTurn_deg);
     if (angle < p.front()) angle += kTurn_deg;
-    if (angle > p.back())
-      return between(angle, p.back(), p.front() + kTurn_deg, table.error.back(), table.error.front());
+    const double rest = p.front() + kTurn_deg - p.back();
+    if (angle > p.back()) return between(p.size() - 1, 0, rest > 0.0 ? (angle - p.back()) / rest : 0.0);
   }
-  if (angle <= p.front()) return table.error.front();
-  if (angle >= p.back()) return table.error.back();
+  if (angle <= p.front()) return {};
+  if (angle >= p.back()) return {{p.size() - 1, 0}, {1.0, 0.0}};
   const auto next = static_cast<std::size_t>(std::upper_bound(p.begin(), p.end(), angle) - p.begin());
-  return between(angle, p[next - 1], p[next], table.error[next - 1], table.error[next]);
+  return between(next - 1, next, (angle - p[next - 1]) / (p[next] - p[next - 1]));
+}
+
+double value_at(const RotaryTable& table, double angle_deg) {
+  if (table.p_deg.empty()) return 0.0;
+  const TableWeights at = weights_in(table, angle_deg);
+  return at.weight[0] * table.error[at.value[0]] + at.weight[1] * table.error[at.value[1]];
 }
 
 const RotaryTable* table_of(const RotaryErrors& errors, Joint joint, Sense sense, Approach side) {
@@ -175,6 +198,10 @@ kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinemati
 
 std::string rotary_name(Joint joint, Sense sense) {
   return fmt::format("{}{}", name_of(sense), kinematics::letter_of(joint));
+}
+
+std::string location_name(std::size_t rotary, std::size_t sense) {
+  return fmt::format("{}O{}", "XYZABC"[sense], "ABC"[rotary]);
 }
 
 Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name, const JointChain& chain) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,13 +23,25 @@ struct RotaryTable {
   Approach approach = Approach::unknown;  ///< unknown: both
   std::vector<double> p_deg;              ///< ascending
   std::vector<double> error;              ///< actual − target, tool against workpiece [um, um/m]
+  std::vector<double> u;                  ///< standard uncertainties of them; empty: not stated
 };
 
 struct RotaryErrors {
   std::vector<RotaryTable> tables;
   /// Of A, B, C: place (XO., YO., ZO.) and direction (AO., BO., CO.) of its axis line at its pivot [um, um/m].
   std::array<std::array<double, 6>, kAxes> location{};
+  /// Standard uncertainties of them, where they are stated.
+  std::array<std::array<std::optional<double>, 6>, kAxes> location_u{};
+  std::array<std::array<bool, 6>, kAxes> location_given{};
 };
+
+/// The two values of a table between which an angle is, with their weights; of sum 1.
+struct TableWeights {
+  std::array<std::size_t, 2> value{};
+  std::array<double, 2> weight{1.0, 0.0};
+};
+/// @pre the table has values
+[[nodiscard]] TableWeights weights_in(const RotaryTable& table, double angle_deg);
 
 [[nodiscard]] double value_at(const RotaryTable& table, double angle_deg);
 
@@ -43,9 +56,12 @@ struct RotaryErrors {
 /// "EXC", "EAB"
 [[nodiscard]] std::string rotary_name(kinematics::Joint joint, Sense sense);
 
-/// CSV with the columns component, approach (1|-1|0 = both), p_deg, error [um, um/m]; location errors with an empty
-/// p_deg. Every bad row is reported: a name that is no error of a rotary axis, an axis that `chain` does not have, an
-/// angle beyond 3600 or twice.
+/// "XOC", "AOB". @param rotary  0, 1, 2: A, B, C
+[[nodiscard]] std::string location_name(std::size_t rotary, std::size_t sense);
+
+/// CSV with the columns component, approach (1|-1|0 = both), p_deg, error [um, um/m], and u, its standard uncertainty,
+/// where that is known; location errors with an empty p_deg. Every bad row is reported: a name that is no error of a
+/// rotary axis, an axis that `chain` does not have, an angle beyond 3600 or twice.
 [[nodiscard]] Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name,
                                                        const kinematics::JointChain& chain);
 [[nodiscard]] Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file,

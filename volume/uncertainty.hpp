@@ -73,6 +73,8 @@ class MapDraws {
   void next();
   /// Those of the last draw over a grid, counted from the reference.
   [[nodiscard]] Field over(const Grid& grid) const;
+  /// The same as components.
+  [[nodiscard]] Components components_over(const Grid& grid) const;
 
  private:
   /// Drawn numbers of one table; one without values has shapes alone.

@@ -99,6 +99,12 @@ ReportSection volume_section(const ReportContent& content) {
       counted(volume.answer.grid.places(), "place", "places"), travels_in_words(volume.prepared.machine.travel_mm),
       volume.prepared.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
   if (volume.from_map()) how += " What the map does not hold counts as zero; scatter and drift are not in it.";
+  if (content.machine && !content.machine->rotary_configuration.empty())
+    how += fmt::format(
+        " The machine has rotary axes ({}), which the unit does not compensate: these figures hold with their angles "
+        "at "
+        "0 and without their errors; `ecs volume --rotary` gives those at every angle.",
+        content.machine->rotary_configuration);
   body += paragraph_of(how, "class=\"small intro\"");
   if (!volume.prepared.remark.empty()) body += paragraph_of(volume.prepared.remark, "class=\"small intro\"");
   return {"volume", kVolumeTitle, body + volume_table(content, volume)};

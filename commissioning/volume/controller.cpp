@@ -1,5 +1,6 @@
 #include "commissioning/volume/controller.hpp"
 
+#include <initializer_list>
 #include <utility>
 
 #include "base/answer_table.hpp"
@@ -42,7 +43,10 @@ bool VolumeController::advance() { return task_.advance(); }
 void VolumeController::export_picture(FigureWriter write) {
   const auto drawn = [asked = asked_](const std::string& picture) {
     std::vector<std::string> words{"volume", path_word(asked.map), "--params", path_word(asked.params)};
-    if (!asked.errors.empty()) words.insert(words.end(), {"--errors", path_word(asked.errors)});
+    const std::initializer_list<std::pair<const char*, const std::string*>> others{
+        {"--errors", &asked.errors}, {"--machine", &asked.machine}, {"--rotary", &asked.rotary}};
+    for (const auto& [option, file] : others)
+      if (!file->empty()) words.insert(words.end(), {option, path_word(*file)});
     words.insert(words.end(), {"-o", picture});
     note_command(std::move(words));
   };

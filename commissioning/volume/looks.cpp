@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -61,7 +60,7 @@ Result<Vector3> coordinates_in(const std::string& text, std::string_view option)
                  fmt::format("{}: expected three numbers X,Y,Z in mm, such as -100,0,-250, got \"{}\"", option, text));
 }
 
-Result<void> look_at(const std::string& text, VolumeWork& work) {
+Result<void> look_at(const std::string& text, const volume::CompensatedMachine& expected, VolumeWork& work) {
   volume::CompensatedMachine machine = work.prepared.machine;
   const auto asked = place_in(text, machine.rotary);
   if (!asked) return tl::unexpected(asked.error());
@@ -86,12 +85,13 @@ Result<void> look_at(const std::string& text, VolumeWork& work) {
     const auto here = volume::JointVolume::over(machine, grid);
     if (!here) return tl::unexpected(here.error());
     answer.orientation_um_per_m = here->orientation_at(angles_deg);
-    answer.standard_uncertainty_um.fill(std::numeric_limits<double>::quiet_NaN());
-  } else {
-    const volume::Covariance covariance =
-        covariance_at(machine, work.budget, answer.position_mm, volume::kSides.size() - 1);
-    for (std::size_t d = 0; d < kAxes; ++d) answer.standard_uncertainty_um[d] = std::sqrt(covariance[d][d]);
   }
+  const std::size_t forward = volume::kSides.size() - 1;
+  const volume::Covariance covariance =
+      expected.rotary
+          ? covariance_at(expected, work.budget, work.rotary_budget, answer.position_mm, angles_deg, forward)
+          : covariance_at(expected, work.budget, answer.position_mm, forward);
+  for (std::size_t d = 0; d < kAxes; ++d) answer.standard_uncertainty_um[d] = std::sqrt(covariance[d][d]);
   work.at = answer;
   return {};
 }

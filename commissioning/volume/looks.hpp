@@ -13,8 +13,9 @@ namespace ecs::commissioning {
 [[nodiscard]] Result<Vector3> coordinates_in(const std::string& text, std::string_view option);
 
 /// The error at the place that `text` says: X, Y, Z and behind them the angles of rotary axes. Refused: outside the
-/// travels.
-[[nodiscard]] Result<void> look_at(const std::string& text, VolumeWork& work);
+/// travels. @param expected  what is known before the true errors are
+[[nodiscard]] Result<void> look_at(const std::string& text, const volume::CompensatedMachine& expected,
+                                   VolumeWork& work);
 
 /// The plane ("XY", or kLongestPlane) through the place of the largest error before compensation.
 [[nodiscard]] Result<void> cut(const std::string& plane, VolumeWork& work);

@@ -1,17 +1,58 @@
 #include "commissioning/volume/rotary_work.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "commissioning/volume/true_errors.hpp"
+#include "model/fit/compiled_model.hpp"
 #include "params/rotary_machine.hpp"
 #include "volume/joint_volume.hpp"
 
 namespace ecs::commissioning {
 
+namespace {
+
+/// The errors that a model has along each axis, as components: at other angles its rotations act elsewhere.
+volume::ErrorSource components_of_model(const model::CompiledModel& compiled, const UnitParameters& parameters,
+                                        const params::Machine& machine, const Vector3& tool_offset_mm) {
+  volume::ErrorSource source;
+  source.components = [map = compiled.map, squareness = compiled.squareness, parameters](const volume::Grid& grid) {
+    volume::Components components = errors_in(map, parameters, grid);
+    components.squareness = squareness;
+    return Result<volume::Components>(std::move(components));
+  };
+  source.kinematics = {volume::terms_of_machine(parameters, Convention::iso, CurveKind::carriage),
+                       params::measurement_lines_of(machine), tool_offset_mm};
+  source.curves = CurveKind::carriage;
+  return source;
+}
+
+/// A model in place of the map's errors, on a machine with rotary axes.
+Result<void> take_model(const model::Model& model, const params::Machine& machine, VolumeWork& work) {
+  constexpr double kIncrement_mm = 1.0, kMostPoints = 5000.0;
+  double increment_mm = kIncrement_mm;
+  for (const auto& axis : machine.axes)
+    if (axis) increment_mm = std::max(increment_mm, (axis->travel_mm[1] - axis->travel_mm[0]) / kMostPoints);
+  const auto compiled = model::compiled(model, machine, increment_mm);
+  if (!compiled) return tl::unexpected(compiled.error());
+  volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
+  evaluated_machine.errors =
+      components_of_model(*compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
+  for (const std::string& left_out : compiled->not_carried)
+    work.notes.push_back(fmt::format("left out of the volume: {}", left_out));
+  return {};
+}
+
+}  // namespace
+
 char rotary_letter(std::size_t rotary) { return kinematics::letter_of(static_cast<kinematics::Joint>(kAxes + rotary)); }
 
-Result<void> take_rotary(const VolumeArguments& arguments, const std::string& machine_file, VolumeWork& work) {
+Result<void> take_rotary(const VolumeArguments& arguments, const std::string& machine_file,
+                         const std::optional<model::Model>& model, volume::CompensatedMachine& expected,
+                         VolumeWork& work) {
   const auto machine = machine_file.empty() ? params::RotaryMachine{} : params::read_rotary_machine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
   if (!has_rotary_axes(*machine)) {
@@ -20,29 +61,32 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
         ProblemKind::usage,
         "--rotary: expected a machine file with rotary axes (configuration = \"XYACTZ\", [axis.A], [axis.C])");
   }
-  if (!arguments.model.empty())
-    return problem(ProblemKind::refused,
-                   "--model: predicts errors with the rotary axes at 0, not how the rotations of its axes act at other "
-                   "angles; leave it out, or take a machine file without rotary axes");
   volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
   if (evaluated_machine.parameters.convention != Convention::iso)
     return problem(ProblemKind::refused, "convention as_printed: the printed equations know no rotary axes");
-  const auto chain = joint_chain_of(*machine);
-  if (!chain) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
-  volume::RotaryAxes rotary;
-  rotary.machine.chain = *chain;
-  rotary.machine.terms = kinematics::terms_of(*chain);
-  for (std::size_t r = 0; r < kAxes; ++r) {
-    if (!machine->rotary[r]) continue;
-    rotary.machine.rotary[r] = {machine->rotary[r]->direction, machine->rotary[r]->pivot_mm};
-    rotary.travel_deg[r] = machine->rotary[r]->travel_deg;
+  const auto joints = params::joint_machine_of(machine->machine);
+  if (!joints) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
+  if (model) {
+    if (const auto taken = take_model(*model, machine->machine, work); !taken) return tl::unexpected(taken.error());
+    expected.errors = evaluated_machine.errors;
   }
+  volume::RotaryAxes rotary;
+  rotary.machine = *joints;
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (const auto& axis = machine->rotary[r]) rotary.travel_deg[r] = axis->travel_deg;
   if (!arguments.rotary.empty()) {
-    auto errors = volume::read_rotary_errors(arguments.rotary, *chain);
+    auto errors = volume::read_rotary_errors(arguments.rotary, rotary.machine.chain);
     if (!errors) return tl::unexpected(errors.error());
     rotary.errors = std::move(*errors);
   }
   rotary.angles_deg = reference_angles(rotary);
+  expected.rotary = rotary;
+  if (!arguments.errors.empty()) {
+    auto errors = true_rotary_errors(arguments.errors, machine_file, rotary);
+    if (!errors) return tl::unexpected(errors.error());
+    rotary.errors = std::move(*errors);
+    work.true_rotary = true;
+  }
   evaluated_machine.rotary = std::move(rotary);
   return {};
 }
@@ -60,9 +104,24 @@ void note_rotary(VolumeWork& work) {
       if (table_of(rotary->errors, one.joint, static_cast<Sense>(s), Approach::forward) == nullptr)
         missing.push_back(volume::rotary_name(one.joint, static_cast<Sense>(s)));
   }
-  if (!missing.empty())
-    work.notes.push_back(fmt::format("not given: {} (--rotary); taken as without error", fmt::join(missing, ", ")));
-  work.notes.emplace_back("how certain the volume is, is not stated for machines with rotary axes");
+  if (!missing.empty() && !work.true_rotary)
+    work.notes.push_back(
+        fmt::format("not given: {} (--rotary); taken as without error, with a standard uncertainty of "
+                    "{:g} um or um/m (--zero-uncertainty)",
+                    fmt::join(missing, ", "), work.settings.declared_zero));
+  std::vector<std::string> unstated;
+  for (const kinematics::ChainJoint& one : rotary->machine.chain) {
+    if (!is_rotary(one.joint)) continue;
+    const std::size_t r = index_of(one.joint) - kAxes;
+    for (std::size_t s = 0; s < kSenseNames.size(); ++s)
+      if (work.rotary_budget.location[r][s] > 0.0 && !rotary->errors.location_u[r][s])
+        unstated.push_back(volume::location_name(r, s));
+  }
+  if (!unstated.empty() && !work.true_rotary)
+    work.notes.push_back(fmt::format(
+        "{}: no standard uncertainty is given (column u); {:g} um or um/m is taken, as of what is not given "
+        "(--zero-uncertainty)",
+        fmt::join(unstated, ", "), work.settings.declared_zero));
 }
 
 std::string rotary_in_words(const VolumeWork& work) {

@@ -1,5 +1,8 @@
 #include "commissioning/volume/true_errors.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -139,6 +142,45 @@ Result<volume::ErrorSource> true_errors(const std::string& errors_file, const st
     return components_in(*answer);
   };
   return source;
+}
+
+Result<volume::RotaryErrors> true_rotary_errors(const std::string& errors_file, const std::string& machine_file,
+                                                const volume::RotaryAxes& rotary) {
+  constexpr double kStep_deg = 0.5;
+  const auto program = emulator_program();
+  if (!program) return problem(ProblemKind::output, "--errors: the bundled emulator `ecs-emulator` is not found");
+  std::vector<std::string> words{program->string(), "components", "--machine", machine_file, "--errors", errors_file};
+  std::array<std::vector<double>, kAxes> angles_deg;
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    const auto& travel = rotary.travel_deg[r];
+    if (!travel) continue;
+    const auto steps = static_cast<std::size_t>(std::ceil(((*travel)[1] - (*travel)[0]) / kStep_deg));
+    std::vector<std::string> places;
+    for (std::size_t i = 0; i <= steps; ++i) {
+      angles_deg[r].push_back(std::min((*travel)[0] + kStep_deg * static_cast<double>(i), (*travel)[1]));
+      places.push_back(shortest(angles_deg[r].back()));
+    }
+    words.push_back(fmt::format("--{}={}", "abc"[r], fmt::join(places, ",")));
+  }
+  const auto answer = answer_of(words, errors_file);
+  if (!answer) return tl::unexpected(answer.error());
+  volume::RotaryErrors errors;
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    if (angles_deg[r].empty()) continue;
+    for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
+      const auto joint = static_cast<kinematics::Joint>(kAxes + r);
+      const auto sense = static_cast<Sense>(s);
+      errors.location[r][s] = (*answer)["rotary"]["location"].value(volume::location_name(r, s), 0.0);
+      errors.location_given[r][s] = true;
+      const Json& curve = (*answer)["rotary"]["components"][volume::rotary_name(joint, sense)];
+      for (const auto& [side, key] : {std::pair{Approach::forward, "forward"}, {Approach::reverse, "reverse"}}) {
+        volume::RotaryTable table{joint, sense, side, angles_deg[r], {}, {}};
+        take(curve[key], table.error);
+        if (table.error.size() == table.p_deg.size()) errors.tables.push_back(std::move(table));
+      }
+    }
+  }
+  return errors;
 }
 
 }  // namespace ecs::commissioning

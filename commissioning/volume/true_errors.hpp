@@ -20,4 +20,9 @@ namespace ecs::commissioning {
 [[nodiscard]] Result<volume::ErrorSource> true_errors(const std::string& errors_file, const std::string& machine_file,
                                                       const volume::CompensatedMachine& machine);
 
+/// The true errors of the rotary axes of the same machine: location errors, and error motions every half degree.
+[[nodiscard]] Result<volume::RotaryErrors> true_rotary_errors(const std::string& errors_file,
+                                                              const std::string& machine_file,
+                                                              const volume::RotaryAxes& rotary);
+
 }  // namespace ecs::commissioning

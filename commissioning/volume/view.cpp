@@ -104,8 +104,9 @@ Json budget_json(const VolumeWork& work) {
   Json list = Json::array();
   for (std::size_t c = 0; c < kComponents; ++c) {
     const auto component = static_cast<Component>(c);
-    const auto share = std::find_if(work.shares.begin(), work.shares.end(),
-                                    [&](const ComponentShare& one) { return one.component == component; });
+    const auto share = std::find_if(work.shares.begin(), work.shares.end(), [&](const ComponentShare& one) {
+      return one.rotary.empty() && one.component == component;
+    });
     if (share == work.shares.end()) continue;
     Json one{{"component", name_of(component)}, {"unit", unit_of(component)}, {"share", number_or_null(share->share)}};
     if (is_squareness(component)) {
@@ -121,6 +122,13 @@ Json budget_json(const VolumeWork& work) {
     }
     list.push_back(std::move(one));
   }
+  for (const ComponentShare& one : work.shares)
+    if (!one.rotary.empty())
+      list.push_back({{"component", one.rotary},
+                      {"unit", one.rotary[0] == 'E'  ? (one.rotary[1] < 'X' ? "um/m" : "um")
+                               : one.rotary[0] < 'X' ? "um/m"
+                                                     : "um"},
+                      {"share", number_or_null(one.share)}});
   return list;
 }
 
@@ -142,15 +150,17 @@ Json uncertainty_json(const VolumeWork& work) {
 }
 
 std::string bound_text(const VolumeWork& work) {
-  if (work.prepared.machine.rotary) return "";
   const volume::VolumeUncertainty& u = work.uncertainty;
   std::vector<std::string> shares;
   for (const ComponentShare& one : work.shares)
-    if (shares.size() < 3) shares.push_back(fmt::format("{} {:.0f} %", name_of(one.component), 100.0 * one.share));
-  return paragraph(
-      fmt::format("With the uncertainty of the map the unit leaves at most {:.1f} um anywhere and {:.1f} um rms (95 %; "
-                  "50 %: {:.1f} and {:.1f} um). Most of it: {}.",
-                  u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
+    if (shares.size() < 3)
+      shares.push_back(
+          fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
+  return paragraph(fmt::format(
+      "With the uncertainty of the map{} the unit leaves at most {:.1f} um anywhere and {:.1f} um rms (95 %; "
+      "50 %: {:.1f} and {:.1f} um). Most of it: {}.",
+      work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um, u.largest_50_um,
+      u.rms_50_um, fmt::join(shares, ", ")));
 }
 
 Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::RotaryAxes>& rotary) {
@@ -177,8 +187,7 @@ Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::R
     text += "\n";
   }
   const Vector3& u = at->standard_uncertainty_um;
-  if (!rotary)
-    text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
+  text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
   Json json{{"position_mm", vector_json(at->position_mm)},
             {"sides", std::move(sides)},
             {"expanded_uncertainty_um",

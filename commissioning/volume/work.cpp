@@ -116,17 +116,37 @@ void note_missing(VolumeWork& work) {
                                      work.settings.declared_zero));
 }
 
+/// The parts of a budget of rotary axes, each alone, by name.
+std::vector<std::pair<std::string, volume::RotaryBudget>> parts_of(const volume::RotaryBudget& budget) {
+  std::vector<std::pair<std::string, volume::RotaryBudget>> parts;
+  for (const volume::MotionUncertainty& motion : budget.motions)
+    parts.emplace_back(volume::rotary_name(motion.joint, motion.sense), volume::RotaryBudget{{motion}, {}});
+  for (std::size_t r = 0; r < kAxes; ++r)
+    for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
+      if (budget.location[r][s] == 0.0) continue;
+      parts.emplace_back(volume::location_name(r, s), volume::RotaryBudget{});
+      parts.back().second.location[r][s] = budget.location[r][s];
+    }
+  return parts;
+}
+
 /// Of the linear variance, by component.
-void share_out(VolumeWork& work) {
+void share_out(VolumeWork& work, const volume::CompensatedMachine& machine) {
   constexpr std::size_t kPlaces = 64;
-  const volume::CompensatedMachine& machine = work.prepared.machine;
   const volume::Grid grid = volume::grid_over(machine.travel_mm, kPlaces, volume::reference_of(machine.parameters));
   double sum = 0.0;
-  const auto add = [&](Component component, const volume::UncertaintyBudget& alone) {
-    const double rms = linear_rms_um(machine, alone, grid);
-    if (rms > 0.0) work.shares.push_back({component, rms * rms});
+  const auto take = [&](Component component, double rms, const std::string& rotary) {
+    if (rms > 0.0) work.shares.push_back({component, rms * rms, rotary});
     sum += rms * rms;
   };
+  const auto add = [&](Component component, const volume::UncertaintyBudget& alone) {
+    take(component,
+         machine.rotary ? linear_rms_um(machine, alone, volume::RotaryBudget{}) : linear_rms_um(machine, alone, grid),
+         "");
+  };
+  if (machine.rotary)
+    for (const auto& [name, alone] : parts_of(work.rotary_budget))
+      take(Component::EXX, linear_rms_um(machine, volume::UncertaintyBudget{}, alone), name);
   for (std::size_t c = 0; c < kComponents; ++c) {
     volume::UncertaintyBudget alone;
     if (c < kCurves)
@@ -241,27 +261,26 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   if (const auto taken = take_errors(arguments, machine_file, *machine, work); !taken)
     return tl::unexpected(taken.error());
 
-  if (const auto taken = take_rotary(arguments, *machine ? machine_file : std::string(), work); !taken)
+  if (const auto taken = take_rotary(arguments, *machine ? machine_file : std::string(), model, expected, work); !taken)
     return tl::unexpected(taken.error());
 
   auto answer = evaluated(evaluated_machine, arguments.places);
   if (!answer) return tl::unexpected(answer.error());
   work.answer = std::move(*answer);
   work.budget = budget_of(expected, arguments.settings);
-  if (auto& rotary = evaluated_machine.rotary) {
+  if (expected.rotary) work.rotary_budget = rotary_budget_of(*expected.rotary, arguments.settings);
+  const auto uncertainty =
+      expected.rotary ? uncertainty_of(expected, work.budget, work.rotary_budget, arguments.settings, arguments.places)
+                      : uncertainty_of(expected, work.budget, arguments.settings, arguments.places);
+  if (!uncertainty) return tl::unexpected(uncertainty.error());
+  work.uncertainty = *uncertainty;
+  share_out(work, expected);
+  if (auto& rotary = evaluated_machine.rotary)
     rotary->angles_deg = work.answer.settings[work.answer.before.all.setting];  // of slice and picture
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    work.uncertainty = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
-  } else {
-    const auto uncertainty = uncertainty_of(expected, work.budget, arguments.settings, arguments.places);
-    if (!uncertainty) return tl::unexpected(uncertainty.error());
-    work.uncertainty = *uncertainty;
-    share_out(work);
-  }
   note_missing(work);
   note_rotary(work);
   if (!arguments.at.empty())
-    if (const auto looked = look_at(arguments.at, work); !looked) return tl::unexpected(looked.error());
+    if (const auto looked = look_at(arguments.at, expected, work); !looked) return tl::unexpected(looked.error());
   if (!arguments.plane.empty())
     if (const auto done = cut(arguments.plane, work); !done) return tl::unexpected(done.error());
   if (arguments.between)

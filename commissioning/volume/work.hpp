@@ -9,7 +9,7 @@
 #include "commissioning/session/message.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
-#include "volume/uncertainty.hpp"
+#include "volume/rotary_uncertainty.hpp"
 
 namespace ecs::commissioning {
 
@@ -85,6 +85,7 @@ struct LargestBetween {
 struct ComponentShare {
   Component component = Component::EXX;
   double share = 0.0;  ///< of the variance of the error vector over the volume
+  std::string rotary;  ///< an error of a rotary axis in its place: "EXC", "XOC"
 };
 
 struct VolumeWork {
@@ -92,6 +93,8 @@ struct VolumeWork {
   std::string machine_name;
   volume::VolumeAnswer answer;
   volume::UncertaintyBudget budget;
+  volume::RotaryBudget rotary_budget;  ///< of machines with rotary axes
+  bool true_rotary = false;            ///< errors of the rotary axes are those of an errors file
   volume::UncertaintySettings settings;
   volume::VolumeUncertainty uncertainty;
   std::vector<ComponentShare> shares;  ///< of the uncertainty, largest first

@@ -57,7 +57,7 @@ inline CompensatedMachine stated_rotary_machine(const std::string& configuration
     for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
       rotary.errors.location[r][s] = 10.0 + static_cast<double>(s);
       for (const Approach side : {Approach::forward, Approach::reverse}) {
-        RotaryTable table{one.joint, static_cast<Sense>(s), side, {}, {}};
+        RotaryTable table{one.joint, static_cast<Sense>(s), side, {}, {}, {}};
         for (double p = -100.0; p <= 200.0; p += 25.0) {
           table.p_deg.push_back(p);
           table.error.push_back(12.0 * std::sin(0.02 * p + static_cast<double>(s)) + static_cast<double>(side));

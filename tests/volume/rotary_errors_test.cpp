@@ -32,11 +32,11 @@ TEST_CASE("error motions go by angle and approach, location errors are constants
 }
 
 TEST_CASE("a table round a whole turn closes, one of part of a turn keeps its end values") {
-  const RotaryTable turn{Joint::C, Sense::EX, Approach::unknown, {0.0, 90.0, 180.0, 270.0}, {1.0, 2.0, 3.0, 2.0}};
+  const RotaryTable turn{Joint::C, Sense::EX, Approach::unknown, {0.0, 90.0, 180.0, 270.0}, {1.0, 2.0, 3.0, 2.0}, {}};
   CHECK(value_at(turn, 315.0) == Approx(1.5));
   CHECK(value_at(turn, -45.0) == Approx(1.5));
   CHECK(value_at(turn, 720.0) == Approx(1.0));
-  const RotaryTable part{Joint::A, Sense::EX, Approach::unknown, {-30.0, 0.0, 30.0}, {1.0, 2.0, 5.0}};
+  const RotaryTable part{Joint::A, Sense::EX, Approach::unknown, {-30.0, 0.0, 30.0}, {1.0, 2.0, 5.0}, {}};
   CHECK(value_at(part, 80.0) == Approx(5.0));
   CHECK(value_at(part, -330.0) == Approx(1.0));
 }

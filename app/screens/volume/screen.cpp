@@ -16,11 +16,13 @@
 namespace ecs::app {
 namespace {
 
-constexpr int kFields = 3;
-constexpr std::array<const char*, kFields> kNames{"map", "parameters", "errors"};
+constexpr int kFields = 5;
+constexpr std::array<const char*, kFields> kNames{"map", "parameters", "errors", "machine", "rotary axes"};
 constexpr std::array<const char*, kFields> kHelp{
     "Error map (.csv).", "Parameters (.toml) that the map goes with. A machine.toml beside them gives the travels.",
-    "Errors file of an emulated machine (.toml): its true errors in place of the map's. May be left empty."};
+    "Errors file of an emulated machine (.toml): its true errors in place of the map's. May be left empty.",
+    "Machine file (.toml) that is not beside the parameters, such as one with rotary axes. May be left empty.",
+    "Errors of the rotary axes of the machine file (.csv), which the unit does not compensate. May be left empty."};
 constexpr int kColumn = 13;
 constexpr std::size_t kFirstDiagonals = 4;  ///< panel of the figure
 
@@ -71,7 +73,9 @@ class VolumeScreen final : public Screen {
            "bound from the uncertainty of the map. Page 1 has the sizes and a slice as numbers, pages 2 and 3 the "
            "error "
            "along the body diagonals. w writes the wire cube, the slice with arrows and the diagonals as SVG and PNG. "
-           "`ecs volume` does the same with more options: tool, one place, the uncertainty of every value.";
+           "`ecs volume` does the same with more options: tool, one place, the uncertainty of every value. With a "
+           "machine file that has rotary axes the sizes are those at every "
+           "angle, slice and pictures those at the angles of the largest error, which page 1 names.";
   }
 
   [[nodiscard]] bool advance() override {
@@ -118,7 +122,8 @@ class VolumeScreen final : public Screen {
   }
 
   void choose() {
-    constexpr std::array<FileKind, kFields> kKinds{FileKind::map, FileKind::parameters, FileKind::machine};
+    constexpr std::array<FileKind, kFields> kKinds{FileKind::map, FileKind::parameters, FileKind::machine,
+                                                   FileKind::machine, FileKind::other};
     const auto field = static_cast<std::size_t>(field_);
     files_.choose(kNames[field], {{kKinds[field]}, false}, [this, field](const std::string& path) {
       fields_[field].set(path);
@@ -137,6 +142,8 @@ class VolumeScreen final : public Screen {
     arguments.map = fields_[0].text();
     arguments.params = fields_[1].text();
     arguments.errors = fields_[2].text();
+    arguments.machine = fields_[3].text();
+    arguments.rotary = fields_[4].text();
     arguments.plane = kLongestPlane;
     controller_.compute(arguments);
   }

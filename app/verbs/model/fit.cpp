@@ -6,12 +6,15 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/file.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ties.hpp"
+#include "volume/rotary_map.hpp"
 
 namespace ecs::app {
 namespace {
@@ -25,6 +28,8 @@ struct FitArguments : VerbArguments {
   ModelOptions common{*this};
   const bool& plain = flag("--plain", "ordinary least squares: every reading counts the same");
   const std::string& output = output_file("-o,--output", "the model with its values; may be MODEL itself");
+  const std::string& rotary =
+      output_file("--rotary", "errors of the rotary axes that were found, for `ecs volume --rotary` (.csv)");
   const std::string& plot = output_file("--plot", "measured against model, as .svg or .png");
 };
 
@@ -91,9 +96,10 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
   std::string undetermined;
   for (const std::string& one : fit.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   return record_cell(
-      "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} um, peak {peak_um} um\n"
+      "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} {unit}, peak {peak_um} {unit}\n"
       "{condition}{effects}{undetermined}{correlations}{noise}{outliers}{notes}",
       {{"observations", count_cell(readings)},
+       {"unit", shown_cell(std::string(fit.noise.unit))},
        {"rms_um", number_cell(fit.rms_um, 3)},
        {"peak_um", number_cell(fit.peak_um, 3)},
        {"noise_um", {number_or_null(fit.noise.noise_um), ""}},
@@ -120,15 +126,16 @@ Result<void> write(const model::Model& model, const ModelWork& work, const Fit& 
         !kept)
       return kept;
   if (arguments.plot.empty()) return {};
-  return write_plot(
-      arguments.plot,
-      fit_figure(fit, work.data, fmt::format("rms {:.2f} µm, noise {:.2f} µm", fit.rms_um, fit.noise.noise_um)));
+  return write_plot(arguments.plot,
+                    fit_figure(fit, work.data,
+                               fmt::format("rms {:.2f} {}, noise {:.2f} {}", fit.rms_um, plot_unit(fit.noise.unit),
+                                           fit.noise.noise_um, plot_unit(fit.noise.unit))));
 }
 
 Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  for (const std::string& output : {arguments.output, arguments.plot})
+  for (const std::string& output : {arguments.output, arguments.plot, arguments.rotary})
     if (const auto distinct = check_output_not_input(output, arguments.common.data); !distinct)
       return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, arguments.common);
@@ -142,6 +149,14 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
     return tl::unexpected(written.error());
   Cell answer = fit_cell(*result, work->data.size(), work->data.rotary, arguments.output);
   if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
+  if (!arguments.rotary.empty()) {
+    const auto found = fitted_rotary(ties->model, *result, work->machine);
+    if (!found) return tl::unexpected(found.error());
+    const std::string text = volume::rotary_csv(found->errors, work->machine ? work->machine->name : "");
+    if (auto kept = write_file(arguments.rotary, text); !kept) return tl::unexpected(kept.error());
+    for (const std::string& one : found->left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
+    answer.text += fmt::format("errors of rotary axes written to {}\n", arguments.rotary);
+  }
   if (!arguments.plot.empty()) answer.text += fmt::format("plot written to {}\n", arguments.plot);
   return outcome_of(answer);
 }

@@ -26,7 +26,7 @@ TEST_CASE("the screen asks for files, shows the sizes, then the body diagonals")
   CHECK(contains(picture(*screen), "How large is the error"));
   enter(*screen, folder.with("map.csv", kMap));
   enter(*screen, "samples/machining_centre/parameters.toml");
-  enter(*screen, "");
+  for (int left = 0; left < 3; ++left) enter(*screen, "");
   wait_for(*screen);
   CHECK(contains(picture(*screen), "before"));
   CHECK(contains(picture(*screen), "24.0"));
@@ -42,15 +42,29 @@ TEST_CASE("the screen asks for files, shows the sizes, then the body diagonals")
 
 TEST_CASE("what cannot be computed is said on the screen of the files") {
   const auto screen = volume_screen();
-  (void)press(*screen, Key::Name::down);
-  (void)press(*screen, Key::Name::down);
+  for (int field = 0; field < 4; ++field) (void)press(*screen, Key::Name::down);
   (void)press(*screen, Key::Name::enter);
   CHECK(contains(picture(*screen), "The file of the map is needed"));
   enter(*screen, "none.csv");
   enter(*screen, "samples/machining_centre/parameters.toml");
-  enter(*screen, "");
+  for (int left = 0; left < 3; ++left) enter(*screen, "");
   wait_for(*screen);
   CHECK(contains(picture(*screen), "none.csv"));
+}
+
+TEST_CASE("a machine with rotary axes is shown at every angle, its rotary errors beside the map") {
+  const auto screen = volume_screen();
+  enter(*screen, "samples/five_axes/map.csv");
+  enter(*screen, "samples/machining_centre/parameters.toml");
+  enter(*screen, "");
+  enter(*screen, "samples/five_axes/machine.toml");
+  enter(*screen, "samples/five_axes/rotary.csv");
+  wait_for(*screen);
+  CHECK(contains(picture(*screen), "rotary axes A"));
+  CHECK(contains(picture(*screen), "settings"));
+  CHECK(contains(picture(*screen), "95 %"));
+  (void)letter(*screen, '2');
+  CHECK(contains(picture(*screen), "before, body diagonals"));
 }
 
 }  // namespace

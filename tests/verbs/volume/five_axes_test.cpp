@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "params/parameters_toml.hpp"
 #include "tests/support/model_workspace.hpp"
@@ -46,7 +47,7 @@ TEST_CASE("at a place and an angle the errors are those of the workpiece, and ro
   CHECK(forward["before_um"][1].get<double>() == Approx(30.0));
   CHECK(forward["after_um"][1].get<double>() == Approx(10.0));
   CHECK(forward["orientation_um_per_m"] == nlohmann::json{0.0, 0.0, 0.0});
-  CHECK(at["expanded_uncertainty_um"][0].is_null());
+  CHECK(at["expanded_uncertainty_um"][0].get<double>() > 1.0);
 }
 
 TEST_CASE("the answer says chain, settings, angles of the largest error, and that the unit compensates X, Y, Z") {
@@ -61,11 +62,62 @@ TEST_CASE("the answer says chain, settings, angles of the largest error, and tha
   CHECK(j["before"]["at_deg"]["C"] == 180.0);  // 20 um of scale, 20 um across the table
   CHECK(j["before"]["largest_um"].get<double>() == Approx(40.0));
   CHECK(j["after"]["largest_um"].get<double>() == Approx(20.0));
-  CHECK(j["uncertainty_95_um"]["largest"].is_null());
+  CHECK(j["uncertainty_95_um"]["largest"].get<double>() > 20.0);
+  CHECK(j["uncertainty"]["linear_rms_um"].get<double>() ==
+        Approx(j["uncertainty"]["monte_carlo_rms_um"].get<double>()).epsilon(0.1));
   const Ran text = files.volume({"--rotary", files.rotary});
   CHECK(contains(text.out, "the unit compensates X, Y and Z as with the rotary axes at 0"));
   CHECK(contains(text.out, "not given: EXC, EYC, EZC, EAC, EBC, ECC (--rotary)"));
+  CHECK(contains(text.out, "With the uncertainty of the map and of the rotary axes"));
+  CHECK(contains(text.out, "no standard uncertainty is given (column u)"));
   CHECK(widest_line(text.out) <= 80);
+}
+
+TEST_CASE("the uncertainty that the file of rotary errors states is that of the volume") {
+  const TurningTable files;
+  const auto bound = [&](const char* u) {
+    const std::string stated =
+        files.with(fmt::format("u{}.csv", u), fmt::format("component,approach,p_deg,error,u\nXOC,,,10,{}\n", u));
+    const Ran r = files.volume({"--rotary", stated, "--zero-uncertainty", "0", "--points", "256", "--json"});
+    REQUIRE_MESSAGE(r.code == 0, r.all());
+    return r.json()["uncertainty"];
+  };
+  const auto small = bound("0.1"), large = bound("9");
+  CHECK(large["linear_rms_um"].get<double>() > 5.0 * small["linear_rms_um"].get<double>());
+  CHECK(large["linear_rms_um"].get<double>() == Approx(large["monte_carlo_rms_um"].get<double>()).epsilon(0.1));
+  CHECK(large["components"].back()["component"] == "XOC");
+  const std::string wrong = files.with("w.csv", "component,approach,p_deg,error,u\nXOC,,,10,-1\n");
+  CHECK(contains(files.volume({"--rotary", wrong}).messages, "w.csv:2:11: u: expected a standard uncertainty"));
+}
+
+TEST_CASE("an error model stands for the map, and its rotations act at every angle") {
+  const TurningTable files;
+  const std::string model = files.with("model.toml",
+                                       "[[effect]]\nid = \"scale\"\naxis = \"X\"\nparameters = { um_per_m = 20 }\n"
+                                       "[[effect]]\nid = \"squareness\"\ncode = \"C0Y\"\n"
+                                       "parameters = { um_per_m = 40 }\n");
+  const Ran at = files.volume({"--model", model, "--rotary", files.rotary, "--at", "1000,500,0,90", "--json"});
+  REQUIRE_MESSAGE(at.code == 0, at.all());
+  const auto before = at.json()["at"]["sides"][0]["before_um"];
+  CHECK(before[0].get<double>() == Approx(-10.0));              // XOC as before
+  CHECK(before[1].get<double>() == Approx(30.0 - 0.5 * 40.0));  // the lean of Y adds along X of the machine
+  CHECK(at.json()["errors_from"] == "the error model");
+  CHECK(at.json()["uncertainty_95_um"]["rms"].get<double>() > 0.0);
+}
+
+TEST_CASE("the true errors of an emulated machine include those of its rotary axes") {
+  const TurningTable files;
+  const std::string errors = files.with("errors.toml",
+                                        "[location]\nXOC = 10.0\n[[effect]]\nid = \"scale\"\naxis = \"X\"\n"
+                                        "parameters = { um_per_m = 20.0 }\n[[contribution]]\ncomponent = \"EZC\"\n"
+                                        "formula = \"0.1*p\"\n");
+  const Ran at = files.volume({"--errors", errors, "--at", "1000,0,0,90", "--json"});
+  REQUIRE_MESSAGE(at.code == 0, at.all());
+  const auto side = at.json()["at"]["sides"][0];
+  CHECK(side["before_um"][0].get<double>() == Approx(-10.0));
+  CHECK(side["before_um"][1].get<double>() == Approx(30.0));
+  CHECK(side["before_um"][2].get<double>() == Approx(9.0));
+  CHECK(side["after_um"][1].get<double>() == Approx(10.0));
 }
 
 TEST_CASE("without rotary axes nothing changes: their keys are null") {
@@ -110,6 +162,14 @@ TEST_CASE("readings of a rotary axis become its error motions, which the volume 
   const Ran sent = ran({"map", "send", table, "--params", files.parameters});
   CHECK(sent.code == 3);
   CHECK(contains(sent.messages, "a table of rotary axes; the unit compensates X, Y, Z"));
+  const std::string like_a_map = files.with("like.csv", "axis,sense,approach,p_deg,value_um\nC,EC,0,0,1\n");
+  for (const std::string& rotary_table : {table, like_a_map})
+    for (const char* control : {"linuxcnc", "siemens", "twincat", "heidenhain", "etalon", "aerotech"}) {
+      CAPTURE(control);
+      const Ran exported = ran({"export", control, rotary_table, "--params", files.parameters, "-o", files / "out"});
+      CHECK(exported.code == 3);
+      CHECK(contains(exported.messages, "a table of rotary axes; the unit compensates X, Y, Z"));
+    }
   const std::string mixed = files.with("x.csv", "axis,sense,x_mm,reading\nX,EX,0,1\nX,EX,1,2\n");
   CHECK(contains(ran({"map", "build", readings, mixed}).messages, "expected readings of rotary axes"));
 }
@@ -130,11 +190,6 @@ TEST_CASE("what does not fit a machine with rotary axes is refused with what doe
       ran({"volume", files.map, "--params", files.parameters, "--machine", linear, "--rotary", files.rotary});
   CHECK(none.code == 2);
   CHECK(contains(none.messages, "--rotary: expected a machine file with rotary axes"));
-  const std::string model = files.with(
-      "m.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { um_per_m = 20.0 }\n");
-  const Ran predicted = files.volume({"--model", model});
-  CHECK(predicted.code == 1);
-  CHECK(contains(predicted.messages, "--model: predicts errors with the rotary axes at 0"));
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+#include "commissioning/volume/fitted_rotary.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/effects/definition.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr double kStep_deg = 5.0, kTurn_deg = 360.0;
+
+std::vector<double> angles_of(const std::optional<params::Machine>& machine, Axis axis) {
+  std::array<double, 2> travel_deg{0.0, kTurn_deg};
+  if (machine && machine->rotary[index_of(axis)]) travel_deg = machine->rotary[index_of(axis)]->travel_deg;
+  const bool turns = travel_deg[1] - travel_deg[0] >= kTurn_deg;
+  const double span = std::min(travel_deg[1] - travel_deg[0], kTurn_deg);
+  const auto steps = static_cast<std::size_t>(std::ceil(span / kStep_deg));
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < steps + (turns ? 0 : 1); ++i)
+    angles.push_back(travel_deg[0] + span * static_cast<double>(i) / static_cast<double>(steps));
+  return angles;
+}
+
+/// What an effect adds to its own error motion at these angles.
+Result<std::vector<double>> motion_of(const model::Model& fitted, const model::EffectInstance& effect,
+                                      const std::vector<double>& angles_deg, Approach side) {
+  laser::MeasurementSet set;
+  for (const double angle_deg : angles_deg) {
+    laser::Reading reading;
+    reading.axis = *effect.axis;
+    reading.rotary = true;
+    reading.sense = *effect.sense;
+    reading.angle_deg[index_of(*effect.axis)] = angle_deg;
+    reading.approach = side;
+    reading.row = static_cast<int>(set.readings.size()) + 1;
+    set.readings.push_back(reading);
+  }
+  model::Model alone = fitted;
+  alone.effects = {effect};
+  const model::Observations at = observations_of(set, alone, std::nullopt);
+  const auto predicted = model::predicted(alone, at);
+  if (!predicted) return tl::unexpected(predicted.error());
+  std::vector<double> values(angles_deg.size());
+  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted)[k];
+  return values;
+}
+
+/// Of what the effect adds at an angle: its sizes in um or um/m.
+double standard_uncertainty_of(const model::EffectFit& effect) {
+  double square = 0.0;
+  for (const model::ParameterEstimate& one : effect.parameters)
+    if (one.sigma && one.unit.starts_with("um")) square += *one.sigma * *one.sigma;
+  return std::sqrt(square);
+}
+
+volume::RotaryTable& table_for(volume::RotaryErrors& errors, kinematics::Joint joint, Sense sense, Approach side,
+                               const std::vector<double>& angles_deg) {
+  for (volume::RotaryTable& table : errors.tables)
+    if (table.joint == joint && table.sense == sense && table.approach == side) return table;
+  const std::vector<double> nothing(angles_deg.size(), 0.0);
+  return errors.tables.emplace_back(volume::RotaryTable{joint, sense, side, angles_deg, nothing, nothing});
+}
+
+}  // namespace
+
+Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
+                                   const std::optional<params::Machine>& machine) {
+  FittedRotary out;
+  const model::Model fitted = with_values(model, fit);
+  bool any = false;
+  for (const model::EffectFit& one : fit.effects) {
+    const model::EffectInstance& effect = one.effect;
+    const model::Place place = effect.is_user() ? model::Place::formulas : effect.definition().place;
+    const bool location = place == model::Place::location;
+    const bool motion = place == model::Place::axis_and_sense && effect.rotary;
+    if (!location && !motion) {
+      out.left_out.push_back(fmt::format("{}: no error of a rotary axis", place_text(effect)));
+      continue;
+    }
+    if (effect.undetermined) {
+      out.left_out.push_back(fmt::format("{}: the readings do not determine it", place_text(effect)));
+      continue;
+    }
+    any = true;
+    const std::size_t r = index_of(*effect.axis), s = static_cast<std::size_t>(*effect.sense);
+    if (location) {
+      out.errors.location[r][s] += one.parameters.front().value;
+      out.errors.location_u[r][s] =
+          std::hypot(out.errors.location_u[r][s].value_or(0.0), one.parameters.front().sigma.value_or(0.0));
+      out.errors.location_given[r][s] = true;
+      continue;
+    }
+    const std::vector<double> angles = angles_of(machine, *effect.axis);
+    for (const Approach side : {Approach::forward, Approach::reverse}) {
+      const auto values = motion_of(fitted, effect, angles, side);
+      if (!values) return tl::unexpected(values.error());
+      volume::RotaryTable& table =
+          table_for(out.errors, static_cast<kinematics::Joint>(kAxes + r), *effect.sense, side, angles);
+      for (std::size_t i = 0; i < angles.size(); ++i) {
+        table.error[i] += (*values)[i];
+        table.u[i] = std::hypot(table.u[i], standard_uncertainty_of(one));
+      }
+    }
+  }
+  if (any) return out;
+  return problem(ProblemKind::refused,
+                 "--rotary: no effect of the model is an error of a rotary axis (location, cyclic, backlash, …)");
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,25 @@
+// The errors of rotary axes that a fit found, as `ecs volume --rotary` takes them: location errors and error motions
+// with their standard uncertainties. Does not live here: the file (volume/rotary_map.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "model/fit/fit.hpp"
+#include "params/machine.hpp"
+#include "volume/rotary_errors.hpp"
+
+namespace ecs::commissioning {
+
+struct FittedRotary {
+  volume::RotaryErrors errors;
+  std::vector<std::string> left_out;  ///< effects that are no error of a rotary axis, or that the fit did not determine
+};
+
+/// Error motions every 5 deg over the travel of the machine file, else over a turn; of a wave the standard uncertainty
+/// is that of its amplitude. Refused: nothing of the model is an error of a rotary axis.
+[[nodiscard]] Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
+                                                 const std::optional<params::Machine>& machine);
+
+}  // namespace ecs::commissioning
