@@ -102,8 +102,7 @@ ReportSection volume_section(const ReportContent& content) {
   if (content.machine && !content.machine->rotary_configuration.empty())
     how += fmt::format(
         " The machine has rotary axes ({}), which the unit does not compensate: these figures hold with their angles "
-        "at "
-        "0 and without their errors; `ecs volume --rotary` gives those at every angle.",
+        "at 0 and without their errors; `ecs volume --rotary` gives those at every angle.",
         content.machine->rotary_configuration);
   body += paragraph_of(how, "class=\"small intro\"");
   if (!volume.prepared.remark.empty()) body += paragraph_of(volume.prepared.remark, "class=\"small intro\"");

@@ -84,10 +84,12 @@ class AnswerReader {
 
 Candidate candidate_in(const Json& object, AnswerReader& reader) {
   Candidate candidate;
-  if (auto effect = object.is_object() ? effect_in(object) : std::nullopt)
-    candidate.effect = std::move(*effect);
-  else
+  auto effect = object.is_object() ? effect_in(object) : std::nullopt;
+  if (!effect) {
     reader.refuse("effect: expected one of the library, as `ecs model diagnose --json` writes it");
+    return candidate;
+  }
+  candidate.effect = std::move(*effect);
   candidate.named = reader.flag(object, "named");
   candidate.found = reader.flag(object, "found");
   candidate.rms_after_um = reader.number(object, "rms_after_um");

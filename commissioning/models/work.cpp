@@ -159,7 +159,9 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
 
 std::string usual_in_words(const model::Observations& data) {
   if (!data.through_chain.empty())
-    return "the place of the ball, and backlash of each rotary axis that was turned both ways";
+    return "the place of the ball, location errors of the rotary axes that it shows, and their backlash where both "
+           "approaches "
+           "were";
   return data.rotary ? "offset of what was measured, backlash where both approaches were"
                      : "offset and slope of what was measured, backlash where both approaches were";
 }

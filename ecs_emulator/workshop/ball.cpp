@@ -160,6 +160,9 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
     return problem(ProblemKind::usage, "the ball is out of reach while the rotary axes turn: set it up elsewhere");
   for (const Sweep& sweep : sweeps) {
     if (const auto fits = check(machine, sweep); !fits) return tl::unexpected(fits.error());
+    for (std::size_t r = 0; r < kAxes; ++r)
+      if (sweep.parked_deg[r] != rotary.angle_deg[r])
+        rotary.approach[r] = sweep.parked_deg[r] > rotary.angle_deg[r] ? Approach::forward : Approach::reverse;
     rotary.angle_deg = sweep.parked_deg;
     for (const TurnStop& stop : stops_of(sweep, plan.runs)) {
       rotary.angle_deg[sweep.axis] = stop.angle_deg;

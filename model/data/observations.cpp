@@ -216,6 +216,23 @@ ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& 
   return chain;
 }
 
+/// From which side every rotary axis came to its angle, in the order of the file: a standing axis keeps the lost motion
+/// with which it arrived. One that has not moved yet is taken as referenced, that is as come forward.
+void take_sides(Observations& data, const MeasurementSet& set) {
+  std::vector<std::size_t> row_at(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) row_at[data.file_order[k]] = k;
+  PerAxis<int> side{1, 1, 1};
+  Vector3 last = set.readings.front().angle_deg;
+  for (const std::size_t k : row_at) {
+    const Reading& r = set.readings[data.file_order[k]];
+    for (std::size_t a = 0; a < kAxes; ++a)
+      if (r.angle_deg[a] != last[a]) side[a] = r.angle_deg[a] > last[a] ? 1 : -1;
+    last = r.angle_deg;
+    data.through_chain[k].approach = side;
+    side[index_of(r.axis)] = data.through_chain[k].approach[index_of(r.axis)] = static_cast<int>(r.approach);
+  }
+}
+
 /// Where the linear axes stood, and what follows from it on a machine whose pivots are known.
 void take_chain(Observations& data, const MeasurementSet& set, const std::optional<params::Machine>& machine) {
   const bool any_translation =
@@ -238,6 +255,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
     if (is_new) found->second = kinematics::pose_at(*joints, r.angle_deg);
     data.through_chain.push_back(through_chain_of(r, *joints, found->second));
   }
+  take_sides(data, set);
   for (const bool moved : {true, false})
     for (const Axis a : kAllAxes)
       if (joints->chain.has(static_cast<kinematics::Joint>(kAxes + index_of(a))) &&

@@ -43,6 +43,8 @@ struct ThroughChain {
   std::array<std::array<double, 6>, kAxes> of_axis{};  ///< by A, B, C and sense: of 1 um or 1 um/m of that error
   Vector3 of_workpiece{};  ///< of 1 um along X, Y, Z of the workpiece at angles of 0 by which the ball on it is off
   Vector3 of_tool{};       ///< likewise of the tool and what is in the spindle
+  /// By A, B, C: from which side it came to its angle, standing axes too (1, -1; 0 unknown).
+  PerAxis<int> approach{};
   friend bool operator==(const ThroughChain&, const ThroughChain&) = default;
 };
 
@@ -134,6 +136,11 @@ struct Observations {
   [[nodiscard]] std::string_view position_unit() const { return laser::target_unit(rotary); }
   /// "x_mm", "c_deg"
   [[nodiscard]] std::string_view position_name(Axis a) const { return laser::target_column(a, rotary); }
+  /// From which side axis `a` came to where it is in reading k; 0: not known, or it was not the one that moved.
+  [[nodiscard]] int approach_of(std::size_t k, Axis a) const {
+    if (!through_chain.empty()) return through_chain[k].approach[index_of(a)];
+    return axis[k] == a ? approach[k] : 0;
+  }
   /// What 1 um (1 um/m) of an error of an axis in `s` does in reading k; of axes without a known chain 1 in readings
   /// of that sense, else 0.
   [[nodiscard]] double share_of(std::size_t k, Axis a, Sense s) const {

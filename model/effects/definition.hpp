@@ -165,7 +165,10 @@ struct ReadingAt {
   /// Coordinate of the effect's axis from the datum; 0 where it has none.
   [[nodiscard]] double p_mm() const { return effect.axis ? data.p_mm(k, *effect.axis) : 0.0; }
   [[nodiscard]] double p_m() const { return p_mm() / 1000.0; }
-  [[nodiscard]] double approach() const { return data.approach[k]; }
+  /// Of the effect's axis.
+  [[nodiscard]] double approach() const {
+    return data.through_chain.empty() ? data.approach[k] : data.approach_of(k, *effect.axis);
+  }
 };
 
 /// Values at which a searched parameter is tried: fine enough not to step over anything, facts of the machine apart.

@@ -85,7 +85,7 @@ double lever_m(const Observations& data, std::size_t k, Component code) {
 }
 
 bool is_own_motion(const Observations& data, std::size_t k, Axis axis) {
-  return data.axis[k] == axis && data.approach[k] != 0;
+  return data.approach_of(k, axis) != 0;
 }
 
 double map_compensation(const Observations& data, std::size_t k, const EffectInstance& effect, double shift_mm,

@@ -26,7 +26,7 @@ inline constexpr double kReference_degC = 20.0;
 /// Σ sign · lever [m] of the component in reading k; 0 where it does not act.
 [[nodiscard]] double lever_m(const Observations& data, std::size_t k, Component code);
 
-/// True where the axis is the one being moved and the approach is known.
+/// True where the axis is the one being moved, of readings through a chain any, and its approach is known.
 [[nodiscard]] bool is_own_motion(const Observations& data, std::size_t k, Axis axis);
 
 /// The map's compensation in reading k, um (um/m for rotations), of the tables chosen by `effect` (axis, code; all if

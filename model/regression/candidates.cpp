@@ -4,9 +4,13 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
 #include "model/regression/needs.hpp"
+#include "model/regression/regressors.hpp"
 
 namespace ecs::model {
 namespace {
@@ -152,6 +156,56 @@ void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) 
     }
 }
 
+/// Which part of an effect the columns of others do not do.
+double own_share(const Eigen::MatrixXd& others, const Eigen::VectorXd& column) {
+  if (others.cols() == 0) return 1.0;
+  return (column - others * others.colPivHouseholderQr().solve(column)).norm() / column.norm();
+}
+
+/// The place of the ball, location errors as far as the readings tell them from each other, lost motion. An error of an
+/// axis line that does the same as one of them, or a zero of the probe, is kept as its alternative.
+std::vector<EffectInstance> usual_of_ball(const Observations& data) {
+  constexpr double kLeastOwnShare = 0.02;  // less is known fifty times worse than by itself
+  const auto site = [&](Sense sense, Axis axis) { return site_at(data, sense, axis, true); };
+  const Regressors regressors(data);
+  const auto column_of = [&](const EffectInstance& effect) { return regressors.columns(effect, 0.0).of; };
+  std::vector<EffectInstance> usual, once, zeros;
+  add_at(site(data.sense.front(), Axis::X), &EffectDefinition::of_sense, false, once);
+  for (const Sense sense : kSenses)
+    if (has(data, sense)) add_at(site(sense, natural_axis(data, sense)), &EffectDefinition::of_sense, true, zeros);
+  Eigen::MatrixXd known(static_cast<Eigen::Index>(data.size()), 0);
+  const auto take = [&](EffectInstance effect) {
+    const Eigen::MatrixXd columns = column_of(effect);
+    known.conservativeResize(Eigen::NoChange, known.cols() + columns.cols());
+    known.rightCols(columns.cols()) = columns;
+    usual.push_back(std::move(effect));
+  };
+  std::vector<EffectInstance> locations;
+  for (const EffectInstance& one : once) {
+    if (one.definition().place == Place::artefact) take(one);
+    if (one.definition().place == Place::location) locations.push_back(one);
+  }
+  const auto is_zero = [](const EffectInstance& one) { return direction_of(*one.sense) == *one.axis; };
+  std::stable_partition(locations.begin(), locations.end(), [&](const auto& one) { return !is_zero(one); });
+  std::vector<EffectInstance> rivals;
+  for (const EffectInstance& one : locations)
+    own_share(known, column_of(one)) > kLeastOwnShare ? take(one) : rivals.push_back(one);
+  for (EffectInstance& one : zeros)
+    if (one.definition().place == Place::sense) rivals.push_back(std::move(one));
+  for (EffectInstance& one : usual) {
+    if (one.definition().place != Place::location) continue;
+    const Eigen::MatrixXd alone = column_of(one);
+    std::vector<std::string> same;
+    for (const EffectInstance& other : rivals)
+      if (own_share(alone, column_of(other)) < kLeastOwnShare) same.push_back(place_text(other));
+    one.tied_with = fmt::format("{}", fmt::join(same, ", "));
+  }
+  for (const Axis axis : data.rotary_axes)
+    if (const auto own = static_cast<Sense>(kAxes + index_of(axis)); both_approaches(data, own, axis))
+      add_at(site(own, axis), &EffectDefinition::of_reversal, true, usual);
+  return usual;
+}
+
 }  // namespace
 
 std::vector<EffectInstance> Site::once(bool worth_trying) const {
@@ -216,15 +270,7 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
   constexpr std::size_t kForSlope = 3;
   const Observations data = without_paths(all);
   std::vector<EffectInstance> usual;
-  if (!data.through_chain.empty()) {
-    const auto site = [&](Sense sense, Axis axis) { return site_at(data, sense, axis, true); };
-    add_at(site(data.sense.front(), Axis::X), &EffectDefinition::of_sense, true, usual);
-    std::erase_if(usual, [](const EffectInstance& one) { return one.definition().place != Place::artefact; });
-    for (const Axis axis : data.rotary_axes)
-      if (const auto own = static_cast<Sense>(kAxes + index_of(axis)); both_approaches(data, own, axis))
-        add_at(site(own, axis), &EffectDefinition::of_reversal, true, usual);
-    return usual;
-  }
+  if (!data.through_chain.empty()) return usual_of_ball(data);
   for (const Sense sense : kSenses) {
     if (!has(data, sense)) continue;
     const auto site = [&](Axis axis) { return site_at(data, sense, axis, true); };

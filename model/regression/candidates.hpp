@@ -21,7 +21,8 @@ namespace ecs::model {
 /// What every measured curve has, to begin a model with: an offset (each instrument begins at a zero of its own), for
 /// each axis that moves a slope, and lost motion where both approaches were measured. One of them left out, a diagnosis
 /// would explain it by several others. Of readings along paths nothing: what they have of an offset is taken out of
-/// them, and a slope or lost motion is what such a test is made to find.
+/// them, and a slope or lost motion is what such a test is made to find. Of a ball its place and location errors of the
+/// rotary axes as far as the readings tell them from each other; what does the same as one of them is its alternative.
 [[nodiscard]] std::vector<EffectInstance> usual_effects(const Observations& data);
 
 }  // namespace ecs::model

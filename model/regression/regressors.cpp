@@ -51,7 +51,8 @@ bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance
   if (!effect.axis) return true;
   if (definition.traits.of_approach) return is_own_motion(data, k, *effect.axis);
   if (effect.approach == ApproachMode::both) return true;
-  return is_own_motion(data, k, *effect.axis) && (data.approach[k] > 0) == (effect.approach == ApproachMode::forward);
+  return is_own_motion(data, k, *effect.axis) &&
+         (data.approach_of(k, *effect.axis) > 0) == (effect.approach == ApproachMode::forward);
 }
 
 void fill_row(const ReadingAt& at, std::span<double> row) {

@@ -17,7 +17,7 @@ struct ExactMachine {
   std::array<kinematics::RotaryGeometry, kAxes> rotary{};
   MeasurementLines lines_mm{};
   Vector3 tool_offset_mm{};
-  kinematics::JointValues values;                       ///< um, um/m, location errors not among them
+  kinematics::JointValues values{};                     ///< um, um/m, location errors not among them
   std::array<std::array<double, 6>, kAxes> location{};  ///< of A, B, C: XO., YO., ZO., AO., BO., CO.
 };
 

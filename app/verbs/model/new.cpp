@@ -5,6 +5,7 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 
 namespace ecs::app {
@@ -19,7 +20,7 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   const auto work = begun_model(context.console, arguments);
   if (!work) return tl::unexpected(work.error());
   std::vector<std::string> effects;
-  for (const model::EffectInstance& effect : work->model.effects) effects.push_back(place_text(effect));
+  for (const model::EffectInstance& effect : work->model.effects) effects.push_back(name_with_alternatives(effect));
   return outcome_of(
       record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: ecs model diagnose {model} {data}\n",
                   {{"model", word_cell(arguments.model)},

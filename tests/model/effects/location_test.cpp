@@ -119,8 +119,13 @@ Model begun(const laser::MeasurementSet& set, const TurningMachine& made) {
   return model;
 }
 
-Diagnosis found_in(const laser::MeasurementSet& set, const TurningMachine& made) {
-  const Model model = begun(set, made);
+/// Only where the ball is and lost motion: what a user has who thinks the axis lines to be in place.
+Model without_locations(Model model) {
+  std::erase_if(model.effects, [](const EffectInstance& one) { return one.definition().place == Place::location; });
+  return model;
+}
+
+Diagnosis found_in(const laser::MeasurementSet& set, const TurningMachine& made, const Model& model) {
   const auto found = diagnose(model, observations_of(set, model, made.machine));
   REQUIRE(found);
   return *found;
@@ -143,7 +148,7 @@ TEST_CASE("every error of the rotary axes reaches a reading as exact matrices sa
         TurningMachine made = trunnion();
         constexpr double kSmall = 0.5;  // um, um/m: second order stays below 1e-6 um
         made.exact.location[axis][s] = kSmall;
-        const laser::MeasurementSet set = ball_set(made, {{}, 0.0, on_workpiece});
+        const laser::MeasurementSet set = ball_set(made, {Eigen::Vector3d::Zero(), 0.0, on_workpiece});
         const Observations data = observations_of(set, Model{}, made.machine);
         REQUIRE(data.through_chain.size() == data.size());
         double worst = 0.0, size = 0.0;
@@ -182,7 +187,8 @@ TEST_CASE("a hidden location error is named, fitted, and what looks like it is s
     CAPTURE(one.name);
     TurningMachine made = trunnion();
     made.exact.location[one.axis][one.letter] = one.size;
-    const Diagnosis found = found_in(ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 11), made);
+    const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 11);
+    const Diagnosis found = found_in(set, made, without_locations(begun(set, made)));
     CHECK(found.verdict == Verdict::missing_effect);
     const Candidate* named = named_candidate(found);
     REQUIRE(named != nullptr);
@@ -197,7 +203,7 @@ TEST_CASE("at one angle of the other axis, places of both axis lines and the zer
   made.exact.location[2][1] = 7.0;  // YOC
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 12);
   std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
-  const Diagnosis found = found_in(set, made);
+  const Diagnosis found = found_in(set, made, without_locations(begun(set, made)));
   const Candidate* named = named_candidate(found);
   REQUIRE(named != nullptr);
   CHECK(to_text(named->effect) == "location:C:YOC");
@@ -210,7 +216,72 @@ TEST_CASE("at one angle of the other axis, places of both axis lines and the zer
 
 TEST_CASE("a sound machine with a ball off its place is adequate") {
   const TurningMachine made = trunnion();
-  CHECK(found_in(ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 13), made).verdict == Verdict::adequate);
+  const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 13);
+  CHECK(found_in(set, made, begun(set, made)).verdict == Verdict::adequate);
+}
+
+TEST_CASE("a model begins with the location errors that the readings show, and fits all of them at once") {
+  TurningMachine made = trunnion();
+  const std::vector<std::pair<std::string, double>> true_errors{
+      {"location:A:YOA", 6.0}, {"location:A:ZOA", -9.0}, {"location:A:BOA", 14.0}, {"location:A:COA", -7.0},
+      {"location:C:XOC", 8.0}, {"location:C:YOC", -5.5}, {"location:C:AOC", 18.0}, {"location:C:BOC", -12.0}};
+  for (const auto& [name, size] : true_errors)
+    made.exact.location[static_cast<std::size_t>(name[9] - 'A')][std::string("XYZABC").find(name[11])] = size;
+  const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 15);
+  const Model model = begun(set, made);
+  CHECK(found_in(set, made, model).verdict == Verdict::adequate);
+  const auto fitted = fit(model, observations_of(set, model, made.machine));
+  REQUIRE(fitted);
+  for (const auto& [name, size] : true_errors) {
+    CAPTURE(name);
+    const auto one = std::find_if(fitted->effects.begin(), fitted->effects.end(),
+                                  [&](const EffectFit& effect) { return to_text(effect.effect) == name; });
+    REQUIRE(one != fitted->effects.end());
+    const ParameterEstimate& value = one->parameters.front();
+    REQUIRE(value.sigma);
+    CHECK(std::abs(value.value - size) < 3.0 * *value.sigma);
+    CHECK(*value.sigma < 1.0);
+  }
+}
+
+TEST_CASE("what does the same as a location error of the model is kept as its alternative") {
+  const TurningMachine made = trunnion();
+  const auto alternatives_of = [&](const laser::MeasurementSet& set, const std::string& name) {
+    const Model model = begun(set, made);
+    for (const EffectInstance& one : model.effects)
+      if (to_text(one) == name) return one.tied_with;
+    return std::string("not in the model");
+  };
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 12);
+  CHECK(alternatives_of(set, "location:C:XOC").starts_with("offset:"));
+  CHECK(alternatives_of(set, "location:C:YOC") == "");
+  CHECK(alternatives_of(set, "location:C:COC") == "not in the model");  // another place of the ball does the same
+  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  CHECK(alternatives_of(set, "location:C:YOC").find("location:A:YOA") != std::string::npos);
+}
+
+TEST_CASE("a standing axis keeps the lost motion with which it came to its angle") {
+  TurningMachine made = trunnion();
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 16);
+  Observations data = observations_of(set, Model{}, made.machine);
+  bool came_back = false;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.axis[k] == Axis::X) continue;
+    const int side = data.approach_of(k, Axis::X);
+    CHECK(side == (data.position_mm[k][0] == 0.0 ? 1 : -1));  // A 0 first, then down to -60
+    came_back = came_back || side < 0;
+  }
+  CHECK(came_back);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    set.readings[data.file_order[k]].error +=
+        20.0 / 2.0 * data.approach_of(k, Axis::X) * data.share_of(k, Axis::X, Sense::EA);
+  const Model model = begun(set, made);
+  data = observations_of(set, model, made.machine);
+  const auto fitted = fit(model, data);
+  REQUIRE(fitted);
+  CHECK(fitted->rms_um == Approx(0.3).epsilon(0.15));
+  for (const EffectFit& one : fitted->effects)
+    if (to_text(one.effect) == "backlash:A:EA") CHECK(one.parameters.front().value == Approx(20.0).epsilon(0.05));
 }
 
 TEST_CASE("an eccentric encoder is a wave of one turn in the positioning, seen through the radius of the ball") {
@@ -221,7 +292,7 @@ TEST_CASE("an eccentric encoder is a wave of one turn in the positioning, seen t
     const double wave = 40.0 * std::sin(data.position_mm[k][2] * std::numbers::pi / 180.0 + 0.7);
     set.readings[data.file_order[k]].error += wave * data.share_of(k, Axis::Z, Sense::EC);
   }
-  const Diagnosis found = found_in(set, made);
+  const Diagnosis found = found_in(set, made, begun(set, made));
   const Candidate* named = named_candidate(found);
   REQUIRE(named != nullptr);
   CHECK(to_text(named->effect) == "cyclic:C:EC");
