@@ -84,9 +84,7 @@ double lever_m(const Observations& data, std::size_t k, Component code) {
   return std::abs(sum_mm) < kLeastLever_mm ? 0.0 : sum_mm / 1000.0;
 }
 
-bool is_own_motion(const Observations& data, std::size_t k, Axis axis) {
-  return data.approach_of(k, axis) != 0;
-}
+bool is_own_motion(const Observations& data, std::size_t k, Axis axis) { return data.approach_of(k, axis) != 0; }
 
 double map_compensation(const Observations& data, std::size_t k, const EffectInstance& effect, double shift_mm,
                         int as_approach) {
