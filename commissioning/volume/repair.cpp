@@ -422,6 +422,11 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   }
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
+  if (!fit->undetermined.empty())
+    answer.notes.push_back(
+        fmt::format("{}: these readings do not determine them, and what is predicted may be far off; "
+                    "first measure what separates them (ecs model next)",
+                    fmt::join(fit->undetermined, "; ")));
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(

@@ -164,6 +164,21 @@ TEST_CASE("a wave as long as the places of a volume are apart is seen whole") {
   CHECK(wave["volume_rms"]["left_um"].get<double>() == Approx(std::sqrt(32.0 + 5.59)).epsilon(0.03));
 }
 
+TEST_CASE("a wave that the targets do not determine is said to make predictions that may be far off") {
+  const TwoAxes files;
+  // the half period is the distance of the targets: its harmonic is the same at all of them
+  const std::string data = files.with(
+      "even.csv", measured_along_x(21, [](double x_mm) { return 8.0 * std::sin(2.0 * M_PI * x_mm / 99.999 + 1.0); }));
+  const std::string model =
+      files.with("even.toml",
+                 "[[effect]]\nid = \"cyclic\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { "
+                 "period_mm = 99.999 }\n[[effect]]\nid = \"offset\"\naxis = \"X\"\nsense = \"EX\"\n"
+                 "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n");
+  const Ran r = ran({"model", "repair", model, data, "--machine", files.machine, "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  CHECK(contains(r.json()["notes"].dump(), "these readings do not determine them"));
+}
+
 TEST_CASE("a prediction that the place of a step decides is said to be unsure") {
   const TwoAxes files;
   // 30 um/m and a step of 20 um between 450 and 500 mm: left alone, the slope and the slab beside the map's step add up
