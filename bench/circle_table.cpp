@@ -1,17 +1,21 @@
 // Circular tests of emulated machines that hide one fault, and the share of them whose first cause is right.
-//   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show] [--model [--lines]]
+//   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show] [--model
+//   [--lines|--follow]]
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
 // another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
 // with model/circle. --model diagnoses by the library of the error model (`ecs model diagnose`) instead, with the same
 // names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the first;
-// seeds whose fault such a line would show as well are passed over.
+// seeds whose fault such a line would show as well are passed over. --follow runs the first circle that `ecs model
+// next` proposes on the same machine with the same noise, and diagnoses both together; only seeds are counted whose
+// first circle leaves the cause in a group and has such a proposal.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -25,6 +29,7 @@
 #include "model/data/path_sets.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
+#include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
 #include "params/machine.hpp"
 
@@ -43,6 +48,7 @@ struct HiddenCircle {
   CirclePlan plan;
   std::string cause;  ///< name that the diagnosis should give
   std::string fault;  ///< as hidden: friction makes reversal spikes too
+  std::string axis;   ///< of which it is; one circle does not tell of which a scale or a lag is, two do
 };
 
 double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
@@ -63,6 +69,7 @@ std::string hide_fault(const std::string& fault, double size_um, Random& random,
   const Axis axis = hidden.plan.plane[which], other = hidden.plan.plane[1 - which];
   const std::string letter(1, letter_of(axis)), plane = laser::plane_name(hidden.plan.plane);
   const double signed_um = size_um * either_sign(random);
+  if (hidden.axis.empty()) hidden.axis = letter;
   const auto effect = [&](const std::string& id, const std::string& parameters) {
     hidden.errors +=
         fmt::format("[[effect]]\nid = \"{}\"\naxis = \"{}\"\nparameters = {{ {} }}\n", id, letter, parameters);
@@ -211,6 +218,88 @@ void add_line(laser::MeasurementSet& set, Axis axis, double lost_um, double sigm
       }
 }
 
+/// What a diagnosis names, in the words of the circle's faults.
+Named named_by(const model::Diagnosis& diagnosis, const std::string& plane) {
+  Named named;
+  named.verdict = name_of(diagnosis.verdict);
+  for (const model::Candidate& candidate : diagnosis.candidates) {
+    if (!candidate.named) continue;
+    const std::string fault = fault_of(to_text(candidate.effect), plane);
+    if (named.first != "none") {
+      named.verdict += " + " + to_text(candidate.effect);
+      named.further.push_back(fault);
+      continue;
+    }
+    named.first = fault;
+    named.verdict += " " + to_text(candidate.effect);
+    for (const std::string& rival : candidate.indistinguishable_from) named.alike.push_back(fault_of(rival, plane));
+  }
+  if (named.first == "none" && diagnosis.verdict != model::Verdict::adequate) {
+    for (const model::Candidate& candidate : diagnosis.candidates)
+      if (candidate.found)
+        named.notes.push_back(fmt::format("{} leaves {:.3f} of {:.3f} um, noise {:.3f} um, e-value {:.3g}",
+                                          place_text(candidate.effect), candidate.rms_after_um, diagnosis.rms_um,
+                                          diagnosis.noise.noise_um, candidate.e_value.value_or(-1.0)));
+    for (const model::Dependence& one : diagnosis.where)
+      named.notes.push_back(fmt::format("depends on {} ({:.2f})", one.variable, one.strength));
+    named.notes.insert(named.notes.end(), diagnosis.notes.begin(), diagnosis.notes.end());
+  }
+  return named;
+}
+
+/// Readings of both circles as one set, runs numbered on.
+laser::MeasurementSet with_circle(laser::MeasurementSet all, const laser::CircleTest& test, int first_run) {
+  for (laser::Reading& reading : model::set_of_circle(test).readings) {
+    reading.run += first_run - 1;
+    all.readings.push_back(reading);
+  }
+  int row = 0;
+  for (laser::Reading& reading : all.readings) reading.row = ++row;
+  return all;
+}
+
+/// The first circle leaves the cause in a group; the first circle proposed then decides, or not.
+struct Followed {
+  bool counts = false;
+  Named before, after;
+  std::string sentence;
+  double sigma = 0.0;
+};
+Result<Followed> followed(const laser::CircleTest& test, const HiddenCircle& hidden, Simulation& simulation,
+                          const std::filesystem::path& machine_file, double sigma_um, Random& random) {
+  const auto machine = params::read_machine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  const std::string plane = laser::plane_name(test.plane);
+  const laser::MeasurementSet set = with_circle({}, test, 1);
+  const model::Model model;
+  const auto data = model::observations_of(set, model, machine->machine);
+  auto first = model::diagnose(model, data);
+  if (!first) return tl::unexpected(first.error());
+  Followed result;
+  result.before = named_by(*first, plane);
+  if (result.before.alike.empty()) return result;
+  const model::NextMeasurement next = model::planned_next(model, data, *first);
+  if (next.proposals.empty() || !next.proposals.front().circle) return result;
+  const model::MeasurementProposal& proposal = next.proposals.front();
+  result.counts = true;
+  result.sentence = proposal.tells + ": " + proposal.sentence;
+  result.sigma = proposal.separation_sigma;
+  CirclePlan plan = hidden.plan;
+  plan.plane = proposal.circle->plane;
+  plan.centre_mm = proposal.circle->from_mm;
+  plan.radius_mm = proposal.circle->radius_mm;
+  plan.feed_mm_min = proposal.feed_mm_min;
+  plan.step_deg = proposal.circle_step_deg;
+  const auto clean = contour_circle(simulation, plan);
+  if (!clean) return tl::unexpected(clean.error());
+  const laser::MeasurementSet both =
+      with_circle(set, with_noise(*clean, sigma_um, proposal.runs, random), proposal.first_run);
+  const auto second = model::diagnose(model, model::observations_of(both, model, machine->machine));
+  if (!second) return tl::unexpected(second.error());
+  result.after = named_by(*second, plane);
+  return result;
+}
+
 Result<Named> named_by_model(const laser::CircleTest& test, const std::filesystem::path& machine_file, bool lines,
                              double sigma_um, Random& random) {
   const auto machine = params::read_machine(machine_file);
@@ -236,32 +325,7 @@ Result<Named> named_by_model(const laser::CircleTest& test, const std::filesyste
   model.effects = model::usual_effects(data);
   const auto diagnosis = model::diagnose(model, data);
   if (!diagnosis) return tl::unexpected(diagnosis.error());
-  Named named;
-  named.verdict = name_of(diagnosis->verdict);
-  const std::string plane = laser::plane_name(test.plane);
-  for (const model::Candidate& candidate : diagnosis->candidates) {
-    if (!candidate.named) continue;
-    const std::string fault = fault_of(to_text(candidate.effect), plane);
-    if (named.first != "none") {
-      named.verdict += " + " + to_text(candidate.effect);
-      named.further.push_back(fault);
-      continue;
-    }
-    named.first = fault;
-    named.verdict += " " + to_text(candidate.effect);
-    for (const std::string& rival : candidate.indistinguishable_from) named.alike.push_back(fault_of(rival, plane));
-  }
-  if (named.first == "none" && diagnosis->verdict != model::Verdict::adequate) {
-    for (const model::Candidate& candidate : diagnosis->candidates)
-      if (candidate.found)
-        named.notes.push_back(fmt::format("{} leaves {:.3f} of {:.3f} um, noise {:.3f} um, e-value {:.3g}",
-                                          place_text(candidate.effect), candidate.rms_after_um, diagnosis->rms_um,
-                                          diagnosis->noise.noise_um, candidate.e_value.value_or(-1.0)));
-    for (const model::Dependence& one : diagnosis->where)
-      named.notes.push_back(fmt::format("depends on {} ({:.2f})", one.variable, one.strength));
-    named.notes.insert(named.notes.end(), diagnosis->notes.begin(), diagnosis->notes.end());
-  }
-  return named;
+  return named_by(*diagnosis, laser::plane_name(test.plane));
 }
 
 }  // namespace
@@ -270,7 +334,7 @@ int main(int argc, char** argv) {
   long long first = 1, last = 20;
   double snr = 3.0, step_deg = 1.0;
   int runs = 2;
-  bool second = false, show = false, blank = false, by_model = false, lines = false;
+  bool second = false, show = false, blank = false, by_model = false, lines = false, follow = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--seeds" && i + 1 < argc) {
@@ -290,6 +354,7 @@ int main(int argc, char** argv) {
       blank |= word == "--blank";
       by_model |= word == "--model";
       lines |= word == "--lines";
+      follow |= word == "--follow";
     }
   }
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("ecs-circles-{}", first);
@@ -314,6 +379,31 @@ int main(int argc, char** argv) {
       for (laser::CircleReading& reading : bare.readings) reading.deviation_um = 0.0;
     const double sigma_um = blank ? 1.0 : rms_about_centre(*clean) / snr;
     const laser::CircleTest test = with_noise(bare, sigma_um, runs, random);
+    if (follow) {
+      if (hidden.fault == "friction") hidden.cause.replace(0, hidden.cause.find(':'), "friction");
+      const auto result = followed(test, hidden, *simulation, machine, sigma_um, random);
+      if (!result) return fmt::print(stderr, "seed {}: {}\n", seed, to_text(result.error())), 3;
+      if (!result->counts) continue;
+      const auto& alike = result->after.alike;
+      const bool right =
+          result->after.first == hidden.cause || std::find(alike.begin(), alike.end(), hidden.cause) != alike.end();
+      const bool of_one = hidden.fault != "scale" && hidden.fault != "servo_mismatch";
+      const bool alone = right && alike.empty() &&
+                         (of_one || result->after.verdict.find(":" + hidden.axis + ":") != std::string::npos);
+      Tally& tally = tallies[hidden.fault];
+      for (Tally* one : {&tally, &all}) {
+        ++one->cases;
+        one->right += right;
+        one->grouped += right && !alone;
+        one->wrong += !right && result->after.first != "none";
+        one->beside += !result->after.further.empty();
+      }
+      fmt::print("seed {}: {}: hidden {}: {} or {}; {} -> {}{}{}\n", seed, right ? "right" : "WRONG", hidden.cause,
+                 result->before.verdict, fmt::join(result->before.alike, ", "), result->sentence, result->after.verdict,
+                 alone ? "" : " or ", fmt::join(result->after.alike, ", "));
+      std::fflush(stdout);
+      continue;
+    }
     if (by_model) {
       const auto named = named_by_model(test, machine, lines, sigma_um, random);
       if (!named) return fmt::print(stderr, "seed {}: {}\n", seed, to_text(named.error())), 3;
@@ -365,10 +455,11 @@ int main(int argc, char** argv) {
   }
   std::filesystem::remove_all(folder);
   for (const auto& [name, tally] : tallies)
-    fmt::print("{:<16} {:>4} of {:>4} right, {} of them with others that cannot be told apart{}\n", name, tally.right,
-               tally.cases, tally.grouped,
-               by_model ? fmt::format("; {} wrongly named, {} with a further name", tally.wrong, tally.beside) : "");
+    fmt::print(
+        "{:<16} {:>4} of {:>4} right, {} of them with others that cannot be told apart{}\n", name, tally.right,
+        tally.cases, tally.grouped,
+        by_model || follow ? fmt::format("; {} wrongly named, {} with a further name", tally.wrong, tally.beside) : "");
   fmt::print("all, SNR {:g}, seeds {}..{}: {} of {} ({:.1f} %){}\n", snr, first, last, all.right, all.cases,
              100.0 * all.right / std::max(all.cases, 1),
-             by_model ? fmt::format(", {} with a further name", all.beside) : "");
+             by_model || follow ? fmt::format(", {} with a further name", all.beside) : "");
 }

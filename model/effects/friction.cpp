@@ -4,6 +4,7 @@
 // acceleration; the loop of the drive then settles as at the aperiodic limit, (1 + t/T) exp(-t/T).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
@@ -15,6 +16,12 @@ constexpr double kMs_per_s = 1000.0;
 /// Settling time of a position loop of 30 /s [s], which is usual; of one of twice and of half that speed. The second
 /// column turns the first into any between: of loops of 15 to 60 /s less than 3 % of the squares is left.
 constexpr double kSettling_s = 0.025, kFaster_s = 0.5 * kSettling_s, kSlower_s = 2.0 * kSettling_s;
+/// The force grows with the way that the axis is behind and with the sum of that over time (proportional and integral
+/// part of the regulator), so that it lets go after a time as a^(-1/2) or as a^(-1/3), a the acceleration at the
+/// reversal: between them. Sizes and times are those at this acceleration [mm/s^2], of 100 mm at 2000 mm/min about.
+constexpr double kAcceleration = 10.0, kTimeByAcceleration = -5.0 / 12.0;
+/// It is behind by a t0^2/2.
+constexpr double kSizeByAcceleration = 1.0 + 2.0 * kTimeByAcceleration;
 /// Times of standing: no drive lets go within 5 ms; over 1 s it is another fault. From a third of the shortest time at
 /// which a reading was taken (below, no reading shows it) to half of the longest (beyond, none shows that it ends);
 /// about five of the sixteen are different trials.
@@ -31,10 +38,26 @@ const Column& since_reversal_s(const Observations& data) {
   return found == data.extras.end() ? none : found->second;
 }
 
+/// The acceleration at the reversal before a row, of kAcceleration; 1 where the travel is not known.
+double acceleration_at(const Observations& data, std::size_t k) {
+  const double since_s = since_reversal_s(data)[k], travel_mm = cell(data.travel_since_reversal_mm, k);
+  return since_s > 0.0 && travel_mm > 0.0 ? 2.0 * travel_mm / (since_s * since_s) / kAcceleration : 1.0;
+}
+
+/// Since the reversal, at any acceleration as long as at kAcceleration [ms].
+double comparable_ms(const Observations& data, std::size_t k) {
+  return kMs_per_s * since_reversal_s(data)[k] * std::pow(acceleration_at(data, k), -kTimeByAcceleration);
+}
+
 ValueRange standing_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
-  const auto [least_s, greatest_s] = extent_of(since_reversal_s(data), acting);
-  const double least = std::clamp(kShortestOfStanding * least_s * kMs_per_s, kShortest_ms, 0.5 * kLongest_ms);
-  return {least, std::clamp(kLongestOfStanding * greatest_s * kMs_per_s, 2.0 * least, kLongest_ms)};
+  double shortest = std::numeric_limits<double>::max(), longest = 0.0;
+  for (const std::size_t k : acting.rows) {
+    const double since_ms = comparable_ms(data, k);
+    if (since_ms > 0.0) shortest = std::min(shortest, since_ms);
+    longest = std::max(longest, since_ms);
+  }
+  const double least = std::clamp(kShortestOfStanding * shortest, kShortest_ms, 0.5 * kLongest_ms);
+  return {least, std::clamp(kLongestOfStanding * longest, 2.0 * least, kLongest_ms)};
 }
 
 TriedValues standing_times(const Observations& data, const EffectInstance& effect, const Acting& acting,
@@ -64,14 +87,13 @@ EffectDefinition friction() {
       .tells_apart = "read on the fly, grows for a moment after each reversal, then settles; at rest it is gone",
       .check =
           "watch the current of the drive as the axis creeps through a reversal: twice the friction is its step; look "
-          "at "
-          "lubrication, wipers, gibs and the friction compensation of the control",
+          "at lubrication, wipers, gibs and the friction compensation of the control",
       .headline =
           "{where}, read on the fly, staying {c_um} behind after each reversal for {stands_ms} until friction is "
           "overcome",
-      .parameters = {{"c_um", "um", "how far it stays behind; below 0: friction is compensated too much"},
+      .parameters = {{"c_um", "um", "how far it stays behind at 10 mm/s^2; below 0: friction is compensated too much"},
                      {"slower_um", "um", "part of it that settles slowly rather than fast"},
-                     {"stands_ms", "ms", "time that it stands after a reversal", Coding::searched}},
+                     {"stands_ms", "ms", "time that it stands after a reversal at 10 mm/s^2", Coding::searched}},
       .carrier = Carrier::none,
       .how = "the unit does not know the force; friction compensation of the control",
       .separated_by = {45, "Repeat the circle with readings three times as close, at the same and at twice the feed."},
@@ -80,11 +102,12 @@ EffectDefinition friction() {
       .preference = 51,
       .columns =
           [](const ReadingAt& at, std::span<double> row) {
-            const double stands_s = at.searched / kMs_per_s;
-            const double since_s = since_reversal_s(at.data)[at.k], free_s = since_s - stands_s;
-            const double part = since_s / stands_s;
-            row[0] = -at.approach() * (free_s < 0.0 ? part * part : settled(free_s, kSettling_s));
-            row[1] = free_s < 0.0 ? 0.0 : -at.approach() * (settled(free_s, kSlower_s) - settled(free_s, kFaster_s));
+            const double since_s = since_reversal_s(at.data)[at.k];
+            const double part = comparable_ms(at.data, at.k) / at.searched;
+            const double free_s = part > 0.0 ? since_s * (1.0 - 1.0 / part) : -1.0;
+            const double size = -at.approach() * std::pow(acceleration_at(at.data, at.k), kSizeByAcceleration);
+            row[0] = size * (part < 1.0 ? part * part : settled(free_s, kSettling_s));
+            row[1] = part < 1.0 ? 0.0 : size * (settled(free_s, kSlower_s) - settled(free_s, kFaster_s));
           },
       .column_sets = {{0}, {0, 1}},
       .search = {.tried = standing_times, .assumed = assumed_standing, .limits = standing_limits},

@@ -54,6 +54,32 @@ TEST_CASE("an axis held by friction falls behind with the square of the time, th
   CHECK(columns.of(3, 1) < -0.2);  // a slower drive is still further behind
 }
 
+TEST_CASE("at a higher acceleration the axis stands for a shorter time and is further behind when it lets go") {
+  const auto peak_at = [](double feed_mm_min) {
+    CircleMade made;
+    made.readings = 3600;
+    made.runs = 1;
+    laser::CircleTest test = made_circle([](const PathPlace&) { return Vector3{}; }, made);
+    test.feed_mm_min = feed_mm_min;
+    const Observations data = observations_of(set_of_circle(test), Model{}, mill());
+    const Observations& motions = data.motions();
+    std::pair<double, double> largest;  // size, and the time at which it is
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      const double since_s = motions.extras.at(std::string(kTimeSinceReversalColumn))[k];
+      if (motions.axis[k] != Axis::Y || motions.sense[k] != Sense::EY || std::isnan(since_s)) continue;
+      std::array<double, 2> row{};
+      const EffectInstance held = effect(friction, Axis::Y, Sense::EY);
+      friction->columns({motions, k, held, 60.0}, row);
+      largest = std::max(largest, {std::abs(row[0]), since_s});
+    }
+    return largest;
+  };
+  const auto [size, time_s] = peak_at(2000.0);
+  const auto [faster_size, faster_time_s] = peak_at(4000.0);  // four times the acceleration
+  CHECK(faster_size / size == Approx(std::pow(4.0, 1.0 / 6.0)).epsilon(0.02));
+  CHECK(faster_time_s / time_s == Approx(std::pow(4.0, -5.0 / 12.0)).epsilon(0.1));
+}
+
 TEST_CASE("friction is sought on circles of known feed, of each axis along itself") {
   std::vector<std::string> names;
   for (const EffectInstance& one : candidate_instances(observations_of(set_of_circle(still_circle()), Model{}, mill())))
