@@ -14,6 +14,8 @@ constexpr std::array kKinds{DeviceKind::trigger, DeviceKind::environment, Device
 constexpr std::array kQuantities{Quantity::air_degC, Quantity::material_degC, Quantity::pressure_hPa,
                                  Quantity::humidity_pct, Quantity::reading_um};
 
+constexpr double kMostFactor = 1e12;  ///< of scale and offset: a choice
+
 template <class List>
 std::string names_of(const List& list) {
   std::string names;
@@ -79,8 +81,8 @@ class DeviceReader {
       return out;
     }
     for (const toml::node& each : *array) {
-      const auto value = each.value<std::int64_t>();
-      if (!each.is_integer() || !value || *value < 0 || *value > 255) {
+      const auto value = each.is_integer() ? each.value<std::int64_t>() : std::nullopt;
+      if (!value || *value < 0 || *value > 255) {
         reader_.complain(each, fmt::format("{}: expected bytes from 0x00 to 0xff", key));
         return out;
       }
@@ -171,6 +173,9 @@ class DeviceReader {
     out.scale = reader_.number(at, "scale").value_or(1.0);
     if (out.scale == 0.0) reader_.complain(at, "scale: expected a number other than 0");
     out.offset = reader_.number(at, "offset").value_or(0.0);
+    for (const auto& [key, value] : {std::pair{"scale", out.scale}, std::pair{"offset", out.offset}})
+      if (std::abs(value) > kMostFactor)
+        reader_.complain(*at.get(key), fmt::format("{}: expected a number within {}, got {}", key, kMostFactor, value));
     out.absent = whole(at, "absent", -2147483648LL, 4294967295LL);
     out.starts = bytes_of(at, "starts");
     if (device.report.bytes != 0 && out.byte + static_cast<std::size_t>(out.bytes) > device.report.bytes)

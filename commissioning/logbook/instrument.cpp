@@ -33,6 +33,9 @@ constexpr std::array<TextKey, 6> kTextKeys{{
 }};
 constexpr const char* kInterval = "calibration_interval_days";
 constexpr int kMostDays = 36500;
+/// A line break as \n: the library loses the first one behind three quotes.
+constexpr auto kOneLine = toml::toml_formatter::default_flags &
+                          ~(toml::format_flags::allow_multi_line_strings | toml::format_flags::allow_literal_strings);
 
 std::optional<std::chrono::sys_days> day_in(const std::string& text) {
   int year = 0;
@@ -124,7 +127,8 @@ std::string to_toml(const Instrument& instrument) {
   for (const TextKey& one : kTextKeys)
     if (!(instrument.*one.member).empty()) table.insert(one.key, instrument.*one.member);
   if (instrument.calibration_interval_days) table.insert(kInterval, *instrument.calibration_interval_days);
-  text << "# The instrument that measures; its certificate stands in the logbook (docs/logbook.md).\n" << table << '\n';
+  text << "# The instrument that measures; its certificate stands in the logbook (docs/logbook.md).\n"
+       << toml::toml_formatter(table, kOneLine) << '\n';
   return text.str();
 }
 

@@ -200,8 +200,11 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
   if (table.empty())
     return problem(ProblemKind::usage,
                    "--save-profile: expected --columns or another import option to keep, found none");
+  // A line break as \n: the library loses the first one behind three quotes.
+  constexpr auto kOneLine = toml::toml_formatter::default_flags &
+                            ~(toml::format_flags::allow_multi_line_strings | toml::format_flags::allow_literal_strings);
   std::ostringstream text;
-  text << "# import profile of ecs laser import\n" << table << '\n';
+  text << "# import profile of ecs laser import\n" << toml::toml_formatter(table, kOneLine) << '\n';
   const fs::path path = own_profile_file(name);
   if (auto kept = spared({path.string()}, force); !kept) return tl::unexpected(kept.error());
   std::error_code error;

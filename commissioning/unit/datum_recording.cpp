@@ -14,11 +14,14 @@ namespace ecs::commissioning {
 namespace {
 
 constexpr double kSpeedWindow_s = 0.02;
+constexpr double kShortestPeriod_us = 0.001, kLongestPeriod_us = 1e9, kMost_um_per_count = 1e6;  ///< choices
 constexpr double kStillCounts = 2.5;  ///< fewer counts within the window are no motion
 constexpr std::string_view kColumns = "time_s,counts,position_mm,speed_mm_min,switch_closed,marker";
 
 std::size_t half_window(const DatumRecording& recording) {
-  return std::max<std::size_t>(1, static_cast<std::size_t>(kSpeedWindow_s * 0.5e6 / recording.sample_period_us));
+  const double samples = kSpeedWindow_s * 0.5e6 / recording.sample_period_us;
+  return static_cast<std::size_t>(
+      std::clamp(samples, 1.0, std::max(1.0, static_cast<double>(recording.samples.size()))));
 }
 
 double still_mm_min(const DatumRecording& recording) {
@@ -37,11 +40,13 @@ std::optional<std::string> take_header(std::string_view key, std::string_view va
     if (!axis) return fmt::format("axis: expected X, Y or Z, found \"{}\"", value);
     recording.axis = *axis;
   } else if (key == "sample_period_us") {
-    if (!number || *number <= 0.0)
-      return fmt::format("sample_period_us: expected a number above 0, found \"{}\"", value);
+    if (!number || *number < kShortestPeriod_us || *number > kLongestPeriod_us)
+      return fmt::format("sample_period_us: expected {} to {}, found \"{}\"", kShortestPeriod_us, kLongestPeriod_us,
+                         value);
     recording.sample_period_us = *number;
   } else if (key == "um_per_count") {
-    if (!number || *number == 0.0) return fmt::format("um_per_count: expected a number, not 0, found \"{}\"", value);
+    if (!number || *number == 0.0 || std::abs(*number) > kMost_um_per_count)
+      return fmt::format("um_per_count: expected a number within {}, not 0, found \"{}\"", kMost_um_per_count, value);
     recording.um_per_count = *number;
   } else if (key == "taken") {
     recording.taken = value;

@@ -19,13 +19,21 @@ void serial_number_into(TomlReader& reader, const toml::table& table, std::strin
     serial_number = *word;
 }
 
+void seed_into(TomlReader& reader, const toml::table& table, std::uint64_t& seed) {
+  constexpr double kGreatest = 9007199254740992.0;  // 2^53: every whole number up to it is a double
+  double number = static_cast<double>(seed);
+  number_into(reader, table, "seed", Sign::not_negative, number);
+  if (number <= kGreatest)
+    seed = static_cast<std::uint64_t>(number);
+  else
+    reader.complain(*table.get("seed"), fmt::format("seed: expected at most {:.0f}, got {}", kGreatest, number));
+}
+
 EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const std::filesystem::path& folder) {
   EmulatorSettings settings;
   reader.only(table, {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "axis", "laser"}, "emulator");
   serial_number_into(reader, table, settings.serial_number);
-  double seed = 1.0;
-  number_into(reader, table, "seed", Sign::not_negative, seed);
-  settings.seed = static_cast<std::uint64_t>(seed);
+  seed_into(reader, table, settings.seed);
   number_into(reader, table, "load_kg", Sign::not_negative, settings.load_kg);
   if (const auto* offset = reader.child(table, "tool_offset_mm")) {
     Vector3& to = settings.tool_offset_mm;

@@ -133,7 +133,8 @@ class RecipeReader {
       return runs;
     }
     for (const toml::node& each : *list) {
-      if (const auto run = each.value<int>(); run && each.is_integer())
+      const auto run = each.is_integer() ? each.value<int>() : std::nullopt;
+      if (run)
         runs.push_back(*run);
       else
         reader_.complain(each, "exclude_runs: expected a run number");

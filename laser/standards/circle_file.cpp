@@ -23,6 +23,9 @@ double folded_deg(double angle_deg) {
 }
 
 /// Metadata that the values need.
+constexpr double kLargestRadius_mm = 1e6;         ///< a choice
+constexpr long long kMostCircleRuns = 1'000'000;  ///< a choice
+
 class CircleHead {
  public:
   CircleHead(CircleTest& test, Findings& findings) : test_(test), findings_(findings) {}
@@ -32,8 +35,10 @@ class CircleHead {
     const auto radius = number("radius_mm");
     if (!radius)
       findings_.add(0, 0, "expected `# radius_mm: ` with the nominal radius, found none");
-    else if (*radius <= 0.0)
-      findings_.add(0, 0, fmt::format("radius_mm: expected a number above 0, found {:g}", *radius));
+    else if (*radius <= 0.0 || *radius > kLargestRadius_mm)
+      findings_.add(
+          0, 0,
+          fmt::format("radius_mm: expected a number above 0, at most {:g}, found {:g}", kLargestRadius_mm, *radius));
     test_.radius_mm = radius.value_or(0.0);
     test_.feed_mm_min = number("feed_mm_min");
     test_.start_angle_deg = number("start_angle_deg");
@@ -102,10 +107,12 @@ CircleReading circle_reading(const CsvRow& row, const CircleColumns& columns, Fi
   if (columns.run) {
     const CsvField& field = row.fields[*columns.run];
     const auto run = integer_in(field.text);
-    if (!run)
+    if (run && std::abs(*run) <= kMostCircleRuns)
+      reading.run = static_cast<int>(*run);
+    else
       findings.add(row.line, field.column,
-                   fmt::format("run: expected a whole number, found {}", in_quotes(field.text)));
-    reading.run = static_cast<int>(run.value_or(1));
+                   fmt::format("run: expected a whole number{}, found {}",
+                               run ? fmt::format(" within {}", kMostCircleRuns) : "", in_quotes(field.text)));
   }
   return reading;
 }

@@ -14,6 +14,8 @@
 namespace ecs::laser {
 namespace {
 
+/// More is a wrong unit or no measurement; choices.
+constexpr double kLongestEdge_mm = 1e6, kLargestDeviation_um = 1e6, kMostDiagonalRuns = 1e6;
 constexpr std::array<std::string_view, 3> kDiagonalColumns{"diagonal", "position_mm", "deviation_um"};
 /// Of the length: a target may lie a little beyond the corner.
 constexpr double kBeyondCorner = 1.001;
@@ -89,21 +91,24 @@ class DiagonalReader {
       const auto text = metadata_value(table_.metadata, key);
       if (!text) continue;
       const auto span_mm = number_in(*text);
-      if (!span_mm || *span_mm <= 0.0)
-        findings_.add(0, 0, fmt::format("{}: expected a length above 0, found {}", key, in_quotes(*text)));
+      if (!span_mm || *span_mm <= 0.0 || *span_mm > kLongestEdge_mm)
+        findings_.add(0, 0,
+                      fmt::format("{}: expected a length above 0, at most {:g}, found {}", key, kLongestEdge_mm,
+                                  in_quotes(*text)));
       test_.span_mm[index_of(axis)] = span_mm.value_or(0.0);
     }
   }
 
-  std::optional<double> number(const CsvRow& row, std::string_view column) {
+  std::optional<double> number(const CsvRow& row, std::string_view column, double most) {
     const auto place = place_of(table_, column);
     if (!place) return std::nullopt;
     const CsvField& field = row.fields[*place];
     const auto value = number_in(field.text);
-    if (!value)
-      findings_.add(row.line, field.column,
-                    fmt::format("{}: expected a number, found {}", column, in_quotes(field.text)));
-    return value;
+    if (value && std::abs(*value) <= most) return value;
+    findings_.add(row.line, field.column,
+                  fmt::format("{}: expected a number{}, found {}", column,
+                              value ? fmt::format(" within {:g}", most) : "", in_quotes(field.text)));
+    return std::nullopt;
   }
 
   DiagonalReadings* diagonal_of(const CsvRow& row) {
@@ -130,8 +135,10 @@ class DiagonalReader {
 
   void take(const CsvRow& row) {
     DiagonalReadings* const diagonal = diagonal_of(row);
-    const auto position_mm = number(row, "position_mm"), deviation_um = number(row, "deviation_um");
-    const double approach = number(row, "approach").value_or(0.0), run = number(row, "run").value_or(1.0);
+    const auto position_mm = number(row, "position_mm", kLongestEdge_mm),
+               deviation_um = number(row, "deviation_um", kLargestDeviation_um);
+    const double approach = number(row, "approach", 1.0).value_or(0.0),
+                 run = number(row, "run", kMostDiagonalRuns).value_or(1.0);
     if (diagonal == nullptr || !position_mm || !deviation_um) return;
     Reading reading;
     reading.line = row.line;

@@ -35,7 +35,8 @@ constexpr std::array<DriveConstantInfo, kDriveConstants> kInfo{{
 }};
 
 /// The tables that a model file may hold; here only their spelling is of interest.
-const std::vector<std::string> kTables{"drive", "effect", "candidate", "map", "known", "history", "name"};
+const std::vector<std::string> kTables{"drive", "effect",  "candidate", "map",
+                                       "known", "history", "name",      "compensated_readings"};
 
 void take(TomlReader& reader, const toml::table& table, const DriveConstantInfo& info, DriveParameters& into) {
   const bool both = info.key != info.name && table.contains(info.key) && table.contains(info.name);

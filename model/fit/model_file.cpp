@@ -25,6 +25,8 @@ const std::vector<std::string> kEffectKeys{"id",     "axis",    "sense",       "
                                            "sensor", "sensor2", "name",        "formula",  "parameters",
                                            "fitted", "curve",   "undetermined"};
 
+constexpr double kMostReadings = 1e9;
+
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
   for (const EffectDefinition& definition : effect_library()) names.emplace_back(definition.id);
@@ -129,8 +131,26 @@ std::vector<UserParameter> parameters_in(const std::vector<UserFormula>& formula
   return parameters;
 }
 
+/// As formulas name it: a letter or '_', then letters, digits and '_'.
+bool is_formula_name(std::string_view name) {
+  const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  return !name.empty() && letter(name.front()) && std::all_of(name.begin(), name.end(), [&](char c) {
+    return letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
+  });
+}
+
+void check_parameter_name(TomlReader& reader, const toml::node& at, const std::string& name,
+                          const EffectInstance& effect) {
+  if (!is_formula_name(name))
+    reader.complain(
+        at, fmt::format("parameters: expected a name as in the formula, of letters, digits and _, got \"{}\"", name));
+  if (std::any_of(effect.user.begin(), effect.user.end(), [&](const UserParameter& one) { return one.name == name; }))
+    reader.complain(at, fmt::format("parameters: expected every name once, got \"{}\" twice", name));
+}
+
 void take_user_parameter(TomlReader& reader, const toml::table& table, const std::string& name,
                          EffectInstance& effect) {
+  check_parameter_name(reader, *table.get(name), name, effect);
   UserParameter parameter;
   parameter.name = name;
   if (const toml::table* facts = table.get_as<toml::table>(name)) {
@@ -174,10 +194,12 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
       take_user_parameter(reader, *parameters, std::string(key.str()), effect);
   } else if (const toml::array* names = table.get_as<toml::array>("parameters")) {
     for (const toml::node& each : *names) {
-      if (const auto* name = each.as_string())
+      if (const auto* name = each.as_string()) {
+        check_parameter_name(reader, each, name->get(), effect);
         effect.user.push_back({name->get(), {}, {}, {}, {}, {}});
-      else
+      } else {
         reader.complain(each, "parameters: expected names in quotes");
+      }
     }
   } else {
     effect.user = parameters_in(effect.formulas);
@@ -369,6 +391,15 @@ void take_history(TomlReader& reader, const toml::table& root, Model& model) {
   }
 }
 
+void take_compensated(TomlReader& reader, const toml::table& root, Model& model) {
+  constexpr std::string_view kKey = "compensated_readings";
+  const double count = reader.number(root, kKey).value_or(0.0);
+  if (count >= 0.0 && count <= kMostReadings && count == std::floor(count))
+    model.compensated_readings = static_cast<int>(count);
+  else
+    reader.complain(*root.get(kKey), fmt::format("{}: expected a whole number of readings, got {}", kKey, count));
+}
+
 /// The comment "# or servo_lag:X:EX" below [[effect]]: what the data could not tell the effect from. A comment, so
 /// that older readers take the file.
 void take_alternatives(std::string_view text, Model& model) {
@@ -405,7 +436,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
   take_map(reader, *root, folder, model);
   take_known(reader, *root, model);
   take_history(reader, *root, model);
-  model.compensated_readings = static_cast<int>(reader.number(*root, "compensated_readings").value_or(0.0));
+  take_compensated(reader, *root, model);
   if (!reader.clean()) return tl::unexpected(reader.all());
   take_alternatives(text, model);
   return model;

@@ -6,21 +6,10 @@
 #include "base/text.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/model_file.hpp"
+#include "params/flat_toml.hpp"
 
 namespace ecs::model {
 namespace {
-
-std::string toml_text(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (c == '\n')
-      out += "\\n";
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 std::string list_of(const std::vector<double>& values) {
   std::vector<std::string> words;
@@ -36,14 +25,14 @@ std::string table_of(const EffectInstance& effect, const std::map<std::string, d
 }
 
 std::string user_text(const EffectInstance& effect) {
-  std::string text = fmt::format("name = {}\n", toml_text(effect.name));
+  std::string text = fmt::format("name = {}\n", params::toml_string(effect.name));
   std::vector<std::string> formulas, parameters;
   for (const UserFormula& formula : effect.formulas)
-    formulas.push_back(fmt::format("{} = {}", name_of(formula.sense), toml_text(formula.text)));
+    formulas.push_back(fmt::format("{} = {}", name_of(formula.sense), params::toml_string(formula.text)));
   text += fmt::format("formula = {{ {} }}\n", fmt::join(formulas, ", "));
   for (const UserParameter& p : effect.user) {
     std::vector<std::string> facts;
-    if (!p.unit.empty()) facts.push_back(fmt::format("unit = {}", toml_text(p.unit)));
+    if (!p.unit.empty()) facts.push_back(fmt::format("unit = {}", params::toml_string(p.unit)));
     const auto number = [&](const char* key, const std::optional<double>& value) {
       if (value) facts.push_back(fmt::format("{} = {}", key, shortest(*value)));
     };
@@ -70,8 +59,8 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   if (!effect.is_user()) word("sense", sense_text(effect));
   word("code", code_text(effect));
   if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
-  if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(effect.sensor));
-  if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", toml_text(effect.sensor2));
+  if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", params::toml_string(effect.sensor));
+  if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", params::toml_string(effect.sensor2));
   if (effect.is_user())
     text += user_text(effect);
   else if (!effect.parameters.empty())
@@ -79,7 +68,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect, effect.fitted));
   if (effect.undetermined) {
     std::vector<std::string> names;
-    for (const std::string& name : *effect.undetermined) names.push_back(toml_text(name));
+    for (const std::string& name : *effect.undetermined) names.push_back(params::toml_string(name));
     text += fmt::format("undetermined = [{}]\n", fmt::join(names, ", "));
   }
   if (!effect.curve.empty())
@@ -93,7 +82,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
 std::string to_toml(const Model& model) {
   std::string text;
   if (model.compensated_readings > 0) text += fmt::format("compensated_readings = {}\n", model.compensated_readings);
-  if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", toml_text(model.map_file));
+  if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", params::toml_string(model.map_file));
   for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");
   for (const EffectInstance& effect : model.candidates) text += effect_text(effect, "candidate");
   for (const KnownComponent& known : model.known)
@@ -102,8 +91,8 @@ std::string to_toml(const Model& model) {
   for (const LadderStep& step : model.history) {
     text += fmt::format(
         "\n[[history]]\neffect = {}\ndata = {}\nrms_before_um = {}\nrms_um = {}\npeak_um = {}\nnoise_um = {}\n",
-        toml_text(step.effect), toml_text(step.data), shortest(step.rms_before_um), shortest(step.rms_um),
-        shortest(step.peak_um), shortest(step.noise_um));
+        params::toml_string(step.effect), params::toml_string(step.data), shortest(step.rms_before_um),
+        shortest(step.rms_um), shortest(step.peak_um), shortest(step.noise_um));
     if (step.held_out_rms_um) text += fmt::format("held_out_rms_um = {}\n", shortest(*step.held_out_rms_um));
   }
   return text;

@@ -60,6 +60,19 @@ TEST_CASE("a field beyond the report, and a gauge that measures degrees, are ref
   CHECK(to_text(gauge.error()).find("expected reading_um") != std::string::npos);
 }
 
+TEST_CASE("bytes and scales that no number holds are refused") {
+  const std::string gauge =
+      "name = \"g\"\nkind = \"gauge\"\n[match]\nvendor_id = 1\nproduct_id = 2\n"
+      "[[field]]\nquantity = \"reading_um\"\nbyte = 1\n";
+  CHECK(parse_device(gauge + "scale = 0.01\nstarts = [1, 255]\n", "g.toml"));
+  for (const char* line : {"starts = [1e300]", "starts = [256]", "scale = 1e300", "offset = -1e300"}) {
+    CAPTURE(line);
+    const auto device = parse_device(gauge + line + "\n", "g.toml");
+    REQUIRE_FALSE(device);
+    CHECK(device.error().line == 9);
+  }
+}
+
 TEST_CASE("the button is held when all bits of the mask are active, whichever way that is") {
   DeviceDescription device;
   device.trigger = {2, 0x05, true, 30};

@@ -63,6 +63,23 @@ TEST_CASE("every bad row is reported with its line") {
   CHECK(read.error().also[2].line == 7);
 }
 
+TEST_CASE("periods and counts of which no time or position can be made are refused") {
+  const std::string rows = "time_s,counts,position_mm,speed_mm_min,switch_closed,marker\n0,1,0,0,0,0\n0,2,0,0,0,0\n";
+  for (const char* header :
+       {"# sample_period_us: 1e-300\n", "# sample_period_us: 1e300\n", "# um_per_count: -1e308\n"}) {
+    CAPTURE(header);
+    const auto read = parse_recording(header + rows, "r.csv");
+    REQUIRE_FALSE(read);
+    CHECK(read.error().line == 1);
+  }
+}
+
+TEST_CASE("a unit that states a period of almost nothing gives speeds all the same") {
+  DatumRecording recording = approach();
+  recording.sample_period_us = 1e-300;
+  CHECK(speeds_mm_min(recording).size() == recording.samples.size());
+}
+
 TEST_CASE("show answers with the graph and its events") {
   const Folder folder;
   const std::string file = folder.with("r.csv", to_csv(approach()));

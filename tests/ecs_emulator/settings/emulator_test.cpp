@@ -55,3 +55,15 @@ count_polarity = 2
   CHECK(machine.error().also.size() == 4);
   CHECK(to_text(machine.error()).find("did you mean \"serial_number\"") != std::string::npos);
 }
+
+TEST_CASE("a seed that no whole number of 64 bits holds is refused") {
+  const auto seed = [](const char* number) {
+    return parse_workshop_machine(small_machine() + "[emulator]\nseed = " + number + "\n", "machine.toml", ".");
+  };
+  CHECK(seed("9007199254740992").value().settings.seed == 9007199254740992U);
+  for (const char* number : {"1e300", "18446744073709551616.0"}) {
+    const auto machine = seed(number);
+    REQUIRE_FALSE(machine);
+    CHECK(to_text(machine.error()).find("seed: expected at most 9007199254740992") != std::string::npos);
+  }
+}

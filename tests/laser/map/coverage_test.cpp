@@ -101,6 +101,13 @@ TEST_CASE("a header is missing what it does not state") {
   CHECK(missing_in(header) == std::vector<std::string>{"serial number", "engineer"});
 }
 
+TEST_CASE("a run number that no whole number holds is refused") {
+  const auto runs = parse_map_recipe("[[component]]\ncode = \"EXX\"\nfiles = [\"a.csv\"]\nexclude_runs = [1, 1e300]\n",
+                                     "r.toml", ".");
+  REQUIRE_FALSE(runs);
+  CHECK(to_text(runs.error()).find("r.toml:4:20: exclude_runs: expected a run number") != std::string::npos);
+}
+
 TEST_CASE("a recipe's date is a date, or refused with what was expected") {
   CHECK(parse_map_recipe("date = \"2024-05-06\"\n", "r.toml", "."));
   const auto refused = parse_map_recipe("engineer = \"N. N.\"\ndate = \"2024-05-06N. Comer\"\n", "r.toml", ".");

@@ -148,3 +148,13 @@ TEST_CASE("what a diagonal test lacks is said in words") {
   CHECK(contains(diagonal_refusal(kVolume + "# kind: step\ndiagonal,position_mm,deviation_um\nPPP,0,0\n"),
                  "expected a column moved"));
 }
+
+TEST_CASE("numbers of a diagonal test that no measurement has are refused") {
+  const std::string head = "diagonal,position_mm,deviation_um,run\n";
+  CHECK(contains(diagonal_refusal("# x_mm: 1e300\n# y_mm: 600\n" + head + "PP0,0,0,1\nNP0,0,0,1\n"),
+                 "x_mm: expected a length above 0, at most 1e+06, found \"1e300\""));
+  for (const char* row : {"PP0,1e300,0,1", "PP0,0,1e300,1", "PP0,0,0,1e300"}) {
+    CAPTURE(row);
+    CHECK(contains(diagonal_refusal(kVolume + head + row + "\n"), "expected a number within 1e+06, found \"1e300\""));
+  }
+}

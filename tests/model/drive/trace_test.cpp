@@ -124,6 +124,7 @@ TEST_CASE("a model without a drive table has the constants as printed in appendi
   CHECK((*named)[DriveConstant::Kw] == 0.07);
   CHECK((*named)[DriveConstant::K] == 0.5);
   CHECK(parse_drive("[drive]\nKw = 0.07\n", "rig.toml").value()[DriveConstant::Kw] == 0.07);
+  CHECK(parse_drive("compensated_readings = 12\n[drive]\nKw = 0.07\n", "fitted.toml"));
   const auto sample = read_drive("samples/rig/drive_as_printed.toml");
   REQUIRE(sample);
   CHECK(*sample == DriveParameters{});

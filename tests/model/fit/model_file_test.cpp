@@ -90,3 +90,36 @@ TEST_CASE("names in a formula that are no columns are parameters to be fitted") 
   CHECK(model->effects[0].user[0].name == "k");
   CHECK(model->effects[0].user[1].name == "c");
 }
+
+TEST_CASE("names with any characters are written so that they are read again") {
+  auto model = parse_model(kText, "m.toml", "");
+  REQUIRE(model);
+  model->effects[2].name = "tilt \x01\t\r\n\"\\";
+  model->history.push_back({"scale:X", "a\x1f.csv", 4.5, 0.5, 1.25, 0.5, 0.75});
+  const auto again = parse_model(to_toml(*model), "again.toml", "");
+  REQUIRE(again);
+  CHECK(again->effects == model->effects);
+  CHECK(again->history == model->history);
+}
+
+TEST_CASE("a number of compensated readings that is none is refused") {
+  CHECK(parse_model("compensated_readings = 12\n", "m.toml", "").value().compensated_readings == 12);
+  for (const char* count : {"-1", "1e300", "0.5"}) {
+    CAPTURE(count);
+    const auto model = parse_model("name = \"m\"\ncompensated_readings = " + std::string(count) + "\n", "m.toml", "");
+    REQUIRE_FALSE(model);
+    CHECK(to_text(model.error()).find("m.toml:2:24: compensated_readings: expected a whole number") == 0);
+  }
+}
+
+TEST_CASE("a parameter of a user effect has a name that a formula can hold, and only one") {
+  const std::string effect = "[[effect]]\nid = \"user\"\nname = \"u\"\nformula = { EX = \"a\" }\n";
+  for (const char* parameters :
+       {R"({ "a b" = 1.0 })", R"({ "" = 1.0 })", R"({ 2a = 1.0 })", R"(["a", "ä"])", R"(["a", "a"])"}) {
+    CAPTURE(parameters);
+    const auto model = parse_model(effect + "parameters = " + parameters + "\n", "u.toml", "");
+    REQUIRE_FALSE(model);
+    CHECK(model.error().line == 5);
+  }
+  CHECK(parse_model(effect + "parameters = [\"a\", \"b_2\"]\n", "u.toml", "").value().effects[0].user.size() == 2);
+}
