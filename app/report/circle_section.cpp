@@ -26,12 +26,19 @@ Markup values_table(const CircleWork& circle) {
   return table.markup();
 }
 
+/// Of spikes how long they are, with twice its standard uncertainty as in the column beside.
+std::string decay_text(const model::CircleFaultFound& fault) {
+  if (!fault.nonlinear_sigma_mm) return {};
+  return fmt::format(", decay {:.3g} ± {:.2g} mm", fault.nonlinear_mm, 2.0 * *fault.nonlinear_sigma_mm);
+}
+
 Markup causes_table(const model::CircleDiagnosis& diagnosis) {
   TableMarkup table({{"cause"}, {"share", true}, {"size", true}, {"±", true}, {"unit"}, {"cannot be told from"}});
   for (const model::CircleFaultFound& fault : diagnosis.faults)
-    table.row({element("strong", fault.title), text(fmt::format("{:.0f} %", 100.0 * fault.share)),
-               text(number_text(fault.value, kCircleDecimals)), text(number_text(2.0 * fault.sigma, kCircleDecimals)),
-               text(unit_text(fault.unit)), text(fmt::format("{}", fmt::join(fault.indistinguishable_from, ", ")))});
+    table.row({element("strong", fault.title) + text(decay_text(fault)),
+               text(fmt::format("{:.0f} %", 100.0 * fault.share)), text(number_text(fault.value, kCircleDecimals)),
+               text(number_text(2.0 * fault.sigma, kCircleDecimals)), text(unit_text(fault.unit)),
+               text(fmt::format("{}", fmt::join(fault.indistinguishable_from, ", ")))});
   return table.markup();
 }
 

@@ -34,7 +34,8 @@ Result<CircleWork> circle_work(const std::filesystem::path& file, const params::
     if (!known) return tl::unexpected(known.error());
     pitches_mm = std::move(*known);
   }
-  auto diagnosis = model::diagnose_circle(*test, pitches_mm);
+  auto diagnosis = model::diagnose_circle(
+      *test, pitches_mm, machine == nullptr ? model::PitchSource::nowhere : model::PitchSource::machine_file);
   if (!diagnosis) return tl::unexpected(diagnosis.error());
   laser::CircleValues values = laser::circle_values_of(*test);
   return CircleWork{file, std::move(*test), std::move(values), std::move(*diagnosis)};

@@ -1,7 +1,8 @@
 // Selection of columns by F tests against the noise of repeats: forward, each step followed by exchanges and removals
-// (Efroymson 1960), at a family-wise level over all faults tried (Šidák 1967). The noise's correlation inflates its
-// variance by (1 + ρ)/(1 − ρ) (Bartlett 1946). The share of a fault is its mean square among those of all parts and of
-// the rest.
+// (Efroymson 1960), at a family-wise level over all faults tried (Šidák 1967). The decay of a spike that is chosen is
+// then found from the readings; its derivative stays among the columns, so that every test and every uncertainty counts
+// that the decay was fitted. The noise's correlation inflates its variance by (1 + ρ)/(1 − ρ) (Bartlett 1946). The
+// share of a fault is its mean square among those of all parts and of the rest.
 #include "model/circle/diagnosis.hpp"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
+#include "model/circle/decays.hpp"
 #include "model/circle/faults.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -144,17 +146,17 @@ struct JointFit {
 class CircleSearch {
  public:
   CircleSearch(const CircleData& data, std::vector<CircleFault> faults, const CircleNoise& noise)
-      : deviation_(data.deviation), noise_(noise), faults_(std::move(faults)) {
+      : data_(data), noise_(noise), faults_(std::move(faults)), tried_(faults_.size()) {
     for (CircleFault& fault : faults_) fault.columns = without_centring(data, std::move(fault.columns));
   }
 
-  [[nodiscard]] JointFit found() const {
+  [[nodiscard]] JointFit found() {
     JointFit best = fit({});
-    std::set<std::vector<std::size_t>> seen;  // an extension that is taken back would come for ever
-    while (best.faults.size() < kMostFaults && seen.insert(in_order(best.faults)).second) {
+    std::set<std::set<std::string>> seen;  // an extension that is taken back would come for ever
+    while (best.faults.size() < kMostFaults && seen.insert(kinds(best)).second) {
       const auto next = best_extension(best);
       if (!next) break;
-      best = pruned(exchanged(*next));
+      best = pruned(with_best_decays(exchanged(*next)));
     }
     return best;
   }
@@ -164,7 +166,7 @@ class CircleSearch {
   [[nodiscard]] MatrixXd columns_of(const std::vector<std::size_t>& chosen) const {
     Index count = 0;
     for (const std::size_t i : chosen) count += faults_[i].columns.cols();
-    MatrixXd columns(deviation_.size(), count);
+    MatrixXd columns(data_.deviation.size(), count);
     Index at = 0;
     for (const std::size_t i : chosen) {
       columns.middleCols(at, faults_[i].columns.cols()) = faults_[i].columns;
@@ -178,7 +180,7 @@ class CircleSearch {
     if (columns <= 0) return 0.0;
     const double k = static_cast<double>(columns);
     const double f = std::max(0.0, taken) / k / (noise_.variance * noise_.inflation);
-    return std::min(0.0, ln_f_tail(f, k, noise_.degrees_of_freedom) + std::log(static_cast<double>(faults_.size())));
+    return std::min(0.0, ln_f_tail(f, k, noise_.degrees_of_freedom) + std::log(static_cast<double>(tried_)));
   }
 
   /// Faults that do as well in the place of one of the chosen, by name.
@@ -189,7 +191,9 @@ class CircleSearch {
       auto chosen = found.faults;
       chosen[place] = i;
       const JointFit other = fit(chosen);
-      if (other.columns >= found.columns && worse_by(other, found) < kEquallyGood) names.push_back(faults_[i].name());
+      const Index decay = faults_[found.faults[place]].decay_free ? 1 : 0;
+      if (other.columns + decay >= found.columns && worse_by(other, found) < kEquallyGood)
+        names.push_back(faults_[i].name());
     }
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
@@ -197,18 +201,59 @@ class CircleSearch {
   }
 
  private:
-  static std::vector<std::size_t> in_order(std::vector<std::size_t> chosen) {
-    std::sort(chosen.begin(), chosen.end());
-    return chosen;
+  /// Faults by name, waves by their pitch as well; the decay of a spike follows from the others.
+  [[nodiscard]] std::set<std::string> kinds(const JointFit& found) const {
+    std::set<std::string> kinds;
+    for (const std::size_t i : found.faults)
+      kinds.insert(faults_[i].effect == kReversalSpike ? faults_[i].name()
+                                                       : fmt::format("{} {}", faults_[i].name(), faults_[i].nonlinear));
+    return kinds;
+  }
+
+  [[nodiscard]] MatrixXd centred_spike(const std::string& letter, double decay_mm) const {
+    const std::size_t which = letter[0] == letter_of(data_.points.plane[0]) ? 0 : 1;
+    return without_centring(data_, spike_columns(data_.points, which, decay_mm));
+  }
+
+  /// The same faults with the decays of their spikes where the readings want them.
+  [[nodiscard]] JointFit with_best_decays(JointFit found) {
+    std::vector<std::size_t> others, places;
+    std::vector<double> decays_mm;
+    for (std::size_t place = 0; place < found.faults.size(); ++place) {
+      const CircleFault& fault = faults_[found.faults[place]];
+      if (fault.effect != kReversalSpike) {
+        others.push_back(found.faults[place]);
+        continue;
+      }
+      places.push_back(place);
+      decays_mm.push_back(fault.nonlinear);
+    }
+    if (places.empty()) return found;
+    const DecayLimits limits = decay_limits(data_.points);
+    decays_mm = best_decays(
+        data_.deviation, columns_of(others),
+        [&](std::size_t which, double decay_mm) {
+          return centred_spike(faults_[found.faults[places[which]]].where, decay_mm);
+        },
+        std::move(decays_mm), limits);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      CircleFault spike = faults_[found.faults[places[k]]];
+      spike.nonlinear = decays_mm[k];
+      spike.decay_free = decays_mm[k] > limits.least_mm && decays_mm[k] < limits.greatest_mm;
+      spike.columns = centred_spike(spike.where, spike.nonlinear).leftCols(spike.decay_free ? 2 : 1);
+      faults_.push_back(std::move(spike));
+      found.faults[places[k]] = faults_.size() - 1;
+    }
+    return fit(found.faults);
   }
 
   [[nodiscard]] JointFit fit(const std::vector<std::size_t>& chosen) const {
-    if (chosen.empty()) return {chosen, deviation_.squaredNorm(), 0};
+    if (chosen.empty()) return {chosen, data_.deviation.squaredNorm(), 0};
     Eigen::ColPivHouseholderQR<MatrixXd> qr;
     qr.setThreshold(kNothingNew);
     const MatrixXd columns = columns_of(chosen);
     qr.compute(columns);
-    return {chosen, (deviation_ - columns * qr.solve(deviation_)).squaredNorm(), qr.rank()};
+    return {chosen, (data_.deviation - columns * qr.solve(data_.deviation)).squaredNorm(), qr.rank()};
   }
 
   [[nodiscard]] double worse_by(const JointFit& a, const JointFit& b) const {
@@ -245,10 +290,11 @@ class CircleSearch {
           auto chosen = found.faults;
           chosen[place] = i;
           if (std::count(chosen.begin(), chosen.end(), i) > 1) continue;
-          if (faults_[i].name() != faults_[found.faults[place]].name() && has_name(found, faults_[i].name())) continue;
+          const bool same = faults_[i].name() == faults_[found.faults[place]].name();
+          if (!same && has_name(found, faults_[i].name())) continue;
           const JointFit other = fit(chosen);
-          // A fault with more columns has to earn them.
-          const double price = 2.0 * static_cast<double>(other.columns - found.columns);
+          // A fault with more columns has to earn them; of one spike another decay is no other fault.
+          const double price = same ? 0.0 : 2.0 * static_cast<double>(other.columns - found.columns);
           if (worse_by(other, found) + price >= -1e-6) continue;
           found = other;
           better = true;
@@ -273,9 +319,10 @@ class CircleSearch {
     return found;
   }
 
-  const VectorXd& deviation_;
+  const CircleData& data_;
   const CircleNoise& noise_;
-  std::vector<CircleFault> faults_;
+  std::vector<CircleFault> faults_;  ///< those that are tried, then spikes with decays of their own
+  std::size_t tried_ = 0;
 };
 
 double rms(const VectorXd& values) { return std::sqrt(values.squaredNorm() / static_cast<double>(values.size())); }
@@ -285,11 +332,16 @@ CircleFaultFound fault_found(const CircleFault& fault, const VectorXd& sizes, co
   found.name = fault.name();
   found.title = fault.title;
   found.unit = fault.quantity;
+  found.component = fault.component;
   found.nonlinear_mm = fault.nonlinear;
   // Of a wave the amplitude, with the uncertainty along it.
-  const double size = sizes.size() == 1 ? sizes[0] : sizes.norm();
+  const bool wave = sizes.size() > 1 && !fault.decay_free;
+  const double size = wave ? sizes.norm() : sizes[0];
   found.value = size * fault.to_unit;
-  const VectorXd along = sizes.size() == 1 ? VectorXd::Ones(1) : VectorXd(sizes / std::max(size, kLeastDivisor));
+  const VectorXd along = wave ? VectorXd(sizes / std::max(size, kLeastDivisor)) : VectorXd::Unit(sizes.size(), 0);
+  if (fault.decay_free)
+    found.nonlinear_sigma_mm =
+        fault.nonlinear * std::sqrt(std::max(0.0, covariance(1, 1))) / std::max(std::abs(size), kLeastDivisor);
   found.sigma = std::sqrt(std::max(0.0, along.dot(covariance * along))) * std::abs(fault.to_unit);
   return found;
 }
@@ -308,7 +360,8 @@ std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit&
     const CircleFault& fault = search.fault(best.faults[place]);
     const Index count = fault.columns.cols();
     CircleFaultFound found = fault_found(fault, sizes.segment(at, count), covariance.block(at, at, count, count));
-    const VectorXd part = fault.columns * sizes.segment(at, count);
+    const Index own = fault.decay_free ? count - 1 : count;
+    const VectorXd part = fault.columns.leftCols(own) * sizes.segment(at, own);
     found.rms_um = rms(part);
     found.range_um = part.maxCoeff() - part.minCoeff();
     std::vector<std::size_t> others = best.faults;
@@ -332,7 +385,7 @@ std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit&
 /// Faults that stand out of `against`, and what they leave against the noise.
 void explain(CircleDiagnosis& diagnosis, const CircleData& data, const std::array<std::vector<double>, 2>& pitches_mm,
              const CircleNoise& noise, const CircleNoise& against) {
-  const CircleSearch search(data, circle_faults(data.points, pitches_mm), against);
+  CircleSearch search(data, circle_faults(data.points, pitches_mm), against);
   const JointFit best = search.found();
   VectorXd left = data.deviation;
   diagnosis.faults.clear();
@@ -352,9 +405,18 @@ bool tries_pitch(const std::vector<CircleFault>& faults, char axis, double pitch
   });
 }
 
+std::string no_pitch_note(char axis, PitchSource source) {
+  if (source == PitchSource::nowhere)
+    return fmt::format("no pitch of {} is known: cyclic errors of it are not tried. Give --machine", axis);
+  return fmt::format(
+      "the machine file has no pitch of {0}: cyclic errors of it are not tried. Give screw_pitch_mm or scale_pitch_mm "
+      "in [axis.{0}]",
+      axis);
+}
+
 std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise& noise,
                                       const CircleDiagnosis& diagnosis,
-                                      const std::array<std::vector<double>, 2>& pitches_mm) {
+                                      const std::array<std::vector<double>, 2>& pitches_mm, PitchSource source) {
   std::vector<std::string> notes;
   const bool one_way = std::all_of(data.passes.begin(), data.passes.end(), [&](const PassRows& pass) {
     return pass.clockwise == data.passes.front().clockwise;
@@ -367,9 +429,7 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
         "no repeated pass: the noise is estimated from neighbouring readings and misses what is slow. Repeat the "
         "circle");
   for (std::size_t i = 0; i < pitches_mm.size(); ++i)
-    if (pitches_mm[i].empty())
-      notes.push_back(fmt::format("no pitch of {} is known: cyclic errors of it are not tried. Give --machine",
-                                  letter_of(data.points.plane[i])));
+    if (pitches_mm[i].empty()) notes.push_back(no_pitch_note(letter_of(data.points.plane[i]), source));
   const auto faults = circle_faults(data.points, pitches_mm);
   for (std::size_t i = 0; i < pitches_mm.size(); ++i)
     for (const double pitch_mm : pitches_mm[i])
@@ -378,6 +438,12 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
             fmt::format("a wave of {} with the pitch {:g} mm is not tried: the readings are too far apart for "
                         "it, or the circle is too small",
                         axis, pitch_mm));
+  for (const CircleFaultFound& fault : diagnosis.faults)
+    if (fault.name.starts_with(kReversalSpike) && !fault.nonlinear_sigma_mm)
+      notes.push_back(
+          fmt::format("{}: the readings put their decay at the end of what is looked for, {:.3g} mm; their size holds "
+                      "for that decay only",
+                      fault.title, fault.nonlinear_mm));
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
     notes.push_back(
         fmt::format("what is left, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the "
@@ -389,7 +455,7 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
 }  // namespace
 
 Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
-                                        const std::array<std::vector<double>, 2>& pitches_mm) {
+                                        const std::array<std::vector<double>, 2>& pitches_mm, PitchSource source) {
   if (test.readings.size() < kFewestReadings)
     return tl::unexpected(Problem{
         ProblemKind::bad_input,
@@ -416,7 +482,7 @@ Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
     explain(diagnosis, data, pitches_mm, noise,
             {diagnosis.left_um * diagnosis.left_um, n / passes, passes, noise.from_repeats});
   }
-  diagnosis.notes = circle_notes(data, noise, diagnosis, pitches_mm);
+  diagnosis.notes = circle_notes(data, noise, diagnosis, pitches_mm, source);
   return diagnosis;
 }
 

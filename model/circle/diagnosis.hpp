@@ -16,16 +16,18 @@ namespace ecs::model {
 inline constexpr double kFalseCircleFault = 0.01;
 
 struct CircleFaultFound {
-  std::string name;           ///< "backlash:X"
-  std::string title;          ///< "backlash of X"
-  double value = 0.0;         ///< in `unit`; of a wave its amplitude
-  double sigma = 0.0;         ///< standard uncertainty of it
-  std::string unit;           ///< "um", "um/m"
-  double nonlinear_mm = 0.0;  ///< decay of a spike, pitch of a wave; 0: none
-  double rms_um = 0.0;        ///< of its part of the deviations, centre and radius taken off
-  double range_um = 0.0;      ///< largest less smallest of its part: the circular deviation that it makes alone
-  double share = 0.0;         ///< of the mean squares of all parts and of the rest, which add up to 1
-  double ln_p = 0.0;          ///< ln of the chance of noise to do as well, times the number of faults tried
+  std::string name;                          ///< "backlash:X"
+  std::string title;                         ///< "backlash of X"
+  double value = 0.0;                        ///< in `unit`; of a wave its amplitude
+  double sigma = 0.0;                        ///< standard uncertainty of it
+  std::string unit;                          ///< "um", "um/m"
+  std::string component;                     ///< "C0Y" where the value is that of ISO 230-1, in its sign; empty: none
+  double nonlinear_mm = 0.0;                 ///< decay of a spike, pitch of a wave; 0: none
+  std::optional<double> nonlinear_sigma_mm;  ///< standard uncertainty of a decay; none: it is at a limit, or no decay
+  double rms_um = 0.0;                       ///< of its part of the deviations, centre and radius taken off
+  double range_um = 0.0;  ///< largest less smallest of its part: the circular deviation that it makes alone
+  double share = 0.0;     ///< of the mean squares of all parts and of the rest, which add up to 1
+  double ln_p = 0.0;      ///< ln of the chance of noise to do as well, times the number of faults tried
   std::vector<std::string>
       indistinguishable_from;  ///< names of faults that explain these readings as well in its place
 };
@@ -45,9 +47,13 @@ struct CircleDiagnosis {
 /// Structure is left where noise leaves as much with a smaller chance than this.
 inline constexpr double kLackOfFit = 0.001;
 
+/// Where pitches come from: what to do for missing ones.
+enum class PitchSource { nowhere, machine_file };
+
 /// @param pitches_mm  known pitches of the first and the second axis, for waves
 /// Problem (bad_input): fewer readings than four times the columns of the largest model.
 [[nodiscard]] Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
-                                                      const std::array<std::vector<double>, 2>& pitches_mm);
+                                                      const std::array<std::vector<double>, 2>& pitches_mm,
+                                                      PitchSource source = PitchSource::nowhere);
 
 }  // namespace ecs::model

@@ -14,8 +14,10 @@
 namespace ecs::model {
 namespace {
 
-/// Decay lengths of spikes as shares of the radius: 1.4 to 14 degrees after the reversal; beyond, it is a backlash.
+/// Decay lengths of spikes that are tried first, as shares of the radius: 1.4 to 14 degrees after the reversal.
 constexpr std::array<double, 5> kDecays_of_radius{0.0003, 0.001, 0.003, 0.01, 0.03};
+/// The decay itself may be down to the travel of 0.8 degrees, and up to that of 26; beyond, it is a backlash.
+constexpr double kLeastDecay_of_radius = 0.0001, kGreatestDecay_of_radius = 0.1;
 /// A wave needs so many readings a period where the axis moves fastest.
 constexpr double kReadingsAPeriod = 2.5;
 
@@ -57,13 +59,11 @@ void add_of_axis(std::vector<CircleFault>& faults, const CirclePoints& points, s
   const std::string letter(1, letter_of(points.plane[which]));
   const Eigen::ArrayXd u = axis.place, v = axis.across, d = axis.motion;
   faults.push_back({"backlash", letter, "backlash of " + letter, 0.0, (u * d / 2.0).matrix(), 1.0, "um"});
-  const double step = widest_step(points);
-  for (const double decay : kDecays_of_radius) {
-    // Travel over the step after the reversal; a shorter spike would be a single reading.
-    if (decay < step * step / 2.0) continue;
-    faults.push_back({"reversal_spike", letter, "reversal spikes of " + letter, decay * points.radius_mm,
-                      (u * d * (-axis.travelled.array() / decay).exp()).matrix(), 1.0, "um"});
-  }
+  const double step = widest_step(points), least_mm = decay_limits(points).least_mm;
+  for (const double decay : kDecays_of_radius)
+    if (const double decay_mm = decay * points.radius_mm; decay_mm >= least_mm)
+      faults.push_back({kReversalSpike, letter, "reversal spikes of " + letter, decay_mm,
+                        spike_columns(points, which, decay_mm).leftCols(1), 1.0, "um"});
   for (const double pitch_mm : pitches_mm) {
     if (!(pitch_mm > 0.0) || pitch_mm > points.radius_mm || kReadingsAPeriod * step * points.radius_mm > pitch_mm)
       continue;
@@ -79,7 +79,35 @@ void add_of_axis(std::vector<CircleFault>& faults, const CirclePoints& points, s
                     (v * (4.0 * u * u * u - 3.0 * u)).matrix(), 1.0, "um"});
 }
 
+/// The squareness of two axes as ISO 230-1 names it, and its sign in E_X = −C0Y·Y + B0Z·Z, E_Y = −A0Z·Z. Either order:
+/// the product of both coordinates makes the deviation.
+struct SquarenessName {
+  const char* component;
+  double sign;
+};
+
+SquarenessName squareness_of(const std::array<Axis, 2>& plane) {
+  const auto has = [&](Axis axis) { return plane[0] == axis || plane[1] == axis; };
+  if (!has(Axis::Z)) return {"C0Y", -1.0};
+  return has(Axis::X) ? SquarenessName{"B0Z", 1.0} : SquarenessName{"A0Z", -1.0};
+}
+
 }  // namespace
+
+DecayLimits decay_limits(const CirclePoints& points) {
+  const double step = widest_step(points);
+  return {std::max(kLeastDecay_of_radius, step * step / 2.0) * points.radius_mm,
+          kGreatestDecay_of_radius * points.radius_mm};
+}
+
+Eigen::MatrixXd spike_columns(const CirclePoints& points, std::size_t which, double decay_mm) {
+  const AxisOnCircle axis = axis_on_circle(points, which);
+  const Eigen::ArrayXd travelled = axis.travelled.array() * (points.radius_mm / decay_mm);
+  Eigen::MatrixXd columns(points.angle.size(), 2);
+  columns.col(0) = (axis.place.array() * axis.motion.array() * (-travelled).exp()).matrix();
+  columns.col(1) = (columns.col(0).array() * travelled).matrix();
+  return columns;
+}
 
 Eigen::MatrixXd centring_columns(const CirclePoints& points) {
   Eigen::MatrixXd columns(points.angle.size(), 3);
@@ -96,8 +124,9 @@ std::vector<CircleFault> circle_faults(const CirclePoints& points,
   std::vector<CircleFault> faults;
   faults.push_back({"scale_mismatch", both, fmt::format("scale mismatch of {} and {}", both[0], both[1]), 0.0,
                     (c * c - s * s).matrix(), 2.0 / radius_m, "um/m"});
-  faults.push_back({"squareness", both, fmt::format("{} and {} out of square", both[0], both[1]), 0.0, (s * c).matrix(),
-                    1.0 / radius_m, "um/m"});
+  const SquarenessName square = squareness_of(points.plane);
+  faults.push_back({"squareness", both, fmt::format("{} and {} out of square ({})", both[0], both[1], square.component),
+                    0.0, (square.sign * s * c).matrix(), 1.0 / radius_m, "um/m", square.component});
   faults.push_back({"servo_mismatch", both, fmt::format("servo mismatch of {} and {}", both[0], both[1]), 0.0,
                     (points.sense.array() * s * c).matrix(), 1.0, "um"});
   for (std::size_t which = 0; which < 2; ++which) add_of_axis(faults, points, which, pitches_mm[which]);

@@ -53,7 +53,10 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
   if (!fault.indistinguishable_from.empty())
     rivals =
         fmt::format("          these readings cannot tell it from {}\n", fmt::join(fault.indistinguishable_from, ", "));
-  return record_cell("  {share:>6} {rms_um:>8} {range_um:>8}  {title}: {value} +- {sigma} {unit}\n{rivals}",
+  const std::string decay = fault.nonlinear_sigma_mm ? fmt::format(", decay {:.3g} +- {:.2g} mm", fault.nonlinear_mm,
+                                                                   *fault.nonlinear_sigma_mm)
+                                                     : std::string();
+  return record_cell("  {share:>6} {rms_um:>8} {range_um:>8}  {title}: {value} +- {sigma} {unit}{decay}\n{rivals}",
                      {{"name", word_cell(fault.name)},
                       {"title", word_cell(fault.title)},
                       {"share", {number_or_null(fault.share), fmt::format("{:.1f} %", 100.0 * fault.share)}},
@@ -62,7 +65,10 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
                       {"value", number_cell(fault.value, 2)},
                       {"sigma", number_cell(fault.sigma, 2)},
                       {"unit", word_cell(fault.unit)},
+                      {"decay", shown_cell(decay)},
+                      {"component", {fault.component.empty() ? Json() : Json(fault.component), {}}},
                       {"nonlinear_mm", {fault.nonlinear_mm > 0.0 ? Json(fault.nonlinear_mm) : Json(), {}}},
+                      {"nonlinear_sigma_mm", {number_or_null(fault.nonlinear_sigma_mm), {}}},
                       {"false_naming", {number_or_null(std::exp(fault.ln_p)), {}}},
                       {"indistinguishable_from", {fault.indistinguishable_from, {}}},
                       {"rivals", shown_cell(rivals)}});

@@ -69,10 +69,12 @@ TEST_CASE("test circle: values, causes and plots") {
   CHECK(json["passes"][0]["G_um"].get<double>() == Approx(2.15).epsilon(0.05));
   CHECK(json["pairs"].size() == 2);
   CHECK(json["causes"]["faults"][0]["name"] == "squareness:XY");
-  CHECK(json["causes"]["faults"][0]["value"].get<double>() == Approx(20.0).epsilon(0.03));
+  // 1 um at 45 deg: E_X = +20 um/m of Y, and E_X = −C0Y·Y
+  CHECK(json["causes"]["faults"][0]["component"] == "C0Y");
+  CHECK(json["causes"]["faults"][0]["value"].get<double>() == Approx(-20.0).epsilon(0.03));
   CHECK(json["causes"]["faults"][0]["indistinguishable_from"].empty());
   const Ran drawn = ran({"test", "circle", file, "--draw", "--plot", (folder.path / "circle.svg").string()});
-  CHECK(contains(drawn.out, "X and Y out of square"));
+  CHECK(contains(drawn.out, "X and Y out of square (C0Y): -20."));
   CHECK(contains(drawn.out, ". least squares circle"));
   CHECK(contains(*read_file((folder.path / "circle.svg").string()), "<svg"));
 }
