@@ -57,7 +57,7 @@ struct DecayLimits {
 ///   squareness       E_X = −C0Y·Y, E_X = +B0Z·Z or E_Y = −A0Z·Z, by the plane, which may name its axes in either order
 ///   servo_mismatch   e_u = −ẋ/Kv: Δr = k s sin θ cos θ, the ellipse at 45° that turns with the sense of rotation
 ///   backlash         e_u = b/2 · sign of motion
-///   reversal_spike   e_u = c · sign of motion · exp(−travel since reversal/u0), u0 on a grid that the readings resolve
+///   reversal_spike   e_u = c · sign of motion · exp(−travel since reversal/u0), u0 tried on a grid, then fitted
 ///   cyclic           e_u = A sin(2πu/P) + B cos(2πu/P), P a pitch of the axis
 ///   straightness     e_v = q (2(u/R)² − 1), the bow of axis u, the same as the progressive error of v
 ///   straightness_s   e_v = q (4(u/R)³ − 3 u/R), the S of axis u, the same as that of v
