@@ -51,6 +51,7 @@ model::AddRequest request_for(const model::EffectInstance& effect) {
   request.approach = effect.approach;
   request.sensor = effect.sensor;
   request.sensor2 = effect.sensor2;
+  request.ball = effect.ball;
   request.name = effect.name;
   return request;
 }

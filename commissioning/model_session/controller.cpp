@@ -136,7 +136,7 @@ void ModelController::start_adding(std::size_t candidate) {
   if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
   const model::AddRequest request{effect.id,       effect.axis,   effect.rotary,  effect.sense, effect.code,
-                                  effect.approach, effect.sensor, effect.sensor2, effect.name};
+                                  effect.approach, effect.sensor, effect.sensor2, effect.name,  effect.ball};
   start_adding(request, place_text(effect), diagnosis_->candidates[candidate].rivals);
 }
 

@@ -19,6 +19,9 @@ using model::Candidate;
 using model::Diagnosis;
 using model::Verdict;
 
+/// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
+constexpr double kFarAboveNoise = 2.0;
+
 std::string summary(const Diagnosis& d) {
   std::string text = fmt::format("{} readings. The model leaves rms {:.3f} {}; the noise of one reading is {}. ",
                                  d.observations, d.rms_um, d.noise.unit, noise_text(d.noise));
@@ -26,7 +29,10 @@ std::string summary(const Diagnosis& d) {
     text += fmt::format("With {}: rms {:.3f} {}. ",
                         d.verdict == Verdict::unexplained_structure ? "the best that was tried" : "what is named",
                         d.rms_after_um, d.noise.unit);
-  text += fmt::format("Lack of fit: {}", lack_of_fit_cell(d.lack_of_fit).text);
+  const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
+  text += "Lack of fit: " + lack_of_fit;
+  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("holds"))
+    text += ", as repeats differ from each other by as much: what is there changes between them";
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");

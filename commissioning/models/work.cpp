@@ -12,6 +12,7 @@
 #include "commissioning/models/path_files.hpp"
 #include "laser/measured_machine.hpp"
 #include "model/regression/candidates.hpp"
+#include "model/regression/exchangeable.hpp"
 
 namespace ecs::commissioning {
 
@@ -82,6 +83,27 @@ std::optional<Problem> of_other_machine(const model::Observations& data, const s
   return std::nullopt;
 }
 
+/// What a model of readings of rotary axes cannot hold.
+std::vector<std::string> warnings_of_ball(const ModelWork& work) {
+  std::vector<std::string> warnings;
+  if (work.data.rotary && work.data.through_chain.empty())
+    warnings.emplace_back(
+        "these readings are taken as errors of the axis itself; of a ball on the table they need x_mm, y_mm, z_mm, and "
+        "--machine FILE with the rotary axes");
+  const auto is_kept = [&](const std::string& name) {
+    return std::any_of(work.model.effects.begin(), work.model.effects.end(), [&](const model::EffectInstance& effect) {
+      return effect.tied_with.find(name) != std::string::npos;
+    });
+  };
+  for (const model::Exchangeable& one : model::exchangeable_locations(work.data, work.model.effects))
+    if (const std::string name = place_text(one.effect); !is_kept(name))
+      warnings.push_back(fmt::format(
+          "{} is not in the model: these readings do not tell it from the place of the ball or of the probe "
+          "(turn the spindle by 180 deg between two readings to know that of the probe)",
+          name));
+  return warnings;
+}
+
 }  // namespace
 
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
@@ -136,6 +158,8 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
+  if (!work.data.not_followed.empty())
+    return tl::unexpected(Problem{ProblemKind::bad_input, work.data.not_followed, arguments.data.front(), 0, 0, {}});
   if (work.machine)
     if (auto other = of_other_machine(work.data, arguments.data)) return tl::unexpected(std::move(*other));
   return work;
@@ -150,6 +174,7 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   auto work = model_work(messages, arguments);
   if (work) {
     work->model.effects = model::usual_effects(work->data);
+    for (const std::string& warning : warnings_of_ball(*work)) messages.warn(warning);
     if (const auto written = model::write_model(arguments.model, work->model); !written)
       work = tl::unexpected(written.error());
   }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "model/effects/definition.hpp"
+#include "model/regression/exchangeable.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -66,7 +67,7 @@ volume::RotaryTable& table_for(volume::RotaryErrors& errors, kinematics::Joint j
 }  // namespace
 
 Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
-                                   const std::optional<params::Machine>& machine) {
+                                   const std::optional<params::Machine>& machine, const model::Observations& data) {
   FittedRotary out;
   const model::Model fitted = with_values(model, fit);
   bool any = false;
@@ -104,9 +105,23 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
       }
     }
   }
+  for (const model::Exchangeable& one : model::exchangeable_locations(data, fitted.effects)) {
+    const std::size_t r = index_of(*one.effect.axis), s = static_cast<std::size_t>(*one.effect.sense);
+    out.errors.location_u[r][s] = one.stands_for;
+    out.errors.location_given[r][s] = true;
+    out.not_told.push_back(fmt::format(
+        "{}: these readings do not tell it from what was fitted in its place; written as 0 with a standard uncertainty "
+        "of {:.2g} {}, which is what it would be if that were it",
+        place_text(one.effect), one.stands_for, is_rotation(*one.effect.sense) ? "um/m" : "um"));
+  }
   if (any) return out;
-  return problem(ProblemKind::refused,
-                 "--rotary: no effect of the model is an error of a rotary axis (location, cyclic, backlash, …)");
+  return problem(
+      ProblemKind::refused,
+      fmt::format("--rotary: no effect of the model is a determined error of a rotary axis (location, cyclic, "
+                  "backlash, …){}",
+                  data.through_chain.empty() ? "; location errors need readings of a ball, and --machine with "
+                                               "the rotary axes"
+                                             : ""));
 }
 
 }  // namespace ecs::commissioning

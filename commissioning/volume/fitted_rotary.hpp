@@ -15,11 +15,15 @@ namespace ecs::commissioning {
 struct FittedRotary {
   volume::RotaryErrors errors;
   std::vector<std::string> left_out;  ///< effects that are no error of a rotary axis, or that the fit did not determine
+  std::vector<std::string> not_told;  ///< location errors that the readings do not tell from what was fitted, in words
 };
 
 /// Error motions every 5 deg over the travel of the machine file, else over a turn; of a wave the standard uncertainty
-/// is that of its amplitude. Refused: nothing of the model is an error of a rotary axis.
+/// is that of its amplitude. A location error that the readings do not tell from the fitted place of ball or tool is 0
+/// with the size that place has as its standard uncertainty. Refused: nothing of the model is an error of a rotary
+/// axis.
 [[nodiscard]] Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
-                                                 const std::optional<params::Machine>& machine);
+                                                 const std::optional<params::Machine>& machine,
+                                                 const model::Observations& data);
 
 }  // namespace ecs::commissioning

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -22,6 +23,10 @@ using laser::Reading;
 /// Columns of readings of a ball or another artefact: 1 where the sensor turns with the workpiece, and the tool offset.
 constexpr std::string_view kOnWorkpiece = "on_workpiece";
 constexpr std::array<std::string_view, kAxes> kToolColumns{"tool_x_mm", "tool_y_mm", "tool_z_mm"};
+/// Nearer places are those of one ball.
+constexpr double kSameBall_mm = 1.0;
+/// A ball has three unknowns in the directions of one angle.
+constexpr std::size_t kFewestPoses = 3;
 /// Less of an error in a reading is the rounding of sines.
 constexpr double kLeastShare = 1e-9;
 
@@ -216,6 +221,54 @@ ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& 
   return chain;
 }
 
+/// Angles that the machine does not have.
+void take_travels(Observations& data) {
+  constexpr double kRounding_deg = 0.01;
+  for (const Axis a : kAllAxes) {
+    const auto& axis = data.machine.rotary[index_of(a)];
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      const double angle_deg = data.position_mm[k][index_of(a)];
+      const bool beyond =
+          axis ? angle_deg < axis->travel_deg[0] - kRounding_deg || angle_deg > axis->travel_deg[1] + kRounding_deg
+               : angle_deg != 0.0;
+      if (!beyond) continue;
+      data.not_followed = axis ? fmt::format("{} at {:g} deg is beyond its travel, {:g} … {:g} deg in the machine file",
+                                             data.letter(a), angle_deg, axis->travel_deg[0], axis->travel_deg[1])
+                               : fmt::format("{} at {:g} deg: the machine has no such axis", data.letter(a), angle_deg);
+      return;
+    }
+  }
+}
+
+/// Which ball each reading is of: the tool stands at its place in the frame of the workpiece. Where that is another at
+/// nearly every pose, pivots or tool offset are not those that the linear axes followed.
+void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
+  const auto apart_mm = [](const Vector3& a, const Vector3& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  };
+  std::vector<std::set<Vector3>> angles;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto near = [&](const Vector3& ball_mm) { return apart_mm(ball_mm, point_mm[k]) < kSameBall_mm; };
+    const auto found = std::find_if(data.balls_mm.begin(), data.balls_mm.end(), near);
+    const auto ball = static_cast<std::size_t>(found - data.balls_mm.begin());
+    if (found == data.balls_mm.end()) {
+      data.balls_mm.push_back(point_mm[k]);
+      angles.emplace_back();
+    }
+    angles[ball].insert(data.position_mm[k]);
+    data.through_chain[k].ball = static_cast<int>(ball) + 1;
+  }
+  double farthest_mm = 0.0;
+  for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
+  if (std::any_of(angles.begin(), angles.end(), [](const auto& poses) { return poses.size() < kFewestPoses; }))
+    data.not_followed = fmt::format(
+        "with the pivots, directions and tool offset given, the tool stands at {} points of the workpiece, up to "
+        "{:.1f} "
+        "mm apart, one of them at fewer than {} angles: the linear axes did not follow a ball. Give the pivots of the "
+        "control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, tool_z_mm)",
+        data.balls_mm.size(), farthest_mm, kFewestPoses);
+}
+
 /// From which side every rotary axis came to its angle, in the order of the file: a standing axis keeps the lost motion
 /// with which it arrived. One that has not moved yet is taken as referenced, that is as come forward.
 void take_sides(Observations& data, const MeasurementSet& set) {
@@ -247,14 +300,23 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
     return;
   }
   data.machine.rotary_configuration = machine->rotary_configuration;
+  data.machine.rotary = machine->rotary;
+  data.notes.emplace_back(
+      "nothing in such a model stands for errors of X, Y and Z: squareness or straightness that is not compensated "
+      "shows "
+      "as waves of the rotary axes");
   std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
+  std::vector<Vector3> point_mm;
   for (const std::size_t k : data.file_order) {
     const Reading& r = set.readings[k];
     for (std::size_t d = 0; d < kAxes; ++d) joints->tool_offset_mm[d] = number_or_0(r, kToolColumns[d]);
     const auto [found, is_new] = poses.try_emplace({r.angle_deg, joints->tool_offset_mm});
     if (is_new) found->second = kinematics::pose_at(*joints, r.angle_deg);
     data.through_chain.push_back(through_chain_of(r, *joints, found->second));
+    point_mm.push_back(found->second.tool_mm.at(r.position_mm));
   }
+  take_balls(data, point_mm);
+  take_travels(data);
   take_sides(data, set);
   for (const bool moved : {true, false})
     for (const Axis a : kAllAxes)
@@ -326,6 +388,7 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   part.position_mm = taken(all.position_mm, chosen);
   part.place_mm = taken(all.place_mm, chosen);
   part.through_chain = taken(all.through_chain, chosen);
+  part.balls_mm = all.balls_mm;
   part.rotary_axes = all.rotary_axes;
   part.compensated = taken(all.compensated, chosen);
   part.paths = all.paths;

@@ -45,6 +45,7 @@ struct ThroughChain {
   Vector3 of_tool{};       ///< likewise of the tool and what is in the spindle
   /// By A, B, C: from which side it came to its angle, standing axes too (1, -1; 0 unknown).
   PerAxis<int> approach{};
+  int ball = 1;  ///< which of `Observations::balls_mm`
   friend bool operator==(const ThroughChain&, const ThroughChain&) = default;
 };
 
@@ -81,6 +82,8 @@ struct Observations {
   /// Of rotary axes where `place_mm` and their pivots are known: how their errors reach the reading. Empty: readings of
   /// an error of the axis itself.
   std::vector<ThroughChain> through_chain;
+  std::vector<Vector3> balls_mm;  ///< where balls stand on the table, in the frame of the workpiece
+  std::string not_followed;       ///< why readings of a ball cannot be of this machine; empty: they can
   std::vector<Axis> rotary_axes;  ///< of the machine, where `through_chain` is known: those that moved come first
 
   // Readings along paths; sense and axis of such a row are those of the first axis of its path, approach is that along

@@ -24,7 +24,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 bool allowed(const EffectInstance& effect, const AddRequest& request) {
-  if (effect.id != request.id) return false;
+  if (effect.id != request.id || effect.ball != request.ball) return false;
   if (request.axis && (effect.axis != request.axis || effect.rotary != request.rotary)) return false;
   if (request.sense && effect.sense != request.sense) return false;
   if (request.code && effect.code != request.code) return false;
@@ -52,6 +52,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     effect.approach = request.approach.value_or(ApproachMode::both);
     effect.sensor = request.sensor;
     effect.sensor2 = request.sensor2;
+    effect.ball = request.ball;
     list.push_back(effect);
   }
   return list;
@@ -128,6 +129,8 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       request.sense = coded->sense;
     } else if (sense && id->place != Place::location && (id->place != Place::set_up || is_rotation(*sense))) {
       request.sense = sense;
+    } else if (const auto ball = number_in(part); id->place == Place::artefact && ball && *ball >= 1.0) {
+      request.ball = static_cast<int>(*ball);
     } else if (code) {
       request.code = code;
     } else {

@@ -21,6 +21,7 @@ struct AddRequest {
   std::string sensor;
   std::string sensor2;
   std::string name;  ///< of a user effect
+  int ball = 1;      ///< of a ball on the table
 };
 /// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
 [[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);

@@ -264,10 +264,32 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
+/// A wave whose second harmonic is the larger one is told as that: half the period, its size.
+struct ToldWave {
+  EffectInstance effect;
+  std::vector<ParameterEstimate> parameters;
+};
+ToldWave larger_wave(ToldWave wave) {
+  const auto named = [&](std::string_view name) {
+    const auto found = std::find_if(wave.parameters.begin(), wave.parameters.end(),
+                                    [&](const ParameterEstimate& one) { return one.name == name; });
+    return found == wave.parameters.end() ? nullptr : &*found;
+  };
+  ParameterEstimate *first = named("amplitude_um"), *second = named("amplitude2_um"), *period = named("period_mm");
+  if (!wave.effect.traits().periodic || !first || !second || !period || second->value <= first->value) return wave;
+  first->value = second->value;
+  first->sigma = second->sigma;
+  first->undetermined = second->undetermined;
+  period->value /= 2.0;
+  wave.effect.fitted[period->name] = period->value;
+  return wave;
+}
+
 }  // namespace
 
-std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
+std::string finding_text(const EffectInstance& found_effect, const std::vector<ParameterEstimate>& found_parameters,
                          const Observations& data) {
+  const auto [effect, parameters] = larger_wave({found_effect, found_parameters});
   const EffectDefinition& definition = effect.definition();
   fmt::dynamic_format_arg_store<fmt::format_context> words;
   const auto word = [&words](std::string_view name, const std::string& text) {

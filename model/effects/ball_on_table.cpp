@@ -22,8 +22,21 @@ EffectDefinition ball_on_table() {
       .traits = {.of_measurement = true, .is_usual = true, .on_rotary_axes = true},
       .place = Place::artefact,
       .preference = 92,
-      .columns = [](const ReadingAt& at, std::span<double> row) { put(at.data.through_chain[at.k].of_workpiece, row); },
-      .of_sense = [](const Site& site) { return once_for_ball(site); },
+      .columns =
+          [](const ReadingAt& at, std::span<double> row) {
+            const ThroughChain& chain = at.data.through_chain[at.k];
+            put(chain.ball == at.effect.ball ? chain.of_workpiece : Vector3{}, row);
+          },
+      .of_sense =
+          [](const Site& site) {
+            std::vector<EffectInstance> each;
+            const auto one = once_for_ball(site);
+            for (std::size_t ball = 0; !one.empty() && ball < site.data.balls_mm.size(); ++ball) {
+              each.push_back(one.front());
+              each.back().ball = static_cast<int>(ball) + 1;
+            }
+            return each;
+          },
   };
 }
 

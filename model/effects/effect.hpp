@@ -67,6 +67,7 @@ struct EffectInstance {
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   bool rotary = false;            ///< `axis` is A, B or C: positions and lengths are in degrees
   ApproachMode approach = ApproachMode::both;
+  int ball = 1;                              ///< of a ball on the table: which, in the order of the readings
   std::string sensor;                        ///< column of the sensor, where one is used
   std::string sensor2;                       ///< of the second, where their difference is
   std::string name;                          ///< of a user effect
@@ -91,8 +92,8 @@ struct EffectInstance {
 /// X, Y, Z; of a rotary axis A, B, C. @pre it has an axis
 [[nodiscard]] char axis_letter(const EffectInstance& effect);
 
-/// "cyclic:X:EX", "cyclic:C:EC", "angular:X:ECX", "set_up_rotation:EC", "map_polarity" (the whole map), "user:encoder
-/// tilt".
+/// "cyclic:X:EX", "cyclic:C:EC", "angular:X:ECX", "set_up_rotation:EC", "ball_on_table:2", "map_polarity" (the whole
+/// map), "user:encoder tilt".
 [[nodiscard]] std::string to_text(const EffectInstance& effect);
 
 /// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC": the same with approach and sensors.

@@ -53,8 +53,9 @@ EffectDefinition location() {
       .separated_by =
           {54,
            "Measure the ball again over the whole turn of {axis} at another angle of the other rotary axis; turn the "
-           "spindle by 180 degrees between two readings to know the zero of the probe. With the ball at another radius "
-           "and height a model of its own finds the same error of the machine."},
+           "spindle by 180 degrees between two readings to know the zero of the probe. Then measure the ball at "
+           "another "
+           "radius and height."},
       .traits = {.one_per_axis = true, .on_rotary_axes = true},
       .place = Place::location,
       .preference = -10,

@@ -27,6 +27,12 @@ constexpr double kRefinedRise = 10.0;
 
 bool by_score(const Choice& a, const Choice& b) { return a.score() > b.score(); }
 
+/// What turns comes back: a period in degrees goes into a turn a whole number of times.
+bool is_fraction_of_turn(double period_deg) {
+  const double orders = 360.0 / period_deg;
+  return orders > 0.5 && std::abs(orders - std::round(orders)) < 1e-6 * orders;
+}
+
 }  // namespace
 
 std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, const VectorXd& y,
@@ -79,8 +85,10 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
     fits = true;
   };
   // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
+  const bool of_turn = families_[f].effect.rotary;
   for (const double value : {2.0 * best.nonlinear, 0.5 * best.nonlinear})
-    if (choice_at(space, f, value).score() > (fits ? best.score() - kRefinedRise : 0.0))
+    if ((!of_turn || is_fraction_of_turn(value)) &&
+        choice_at(space, f, value).score() > (fits ? best.score() - kRefinedRise : 0.0))
       take(refined_choice(space, f, value));
   std::size_t tried = 0;
   for (std::size_t j = 1; j < std::min(peaks.size(), kMostPeaks) && tried < kOtherPeaks; ++j) {

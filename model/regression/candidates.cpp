@@ -9,6 +9,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
+#include "model/regression/exchangeable.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 
@@ -35,9 +36,9 @@ std::vector<Axis> moved_axes(const Observations& data, Sense sense) {
 bool both_approaches(const Observations& data, Sense sense, Axis axis) {
   bool forward = false, reverse = false;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    if (data.share_of(k, axis, sense) == 0.0 || data.axis[k] != axis) continue;
-    forward = forward || data.approach[k] > 0;
-    reverse = reverse || data.approach[k] < 0;
+    if (data.share_of(k, axis, sense) == 0.0) continue;
+    forward = forward || data.approach_of(k, axis) > 0;
+    reverse = reverse || data.approach_of(k, axis) < 0;
   }
   return forward && reverse;
 }
@@ -156,16 +157,9 @@ void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) 
     }
 }
 
-/// Which part of an effect the columns of others do not do.
-double own_share(const Eigen::MatrixXd& others, const Eigen::VectorXd& column) {
-  if (others.cols() == 0) return 1.0;
-  return (column - others * others.colPivHouseholderQr().solve(column)).norm() / column.norm();
-}
-
 /// The place of the ball, location errors as far as the readings tell them from each other, lost motion. An error of an
 /// axis line that does the same as one of them, or a zero of the probe, is kept as its alternative.
 std::vector<EffectInstance> usual_of_ball(const Observations& data) {
-  constexpr double kLeastOwnShare = 0.02;  // less is known fifty times worse than by itself
   const auto site = [&](Sense sense, Axis axis) { return site_at(data, sense, axis, true); };
   const Regressors regressors(data);
   const auto column_of = [&](const EffectInstance& effect) { return regressors.columns(effect, 0.0).of; };
@@ -185,8 +179,7 @@ std::vector<EffectInstance> usual_of_ball(const Observations& data) {
     if (one.definition().place == Place::artefact) take(one);
     if (one.definition().place == Place::location) locations.push_back(one);
   }
-  const auto is_zero = [](const EffectInstance& one) { return direction_of(*one.sense) == *one.axis; };
-  std::stable_partition(locations.begin(), locations.end(), [&](const auto& one) { return !is_zero(one); });
+  std::stable_partition(locations.begin(), locations.end(), [](const auto& one) { return !is_zero_of_axis(one); });
   std::vector<EffectInstance> rivals;
   for (const EffectInstance& one : locations)
     own_share(known, column_of(one)) > kLeastOwnShare ? take(one) : rivals.push_back(one);
@@ -201,8 +194,13 @@ std::vector<EffectInstance> usual_of_ball(const Observations& data) {
     one.tied_with = fmt::format("{}", fmt::join(same, ", "));
   }
   for (const Axis axis : data.rotary_axes)
-    if (const auto own = static_cast<Sense>(kAxes + index_of(axis)); both_approaches(data, own, axis))
-      add_at(site(own, axis), &EffectDefinition::of_reversal, true, usual);
+    for (const Axis about : kAllAxes) {
+      const auto own = static_cast<Sense>(kAxes + index_of(about));
+      const auto& geometry = data.machine.rotary[index_of(axis)];
+      const double turns = geometry ? std::abs(geometry->direction[index_of(about)]) : about == axis ? 1.0 : 0.0;
+      if (turns > kLeastOwnShare && both_approaches(data, own, axis))
+        add_at(site(own, axis), &EffectDefinition::of_reversal, true, usual);
+    }
   return usual;
 }
 

@@ -150,10 +150,11 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   Cell answer = fit_cell(*result, work->data.size(), work->data.rotary, arguments.output);
   if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
   if (!arguments.rotary.empty()) {
-    const auto found = fitted_rotary(ties->model, *result, work->machine);
+    const auto found = fitted_rotary(ties->model, *result, work->machine, work->data);
     if (!found) return tl::unexpected(found.error());
     const std::string text = volume::rotary_csv(found->errors, work->machine ? work->machine->name : "");
     if (auto kept = write_file(arguments.rotary, text); !kept) return tl::unexpected(kept.error());
+    for (const std::string& one : found->not_told) answer.text += paragraph(one, 0, 2);
     for (const std::string& one : found->left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
     answer.text += fmt::format("errors of rotary axes written to {}\n", arguments.rotary);
   }

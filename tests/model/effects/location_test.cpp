@@ -6,8 +6,10 @@
 #include <doctest/doctest.h>
 
 #include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/ladder.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
+#include "model/regression/exchangeable.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/exact_joints.hpp"
 
@@ -64,6 +66,7 @@ struct Ball {
   Eigen::Vector3d off_um{0.0, 0.0, 0.0};
   double noise_um = 0.0;
   bool on_workpiece = false;
+  Vector3 touched_at_mm{800.0, 340.0, -450.0};  ///< linear axes at the ball, angles at 0
 };
 
 /// C over a turn at A 0 and A -60, A over its travel at C 0 and C 90, two runs there and back.
@@ -73,7 +76,7 @@ laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ball, std
   ecs::test::ExactMachine ideal = made.exact;
   ideal.values = {};
   ideal.location = {};
-  const Eigen::Vector3d at = exact_pose(ideal, {800.0, 340.0, -450.0}, {}).translation();
+  const Eigen::Vector3d at = exact_pose(ideal, ball.touched_at_mm, {}).translation();
   laser::MeasurementSet set;
   double time_s = 0.0;
   const auto take = [&](Axis moving, const Angles& angles, Approach approach, int run) {
@@ -258,6 +261,93 @@ TEST_CASE("what does the same as a location error of the model is kept as its al
   CHECK(alternatives_of(set, "location:C:COC") == "not in the model");  // another place of the ball does the same
   std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
   CHECK(alternatives_of(set, "location:C:YOC").find("location:A:YOA") != std::string::npos);
+}
+
+TEST_CASE("each of two balls has a place of its own, and the errors of the axes are those of both") {
+  TurningMachine made = trunnion();
+  made.exact.location[2][4] = -12.0;  // BOC
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.4}, 17);
+  const laser::MeasurementSet second = ball_set(made, {{-20.0, 6.0, 11.0}, 0.4, false, {655.0, 380.0, -380.0}}, 18);
+  const double later_s = *set.readings.back().time_s;
+  for (laser::Reading r : second.readings) {
+    r.time_s = *r.time_s + later_s;
+    r.row += static_cast<int>(set.readings.size());
+    set.readings.push_back(r);
+  }
+  const Model model = begun(set, made);
+  CHECK(to_text(model.effects[0]) == "ball_on_table");
+  CHECK(to_text(model.effects[1]) == "ball_on_table:2");
+  CHECK(found_in(set, made, model).verdict == Verdict::adequate);
+  const auto fitted = fit(model, observations_of(set, model, made.machine));
+  REQUIRE(fitted);
+  CHECK(fitted->effects[0].parameters[0].value == Approx(14.0).epsilon(0.05));
+  CHECK(fitted->effects[1].parameters[0].value == Approx(-20.0).epsilon(0.05));
+  const std::string text = to_toml(model);
+  CHECK(text.find("ball = 2") != std::string::npos);
+  CHECK(parse_model(text, "model.toml", {})->effects == model.effects);
+  CHECK(!parse_model("[[effect]]\nid = \"ball_on_table\"\nball = 0\n", "m.toml", {}));
+  CHECK(!parse_model("[[effect]]\nid = \"scale\"\naxis = \"X\"\nball = 2\n", "m.toml", {}));
+  CHECK(parse_add_request("ball_on_table:2")->ball == 2);
+}
+
+TEST_CASE("readings that do not follow a ball with the pivots given are not taken") {
+  const TurningMachine made = trunnion();
+  TurningMachine other = made;
+  other.machine.rotary[0]->pivot_mm[2] += 4.0;
+  const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.4}, 19);
+  CHECK(observations_of(set, Model{}, made.machine).not_followed == "");
+  CHECK(observations_of(set, Model{}, made.machine).balls_mm.size() == 1);
+  const std::string why = observations_of(set, Model{}, other.machine).not_followed;
+  CHECK(why.find("the linear axes did not follow a ball") != std::string::npos);
+  CHECK(why.find("pivot_mm") != std::string::npos);
+}
+
+TEST_CASE("of a location error that the readings do not tell from another, the size that this stands for is known") {
+  TurningMachine made = trunnion();
+  made.exact.location[2][1] = 7.0;  // YOC
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 20);
+  CHECK(exchangeable_locations(observations_of(set, Model{}, made.machine), begun(set, made).effects).empty());
+  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  const Model model = begun(set, made);
+  const Observations data = observations_of(set, model, made.machine);
+  const auto fitted = fit(model, data);
+  REQUIRE(fitted);
+  for (const Exchangeable& one : exchangeable_locations(data, with_values(model, *fitted).effects))
+    if (to_text(one.effect) == "location:A:YOA") CHECK(one.stands_for == Approx(7.0).epsilon(0.1));
+  CHECK(exchangeable_locations(data, model.effects).size() >= 2);  // YOA and BOA, of which BOA acts as BOC
+}
+
+TEST_CASE("an axis that stands at several angles has lost motion in the model too") {
+  const TurningMachine made = trunnion();
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 21);
+  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z; });
+  const Model model = begun(set, made);
+  CHECK(std::any_of(model.effects.begin(), model.effects.end(),
+                    [](const EffectInstance& one) { return to_text(one) == "backlash:A:EA"; }));
+}
+
+TEST_CASE("angles that the machine does not have are no readings of it") {
+  TurningMachine made = trunnion();
+  const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 22);
+  made.machine.rotary[0]->travel_deg = {-90.0, 30.0};
+  CHECK(observations_of(set, Model{}, made.machine).not_followed.find("A at -96 deg is beyond its travel") == 0);
+}
+
+TEST_CASE("no wave of a rotary axis is longer than a turn") {
+  const TurningMachine made = trunnion();
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 23);
+  const Observations data = observations_of(set, Model{}, made.machine);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    set.readings[data.file_order[k]].error += 0.5 * data.position_mm[k][0] * data.share_of(k, Axis::X, Sense::EA);
+  const Diagnosis found = found_in(set, made, begun(set, made));
+  bool any = false;
+  for (const Candidate& one : found.candidates)
+    for (const ParameterEstimate& parameter : one.parameters)
+      if (parameter.name == "period_mm") {
+        CHECK(parameter.value <= 360.0);
+        any = true;
+      }
+  CHECK(any);
 }
 
 TEST_CASE("a standing axis keeps the lost motion with which it came to its angle") {
