@@ -240,6 +240,28 @@ void take_travels(Observations& data) {
   }
 }
 
+/// Numbers of the readings, in the order of the file.
+std::vector<std::size_t> in_file_order(const Observations& data) {
+  std::vector<std::size_t> order(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) order[data.file_order[k]] = k;
+  return order;
+}
+
+/// The ball changes while an axis goes from one angle to the next.
+bool ball_changes_in_sweep(const Observations& data) {
+  const auto sweep = [&](std::size_t k) {
+    Vector3 parked = data.position_mm[k];
+    parked[index_of(data.axis[k])] = 0.0;
+    return std::make_tuple(data.axis[k], data.run[k], data.approach[k], parked);
+  };
+  const std::vector<std::size_t> order = in_file_order(data);
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (data.through_chain[order[i]].ball != data.through_chain[order[i - 1]].ball &&
+        sweep(order[i]) == sweep(order[i - 1]))
+      return true;
+  return false;
+}
+
 /// Which ball each reading is of: the tool stands at its place in the frame of the workpiece. Where that is another at
 /// nearly every pose, pivots or tool offset are not those that the linear axes followed.
 void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
@@ -260,23 +282,23 @@ void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   }
   double farthest_mm = 0.0;
   for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
-  if (std::any_of(angles.begin(), angles.end(), [](const auto& poses) { return poses.size() < kFewestPoses; }))
+  const bool few =
+      std::any_of(angles.begin(), angles.end(), [](const auto& poses) { return poses.size() < kFewestPoses; });
+  if (few || ball_changes_in_sweep(data))
     data.not_followed = fmt::format(
         "with the pivots, directions and tool offset given, the tool stands at {} points of the workpiece, up to "
         "{:.1f} "
-        "mm apart, one of them at fewer than {} angles: the linear axes did not follow a ball. Give the pivots of the "
-        "control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, tool_z_mm)",
-        data.balls_mm.size(), farthest_mm, kFewestPoses);
+        "mm apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles (ISO 841), "
+        "the pivots of the control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, tool_z_mm)",
+        data.balls_mm.size(), farthest_mm);
 }
 
 /// From which side every rotary axis came to its angle, in the order of the file: a standing axis keeps the lost motion
 /// with which it arrived. One that has not moved yet is taken as referenced, that is as come forward.
 void take_sides(Observations& data, const MeasurementSet& set) {
-  std::vector<std::size_t> row_at(data.size());
-  for (std::size_t k = 0; k < data.size(); ++k) row_at[data.file_order[k]] = k;
   PerAxis<int> side{1, 1, 1};
   Vector3 last = set.readings.front().angle_deg;
-  for (const std::size_t k : row_at) {
+  for (const std::size_t k : in_file_order(data)) {
     const Reading& r = set.readings[data.file_order[k]];
     for (std::size_t a = 0; a < kAxes; ++a)
       if (r.angle_deg[a] != last[a]) side[a] = r.angle_deg[a] > last[a] ? 1 : -1;

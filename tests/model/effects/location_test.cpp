@@ -300,6 +300,9 @@ TEST_CASE("readings that do not follow a ball with the pivots given are not take
   const std::string why = observations_of(set, Model{}, other.machine).not_followed;
   CHECK(why.find("the linear axes did not follow a ball") != std::string::npos);
   CHECK(why.find("pivot_mm") != std::string::npos);
+  laser::MeasurementSet other_sign = set;
+  for (laser::Reading& r : other_sign.readings) r.angle_deg[2] = r.angle_deg[2] == 0.0 ? 0.0 : 360.0 - r.angle_deg[2];
+  CHECK(!observations_of(other_sign, Model{}, made.machine).not_followed.empty());
 }
 
 TEST_CASE("of a location error that the readings do not tell from another, the size that this stands for is known") {
