@@ -90,7 +90,10 @@ Observations ball_everywhere() {
 /// Data that can show an effect: those of a ball for what only rotary axes have.
 Observations data_for(const EffectDefinition& definition) {
   const bool of_ball = definition.place == Place::location || definition.place == Place::artefact;
-  return of_ball ? ball_everywhere() : everything_varies();
+  if (!of_ball) return everything_varies();
+  Observations data = ball_everywhere();
+  for (ThroughChain& one : data.through_chain) one.ball = 1;
+  return data;
 }
 
 /// The first place at which a data set with everything shows the effect.
