@@ -226,6 +226,7 @@ void take_travels(Observations& data) {
   constexpr double kRounding_deg = 0.01;
   for (const Axis a : kAllAxes) {
     const auto& axis = data.machine.rotary[index_of(a)];
+    if (axis && axis->travel_deg[1] - axis->travel_deg[0] >= 360.0) continue;  // counted from anywhere
     for (std::size_t k = 0; k < data.size(); ++k) {
       const double angle_deg = data.position_mm[k][index_of(a)];
       const bool beyond =
