@@ -1,6 +1,6 @@
 // Circular tests of emulated machines that hide one fault, and the share of them whose first cause is right.
 //   circle_table --seeds A..B [--snr 3] [--step 1] [--runs 2] [--second] [--blank] [--show] [--model
-//   [--lines|--follow]]
+//   [--lines|--follow|--together]]
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
 // another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
@@ -8,7 +8,8 @@
 // names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the first;
 // seeds whose fault such a line would show as well are passed over. --follow runs the first circle that `ecs model
 // next` proposes on the same machine with the same noise, and diagnoses both together; only seeds are counted whose
-// first circle leaves the cause in a group and has such a proposal.
+// first circle leaves the cause in a group and has such a proposal. --together hides lost motion and friction of the
+// same axis in every seed; right is a first cause that is one of them.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -112,7 +113,21 @@ std::string hide_fault(const std::string& fault, double size_um, Random& random,
   return fault + ":" + letter;
 }
 
-HiddenCircle hidden_circle(std::uint64_t seed, bool second) {
+/// Lost motion and friction of the same axis, in place of the fault drawn.
+void hide_together(double size_um, Random& random, HiddenCircle& hidden, Drives& drives) {
+  hidden.errors.clear();
+  drives = {};
+  const Axis axis = hidden.plan.plane[one_of(random, 2)];
+  hidden.axis = letter_of(axis);
+  hidden.fault = "together";
+  hidden.cause = "backlash:" + hidden.axis;
+  hidden.errors = fmt::format("[[effect]]\nid = \"backlash\"\naxis = \"{}\"\nparameters = {{ um = {} }}\n", hidden.axis,
+                              2.0 * size_um * either_sign(random));
+  drives.servo = true;
+  drives.friction_Nm[index_of(axis)] = std::exp(between(random, std::log(0.05), 0.0));
+}
+
+HiddenCircle hidden_circle(std::uint64_t seed, bool second, bool together) {
   Random random(seed_of(seed, 230, 4));
   HiddenCircle hidden;
   constexpr std::array<std::array<Axis, 2>, 3> kPlanes{{{Axis::X, Axis::Y}, {Axis::Y, Axis::Z}, {Axis::Z, Axis::X}}};
@@ -134,6 +149,7 @@ HiddenCircle hidden_circle(std::uint64_t seed, bool second) {
     if (kFaults[next] != "friction" && kFaults[fault] != "friction")
       (void)hide_fault(kFaults[next], size_um / 4.0, random, hidden, drives);
   }
+  if (together) hide_together(size_um, random, hidden, drives);
   hidden.machine = "name = \"hidden\"\nconfiguration = \"XYTZ\"\n";
   constexpr const char* kTravel[] = {"[0.0, 800.0]", "[0.0, 500.0]", "[-400.0, 0.0]"};
   for (const Axis axis : kAllAxes)
@@ -334,7 +350,7 @@ int main(int argc, char** argv) {
   long long first = 1, last = 20;
   double snr = 3.0, step_deg = 1.0;
   int runs = 2;
-  bool second = false, show = false, blank = false, by_model = false, lines = false, follow = false;
+  bool second = false, show = false, blank = false, by_model = false, lines = false, follow = false, together = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--seeds" && i + 1 < argc) {
@@ -355,14 +371,16 @@ int main(int argc, char** argv) {
       by_model |= word == "--model";
       lines |= word == "--lines";
       follow |= word == "--follow";
+      together |= word == "--together";
     }
   }
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("ecs-circles-{}", first);
   std::filesystem::create_directories(folder);
   std::map<std::string, Tally> tallies;
   Tally all;
+  int both = 0;  ///< of a seed that hides two faults together both are named
   for (long long seed = first; seed <= last; ++seed) {
-    HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second);
+    HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second, together);
     const bool on_lines = hidden.fault == "backlash" || hidden.fault == "scale" || hidden.fault == "cyclic";
     if (lines && on_lines && !blank) continue;
     hidden.plan.step_deg = step_deg;
@@ -410,19 +428,26 @@ int main(int argc, char** argv) {
       // the circle's own faults have friction as a spike, the library has it apart
       if (hidden.fault == "friction") hidden.cause.replace(0, hidden.cause.find(':'), "friction");
       const bool among = std::find(named->alike.begin(), named->alike.end(), hidden.cause) != named->alike.end();
-      const bool right = blank ? named->first == "none" : named->first == hidden.cause || among;
+      const std::string friction = "friction:" + hidden.axis;
+      const auto is_there = [&](const std::string& name) {
+        return name == hidden.cause || (together && name == friction);
+      };
+      const bool right = blank ? named->first == "none" : is_there(named->first) || among;
+      both += together && right && std::any_of(named->further.begin(), named->further.end(), is_there);
       Tally& tally = tallies[blank ? "blank" : hidden.fault];
       for (Tally* one : {&tally, &all}) {
         ++one->cases;
         one->right += right;
         one->grouped += right && !named->alike.empty();
         one->wrong += !right && named->first != "none";
-        one->beside += !named->further.empty() && !second;
+        one->beside += !second && std::any_of(named->further.begin(), named->further.end(),
+                                              [&](const std::string& name) { return !together || !is_there(name); });
       }
       if (show || !right) {
         fmt::print("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um: {}", seed, right ? "right" : "WRONG",
                    laser::plane_name(hidden.plan.plane), hidden.cause, hidden.plan.radius_mm, hidden.plan.feed_mm_min,
                    sigma_um, named->verdict);
+        if (together) fmt::print(" ({})", hidden.machine.substr(hidden.machine.find("[emulator.axis")));
         for (const std::string& other : named->alike) fmt::print(" or {}", other);
         fmt::print("\n");
         if (show && !right) fmt::print("    hidden by {}\n{}", hidden.fault, hidden.errors);
@@ -462,4 +487,5 @@ int main(int argc, char** argv) {
   fmt::print("all, SNR {:g}, seeds {}..{}: {} of {} ({:.1f} %){}\n", snr, first, last, all.right, all.cases,
              100.0 * all.right / std::max(all.cases, 1),
              by_model || follow ? fmt::format(", {} with a further name", all.beside) : "");
+  if (together) fmt::print("both named in {}\n", both);
 }

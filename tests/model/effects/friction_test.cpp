@@ -46,15 +46,37 @@ TEST_CASE("an axis held by friction falls behind with the square of the time, th
   const Observations data = at_times({0.0, 0.03, 0.06, 0.085, 0.31});
   const Columns columns = Regressors(data).columns(effect(friction, Axis::X, Sense::EX), 60.0);
   CHECK(columns.of(0, 0) == 0.0);
-  CHECK(columns.of(1, 0) == Approx(-0.25));
-  CHECK(columns.of(2, 0) == Approx(-1.0));
-  CHECK(columns.of(3, 0) == Approx(-2.0 / std::exp(1.0)));  // 25 ms, the settling time, later
+  CHECK(columns.of(1, 0) == Approx(0.25 * columns.of(2, 0)));
+  CHECK(columns.of(2, 0) == Approx(-0.859).epsilon(1e-3));
+  CHECK(columns.of(3, 0) == Approx((1.0 + 0.025 * (40.0 + 2.0 / 0.06)) / std::exp(1.0) * columns.of(2, 0)));
   CHECK(std::abs(columns.of(4, 0)) < 1e-3);
   for (int k = 0; k < 3; ++k) CHECK(columns.of(k, 1) == Approx(0.0));
   CHECK(columns.of(3, 1) < -0.2);  // a slower drive is still further behind
 }
 
-TEST_CASE("at a higher acceleration the axis stands for a shorter time and is further behind when it lets go") {
+TEST_CASE("an axis that lets go changes neither its place nor its speed at once, and is 1 behind at most") {
+  const double before = 0.0599, at = 0.06, after = 0.0601, largest = 0.06 + 0.025 - 1.0 / (40.0 + 2.0 / 0.06);
+  const Observations data = at_times({before, at, after, largest - 1e-4, largest, largest + 1e-4});
+  const Columns columns = Regressors(data).columns(effect(friction, Axis::X, Sense::EX), 60.0);
+  CHECK(columns.of(2, 0) - columns.of(1, 0) == Approx(columns.of(1, 0) - columns.of(0, 0)).epsilon(0.01));
+  CHECK(columns.of(4, 0) == Approx(-1.0));
+  CHECK(columns.of(3, 0) > -1.0);
+  CHECK(columns.of(5, 0) > -1.0);
+}
+
+TEST_CASE("while friction holds an axis it still has the lost motion of before, b d less than backlash says") {
+  const Observations data = at_times({0.0, 0.03, 0.059, 0.061, 0.31});
+  const Regressors regressors(data);
+  const Columns held = regressors.columns(effect(friction, Axis::X, Sense::EX), 60.0);
+  const Columns lost = regressors.columns(effect(backlash, Axis::X, Sense::EX), 0.0);
+  const double b_um = 3.0;
+  for (int k = 0; k < 5; ++k) {
+    const double shown_um = b_um * lost.of(k, 0) + b_um * held.of(k, 2);
+    CHECK(shown_um == Approx(k < 3 ? -1.5 : 1.5));
+  }
+}
+
+TEST_CASE("at a higher acceleration the axis stands for a shorter time and stays a little further behind") {
   const auto peak_at = [](double feed_mm_min) {
     CircleMade made;
     made.readings = 3600;
@@ -63,21 +85,22 @@ TEST_CASE("at a higher acceleration the axis stands for a shorter time and is fu
     test.feed_mm_min = feed_mm_min;
     const Observations data = observations_of(set_of_circle(test), Model{}, mill());
     const Observations& motions = data.motions();
-    std::pair<double, double> largest;  // size, and the time at which it is
+    std::pair<double, double> largest;  // size at most, and the time until which it stands
     for (std::size_t k = 0; k < motions.size(); ++k) {
       const double since_s = motions.extras.at(std::string(kTimeSinceReversalColumn))[k];
       if (motions.axis[k] != Axis::Y || motions.sense[k] != Sense::EY || std::isnan(since_s)) continue;
-      std::array<double, 2> row{};
+      std::array<double, 3> row{};
       const EffectInstance held = effect(friction, Axis::Y, Sense::EY);
       friction->columns({motions, k, held, 60.0}, row);
-      largest = std::max(largest, {std::abs(row[0]), since_s});
+      largest.first = std::max(largest.first, std::abs(row[0]));
+      if (row[2] != 0.0) largest.second = std::max(largest.second, since_s);
     }
     return largest;
   };
   const auto [size, time_s] = peak_at(2000.0);
   const auto [faster_size, faster_time_s] = peak_at(4000.0);  // four times the acceleration
-  CHECK(faster_size / size == Approx(std::pow(4.0, 1.0 / 6.0)).epsilon(0.02));
-  CHECK(faster_time_s / time_s == Approx(std::pow(4.0, -5.0 / 12.0)).epsilon(0.1));
+  CHECK(faster_size / size == Approx(std::pow(4.0, 1.0 / 12.0)).epsilon(0.02));
+  CHECK(faster_time_s / time_s == Approx(0.5).epsilon(0.1));
 }
 
 TEST_CASE("friction is sought on circles of known feed, of each axis along itself") {

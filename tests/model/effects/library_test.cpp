@@ -54,7 +54,7 @@ Observations everything_varies() {
     r.feed_mm_min = uniform(100.0, 5000.0);
     r.load_kg = uniform(0.0, 500.0);
     r.extras["reversed"] = static_cast<double>(r.row % 2);
-    r.travel_since_reversal_mm = uniform(0.0, 60.0);
+    r.travel_since_reversal_mm = 60.0 * std::pow(uniform(0.0, 1.0), 3);  // some right behind it
     r.extras["time_since_reversal_s"] = uniform(0.0, 0.6);
     r.pressure_hPa = uniform(980.0, 1030.0);
     r.humidity_pct = uniform(30.0, 70.0);
