@@ -432,7 +432,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
   if (!root) return tl::unexpected(root.error());
   Model model;
   reader.only(*root, kModelKeys, "model");
-  static_cast<void>(reader.word(*root, "name"));
+  model.name = reader.word(*root, "name").value_or("");
   for (const toml::table* table : reader.children(*root, "effect"))
     if (auto effect = effect_in(reader, *table)) model.effects.push_back(std::move(*effect));
   for (const toml::table* table : reader.children(*root, "candidate"))

@@ -37,6 +37,7 @@ struct Model {
   std::vector<KnownComponent> known;
   std::vector<LadderStep> history;
   int compensated_readings = 0;        ///< of the last fit: taken with an error map active; what it left, no map's
+  std::string name;                    ///< the user's, for people
   std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
 };
 

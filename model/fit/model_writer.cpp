@@ -82,6 +82,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
 
 std::string to_toml(const Model& model) {
   std::string text;
+  if (!model.name.empty()) text += fmt::format("name = {}\n", params::toml_string(model.name));
   if (model.compensated_readings > 0) text += fmt::format("compensated_readings = {}\n", model.compensated_readings);
   if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", params::toml_string(model.map_file));
   for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");

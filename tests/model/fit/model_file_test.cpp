@@ -58,6 +58,14 @@ TEST_CASE("writing a model and reading it again gives the same effects") {
   CHECK(again->history == model->history);
 }
 
+TEST_CASE("the name that a user gave to a model is kept") {
+  const auto model =
+      parse_model("name = \"mill, spindle warm\"\n[[effect]]\nid = \"scale\"\naxis = \"X\"\n", "m.toml", "");
+  REQUIRE(model);
+  CHECK(to_toml(*model).starts_with("name = \"mill, spindle warm\"\n"));
+  CHECK(parse_model(to_toml(*model), "m.toml", "")->name == "mill, spindle warm");
+}
+
 TEST_CASE("every fault of a model file is reported at once, with its line") {
   const auto model = parse_model(R"toml([[effect]]
 id = "cylic"
