@@ -15,7 +15,7 @@ namespace {
 constexpr double kFullCircle_deg = 360.0, kDeg_per_rad = 180.0 / std::numbers::pi;
 /// An axis slower than this share of the speed along the path stands still: it is at its reversal, or parked.
 constexpr double kStill = 1e-9;
-/// Travel since a reversal, in radii, up to which it is told.
+/// Travel since a reversal, in radii, up to which it is given.
 constexpr double kNearReversal = 0.1;
 constexpr std::size_t kWordsOfCircle = 8, kWordsOfLine = 10;
 

@@ -49,7 +49,7 @@ struct PlaceOnPath {
   /// Travel of each axis, near its reversal on a circle: up to a tenth of the radius. What dies away later passes there
   /// for lost motion, of which a circle shows no more either.
   std::array<std::optional<double>, kAxes> since_reversal_mm{};
-  /// Way along the path since then, as long as the travel is told.
+  /// Way along the path since then, as long as the travel is given.
   std::array<std::optional<double>, kAxes> path_since_reversal_mm{};
   Vector3 share_of_feed{};  ///< speed of each axis in that along the path
 };

@@ -264,12 +264,12 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
-/// A wave whose second harmonic is the larger one is told as that: half the period, its size.
-struct ToldWave {
+/// A wave whose second harmonic is the larger one is named by that: half the period, its amplitude.
+struct NamedWave {
   EffectInstance effect;
   std::vector<ParameterEstimate> parameters;
 };
-ToldWave larger_wave(ToldWave wave) {
+NamedWave larger_wave(NamedWave wave) {
   const auto named = [&](std::string_view name) {
     const auto found = std::find_if(wave.parameters.begin(), wave.parameters.end(),
                                     [&](const ParameterEstimate& one) { return one.name == name; });

@@ -85,8 +85,8 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
         "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward");
   const std::vector<ParameterEstimate> mostly_second{
       estimate("period_mm", "mm", 20.0), estimate("amplitude_um", "um", 0.6), estimate("amplitude2_um", "um", 4.1)};
-  const std::string told = finding_text(screw_wave(20.0), mostly_second, data);
-  CHECK_MESSAGE(contains_text(told, "+-4.1 um, 10.00 mm"), told);
+  const std::string finding = finding_text(screw_wave(20.0), mostly_second, data);
+  CHECK_MESSAGE(contains_text(finding, "+-4.1 um, 10.00 mm"), finding);
   CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate("um", "um", -5.17)}, data) ==
         "X positions with a lost motion of -5.2 um at reversal");
 }

@@ -27,7 +27,7 @@ struct TurningMachine {
   params::Machine machine = mill("XYTZ");
   ecs::test::ExactMachine exact;
 
-  TurningMachine(const char* configuration, std::vector<std::pair<char, params::MachineRotaryAxis>> rotary) {
+  TurningMachine(const char* configuration, const std::vector<std::pair<char, params::MachineRotaryAxis>>& rotary) {
     std::string linear;
     for (const char letter : std::string(configuration))
       if (letter < 'A' || letter > 'C') linear += letter;
@@ -235,7 +235,9 @@ TEST_CASE("a model begins with the location errors that the readings show, and f
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
   const auto fitted = fit(model, observations_of(set, model, made.machine));
   REQUIRE(fitted);
-  for (const auto& [name, size] : true_errors) {
+  for (const auto& true_error : true_errors) {
+    const std::string& name = true_error.first;
+    const double size = true_error.second;
     CAPTURE(name);
     const auto one = std::find_if(fitted->effects.begin(), fitted->effects.end(),
                                   [&](const EffectFit& effect) { return to_text(effect.effect) == name; });
@@ -315,8 +317,10 @@ TEST_CASE("of a location error that the readings do not tell from another, the s
   const Observations data = observations_of(set, model, made.machine);
   const auto fitted = fit(model, data);
   REQUIRE(fitted);
+  double stands_for_um = 0.0;
   for (const Exchangeable& one : exchangeable_locations(data, with_values(model, *fitted).effects))
-    if (to_text(one.effect) == "location:A:YOA") CHECK(one.stands_for == Approx(7.0).epsilon(0.1));
+    if (to_text(one.effect) == "location:A:YOA") stands_for_um = one.stands_for;
+  CHECK(stands_for_um == Approx(7.0).epsilon(0.1));
   CHECK(exchangeable_locations(data, model.effects).size() >= 2);  // YOA and BOA, of which BOA acts as BOC
 }
 
