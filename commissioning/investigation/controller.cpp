@@ -15,8 +15,18 @@
 namespace ecs::commissioning {
 namespace {
 
+/// The link that the screens share.
+OpenUnit open_unit_of(const std::shared_ptr<UnitConnection>& unit, JobControl& control) {
+  if (!unit) return {};
+  const WatchedUnit seen = unit->snapshot();
+  return {seen.where, seen.workshop, [unit, &control](const std::function<Result<void>(protocol::UnitClient&)>& work) {
+            return unit->with_link(control, [&](UnitLink& link) { return work(link.client()); });
+          }};
+}
+
 Result<Investigation> investigated(const InvestigationRequest& request, FollowedInvestigation& followed,
-                                   const std::atomic<bool>& cancelled) {
+                                   const std::shared_ptr<UnitConnection>& unit, JobControl& control) {
+  const std::atomic<bool>& cancelled = control.cancelled;
   const ObservedFiles seen;
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
@@ -30,6 +40,7 @@ Result<Investigation> investigated(const InvestigationRequest& request, Followed
   choice.machine = request.machine;
   choice.map_is_modelled = model->map.has_value();
   (std::filesystem::is_socket(request.place, error) ? choice.socket : choice.folder) = request.place;
+  choice.open_unit = open_unit_of(unit, control);
   const auto opened = open_workshop(followed, choice, **machine, cancelled);
   if (!opened) return tl::unexpected(opened.error());
   FollowedWorkshop workshop(followed, *opened->workshop);
@@ -52,7 +63,7 @@ Result<Investigation> investigated(const InvestigationRequest& request, Followed
 
 }  // namespace
 
-void InvestigationController::start(const InvestigationRequest& request) {
+void InvestigationController::start(const InvestigationRequest& request, std::shared_ptr<UnitConnection> unit) {
   const bool goes_on = request_ && followed_ && !found_ && request.model == request_->model &&
                        request.machine == request_->machine && request.place == request_->place;
   if (!goes_on) followed_ = std::make_shared<FollowedInvestigation>();
@@ -62,8 +73,8 @@ void InvestigationController::start(const InvestigationRequest& request) {
   message_.clear();
   task_.start(
       "investigating",
-      [request, followed = followed_](JobControl& control) {
-        return investigated(request, *followed, control.cancelled);
+      [request, followed = followed_, unit = std::move(unit)](JobControl& control) {
+        return investigated(request, *followed, unit, control);
       },
       [this](Result<Investigation> investigation) {
         followed_->forget_messages();

@@ -9,6 +9,7 @@
 
 #include "commissioning/investigation/investigation.hpp"
 #include "commissioning/investigation/ledger_view.hpp"
+#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 
@@ -25,7 +26,8 @@ struct InvestigationRequest {
 class InvestigationController {
  public:
   /// Goes on with one that was stopped where model, machine and place are the same, else begins anew. @pre !busy()
-  void start(const InvestigationRequest& request);
+  /// @param unit  whose link serves where it is the unit of the workshop; null: none
+  void start(const InvestigationRequest& request, std::shared_ptr<UnitConnection> unit = {});
   /// What was measured is kept.
   void stop();
   /// Takes what has been finished meanwhile. @return whether anything may have changed

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <thread>
 
-#include "commissioning/investigation/socket_workshop.hpp"
 #include "commissioning/investigation/watched_folder.hpp"
 
 namespace ecs::commissioning {
@@ -24,7 +23,9 @@ Result<OpenedWorkshop> open_workshop(MessageSink& messages, const WorkshopChoice
   const MapSources sources{choice.machine, params_of(choice)};
   if (!choice.socket.empty()) {
     auto opened = SocketWorkshop::open(
-        messages, {choice.socket, choice.link, sources, machine, choice.map_is_modelled, choice.arm_code}, cancelled);
+        messages,
+        {choice.socket, choice.link, sources, machine, choice.map_is_modelled, choice.arm_code, choice.open_unit},
+        cancelled);
     if (!opened) return tl::unexpected(opened.error());
     const std::string link = (*opened)->link();
     return OpenedWorkshop{std::move(*opened), link};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "commissioning/investigation/socket_workshop.hpp"
 #include "commissioning/investigation/workshop.hpp"
 #include "commissioning/session/message.hpp"
 #include "params/machine.hpp"
@@ -21,6 +22,7 @@ struct WorkshopChoice {
   std::string params;   ///< file; empty: parameters.toml beside the machine, else those that fit it
   bool map_is_modelled = false;
   std::string arm_code{};  ///< that the unit shows; empty: that which the workshop names, or $ECS_ARM_CODE
+  OpenUnit open_unit{};    ///< a link that is open already
 };
 
 struct OpenedWorkshop {

@@ -146,24 +146,40 @@ Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messag
   return workshop;
 }
 
-Result<UnitLink> SocketWorkshop::opened_link() const {
+/// The unit of the workshop is the one whose link this program has open.
+bool SocketWorkshop::has_open_link() const {
+  const OpenUnit& open = options_.open_unit;
+  if (!open.with_unit) return false;
+  if (!open.workshop.empty() && options_.socket == open.workshop) return true;
+  const auto address = protocol::link_address_of(options_.link);
+  const auto* serial = address ? std::get_if<protocol::SerialPort>(&address->endpoint) : nullptr;
+  return serial != nullptr && !open.port.empty() && serial->device == open.port;
+}
+
+Result<void> SocketWorkshop::with_unit(const std::function<Result<void>(protocol::UnitClient&)>& work) const {
+  std::string arm_code = options_.arm_code;
+  if (arm_code.empty())
+    if (const auto shown = hands_->ask({{"action", "arm-code"}})) arm_code = shown->value("arm_code", "");
+  if (has_open_link())
+    return options_.open_unit.with_unit([&](protocol::UnitClient& client) {
+      if (!arm_code.empty()) client.know_code(arm_code);
+      return work(client);
+    });
   if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
   auto choice = chosen_link(options_.link);
   if (!choice) return tl::unexpected(choice.error());
-  choice->arm_code = options_.arm_code;
-  if (choice->arm_code.empty()) {
-    const auto shown = hands_->ask({{"action", "arm-code"}});
-    if (shown) choice->arm_code = shown->value("arm_code", "");
-  }
-  return open_link(*choice, cancelled_);
+  choice->arm_code = arm_code;
+  auto unit = open_link(*choice, cancelled_);
+  if (!unit) return tl::unexpected(unit.error());
+  return work(unit->client());
 }
 
 /// The errors of the machine are looked for, not what a map leaves of them.
 Result<void> SocketWorkshop::stop_compensation() const {
-  auto unit = opened_link();
-  if (!unit) return tl::unexpected(unit.error());
-  messages_.note("the unit compensates with a map that the model does not name: switched to integration mode");
-  return unit->client().enter_integration();
+  return with_unit([this](protocol::UnitClient& client) {
+    messages_.note("the unit compensates with a map that the model does not name: switched to integration mode");
+    return client.enter_integration();
+  });
 }
 
 Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
@@ -238,11 +254,11 @@ void SocketWorkshop::complete(laser::MeasurementSet& set, const MeasurementPropo
 Result<void> SocketWorkshop::activate(const model::Model& model) {
   const auto files = write_map_files(messages_, model, options_.sources, folder_);
   if (!files) return tl::unexpected(files.error());
-  auto unit = opened_link();
-  if (!unit) return tl::unexpected(unit.error());
-  if (const auto sent = send_map_files(unit->client(), *files); !sent) return sent;
-  if (const auto referenced = hands_->reference(); !referenced) return referenced;
-  return wait_for_compensation(unit->client(), kDatumWait_s);
+  return with_unit([&](protocol::UnitClient& client) -> Result<void> {
+    if (const auto sent = send_map_files(client, *files); !sent) return sent;
+    if (const auto referenced = hands_->reference(); !referenced) return referenced;
+    return wait_for_compensation(client, kDatumWait_s);
+  });
 }
 
 }  // namespace ecs::commissioning

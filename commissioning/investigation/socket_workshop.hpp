@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,6 +18,14 @@
 
 namespace ecs::commissioning {
 
+/// A link to a unit that this program holds open already: nobody can open its port a second time.
+struct OpenUnit {
+  std::string port;      ///< serial device; empty: none
+  std::string workshop;  ///< socket of the emulated machine behind it; empty: none
+  /// Does work with the link to itself; empty: no link is open.
+  std::function<Result<void>(const std::function<Result<void>(protocol::UnitClient&)>&)> with_unit{};
+};
+
 struct SocketWorkshopOptions {
   std::filesystem::path socket;
   std::string link;  ///< to the unit, as --link takes it; empty: the one that the workshop names
@@ -24,6 +33,7 @@ struct SocketWorkshopOptions {
   params::Machine machine;
   bool map_is_modelled = false;  ///< the model names the map that is active: it stays so
   std::string arm_code{};        ///< that the unit shows; empty: the workshop is asked
+  OpenUnit open_unit{};          ///< used where it is the unit of the workshop
 };
 
 class SocketWorkshop final : public Workshop {
@@ -44,7 +54,9 @@ class SocketWorkshop final : public Workshop {
  private:
   class Hands;
   SocketWorkshop(MessageSink& messages, SocketWorkshopOptions options, const std::atomic<bool>& cancelled);
-  [[nodiscard]] Result<UnitLink> opened_link() const;
+  /// Does work on the unit: over the link that is open, else over one of its own.
+  [[nodiscard]] Result<void> with_unit(const std::function<Result<void>(protocol::UnitClient&)>& work) const;
+  [[nodiscard]] bool has_open_link() const;
   [[nodiscard]] Result<void> stop_compensation() const;
   [[nodiscard]] Result<laser::MeasurementSet> readings_of(const model::MeasurementProposal& proposal);
   void complete(laser::MeasurementSet& set, const model::MeasurementProposal& proposal) const;

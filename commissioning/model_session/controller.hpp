@@ -105,6 +105,13 @@ class ModelController {
   /// The picture of the figure that `ecs model fit --plot` draws.
   void export_picture(FigureWriter write);
   void cancel();
+  /// Whether an investigation can begin; says why not.
+  [[nodiscard]] bool may_investigate();
+  /// Socket of the workshop around the emulated machine of the link; empty: none.
+  [[nodiscard]] std::string emulated_workshop() const;
+  /// Where it works: as typed, the socket of a workshop or a folder for readings; empty: the emulated machine of the
+  /// link. Nothing: there is none, or it is another machine than the model's; the message says so.
+  [[nodiscard]] std::optional<std::string> investigation_place(const std::string& typed);
   /// Asks a workshop for one run after the other; goes on where it was stopped. @param minutes  that the runs may take
   void start_investigation(const std::string& place, const std::string& minutes);
   /// The model of the investigation, with its causes.

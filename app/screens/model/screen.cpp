@@ -99,7 +99,8 @@ void ModelScreen::on_asked(const Key& key) {
   } else if (key.name == Key::Name::enter) {
     const Asked asked = *asked_;
     asked_.reset();
-    const bool may_be_empty = asked.purpose == Asked::For::params || asked.purpose == Asked::For::zero_reason;
+    const bool may_be_empty = asked.purpose == Asked::For::params || asked.purpose == Asked::For::zero_reason ||
+                              asked.purpose == Asked::For::workshop;
     if (may_be_empty || !asked.line.text().empty()) on_answer(asked);
   } else {
     (void)asked_->line.on_key(key);
@@ -123,7 +124,10 @@ void ModelScreen::on_answer(const Asked& asked) {
       page_ = Page::ladder;
       return controller_->start_adding(text);
     case Asked::For::workshop:
-      workshop_ = text;
+      if (auto place = controller_->investigation_place(text); place)
+        workshop_ = std::move(*place);
+      else
+        return;
       asked_ = {Asked::For::minutes,
                 "minutes that the runs may take:", TextLine(before ? fmt::format("{:g}", before->minutes) : "240")};
       return;
@@ -137,8 +141,13 @@ void ModelScreen::on_answer(const Asked& asked) {
 bool ModelScreen::on_investigation_key(const Key& key) {
   const InvestigationController& investigation = controller_->investigation();
   if (is_letter(key, U'i')) {
-    asked_ = {Asked::For::workshop, "workshop socket, or folder for readings:",
-              TextLine(investigation.request() ? investigation.request()->place : "")};
+    if (!controller_->may_investigate()) return true;
+    const std::string emulated = controller_->emulated_workshop();
+    const std::string before = investigation.request() ? investigation.request()->place : "";
+    asked_ = {Asked::For::workshop,
+              fmt::format("workshop socket, or folder for readings{}:",
+                          emulated.empty() ? "" : " (empty: the emulated machine of this link)"),
+              TextLine(before == emulated ? "" : before)};
   } else if (is_letter(key, U'f') && investigation.found()) {
     asked_ = {Asked::For::investigated, "write the model to:",
               TextLine(std::filesystem::path(controller_->model_file()).replace_extension(".found.toml").string())};
@@ -400,8 +409,8 @@ std::string ModelScreen::help() const {
          "shows the means of the targets, one run after the other, then all readings; v shows what is left over each "
          "period of the model, by run and against the sensors. The scale of what is left stays when an effect is "
          "added, 0 lets it go. On the page Next i investigates: a workshop is asked for one run after the "
-         "other "
-         "until one cause is left; the ledger shows minutes, error and the causes still possible. Esc stops it, i goes "
+         "other (with the bundled emulator it is the emulated machine of the link) until one cause is left; the ledger "
+         "shows minutes, error and the causes still possible. Esc stops it, i goes "
          "on where it was, f writes the model with what was found.";
 }
 
