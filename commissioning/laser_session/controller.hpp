@@ -70,6 +70,8 @@ class LaserController {
   void send();
   void not_now() { ready_.reset(); }
   void verify();
+  /// Whether it is known that the unit holds the map of the file; says why not.
+  [[nodiscard]] bool may_compensate();
   /// Refused, saying why, unless the unit holds the very map that was found the same, or sent from here if nothing was
   /// compared since.
   void compensate();

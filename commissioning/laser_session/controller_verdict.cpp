@@ -33,13 +33,19 @@ void LaserController::verify() {
               });
 }
 
-void LaserController::compensate() {
-  if (!idle()) return;
+bool LaserController::may_compensate() {
+  if (!idle()) return false;
   if (!verdict_ && !sent_)
-    return message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
-  if (verdict_ && !verdict_->same())
-    return message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again",
-                        Tone::bad);
+    message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
+  else if (verdict_ && !verdict_->same())
+    message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again", Tone::bad);
+  else
+    return true;
+  return false;
+}
+
+void LaserController::compensate() {
+  if (!may_compensate()) return;
   const ExpectedMap expected{compared_ ? std::nullopt : sent_, compared_};
   const auto work = [expected, unit = unit_](JobControl& control) {
     return switch_to_compensation(*unit, control, expected);

@@ -81,6 +81,8 @@ class ModelController {
   [[nodiscard]] bool is_kept() const { return !changed_ && values_kept_; }
   /// What compensation would leave; with files measured again, what it left.
   void start_after(const std::vector<std::string>& measured_again);
+  /// Whether a map can be built; says why not.
+  [[nodiscard]] bool may_build_map();
   /// The map that the saved model compiles to. Writes nothing: planned_map() says what is missing and what exists.
   /// @param params  parameters of the unit; empty: received from it where there is a link, else those of the machine
   void plan_map(const std::string& output, const std::string& params);
@@ -100,6 +102,8 @@ class ModelController {
   void send();
   void not_now() { ready_.reset(); }
   [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
+  /// Whether a map was sent; says why not.
+  [[nodiscard]] bool may_compensate();
   /// Refused unless the unit holds the map that was sent.
   void compensate();
   /// The picture of the figure that `ecs model fit --plot` draws.

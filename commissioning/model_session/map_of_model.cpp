@@ -17,10 +17,15 @@ std::string ModelController::params_beside(const std::string& machine_file) {
   return !machine_file.empty() && std::filesystem::exists(file, error) ? file.string() : "";
 }
 
-void ModelController::plan_map(const std::string& output, const std::string& params) {
-  if (busy()) return;
+bool ModelController::may_build_map() {
+  if (busy()) return false;
   if (files_.machine.empty())
-    return message_.say("open the model with its machine file: the map needs the travels of the axes", Tone::bad);
+    message_.say("open the model with its machine file: the map needs the travels of the axes", Tone::bad);
+  return !files_.machine.empty();
+}
+
+void ModelController::plan_map(const std::string& output, const std::string& params) {
+  if (!may_build_map()) return;
   message_.clear();
   planned_.reset();
   FromModelArguments arguments;
@@ -144,9 +149,14 @@ void ModelController::send() {
   ready_.reset();
 }
 
+bool ModelController::may_compensate() {
+  if (!has_unit()) return false;
+  if (!sent_) message_.say("the map was not sent yet: t sends it", Tone::warning);
+  return sent_.has_value();
+}
+
 void ModelController::compensate() {
-  if (!has_unit()) return;
-  if (!sent_) return message_.say("the map was not sent yet: t sends it", Tone::warning);
+  if (!may_compensate()) return;
   const auto work = [expected = ExpectedMap{sent_, std::nullopt}, unit = unit_](JobControl& control) {
     return switch_to_compensation(*unit, control, expected);
   };

@@ -99,6 +99,12 @@ bool StatusController::may_act() {
   return false;
 }
 
+bool StatusController::may_change() {
+  const std::string why = refusal_in(read_->snapshot.status.mode);
+  if (!why.empty()) message_.say(why, Tone::warning);
+  return why.empty();
+}
+
 void StatusController::start(std::string working_on, std::vector<std::string> words,
                              std::function<Result<std::string>(UnitLink&, JobControl&)> work) {
   work_.start(

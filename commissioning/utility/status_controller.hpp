@@ -39,7 +39,8 @@ class StatusController {
   [[nodiscard]] bool emulator() const { return watched_.emulator; }
 
   // --- what is done; nothing while a file is shown or something is under way
-  [[nodiscard]] bool may_act();  ///< says why not
+  [[nodiscard]] bool may_act();     ///< says why not
+  [[nodiscard]] bool may_change();  ///< the unit is in integration mode; says why not. @pre may_act()
   void test_memory();
   [[nodiscard]] Question clear_question() const;
   void clear_fault();

@@ -6,6 +6,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "core/fault.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::commissioning {
@@ -17,6 +18,13 @@ using Clock = std::chrono::steady_clock;
 int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); }
 
 }  // namespace
+
+std::string refusal_in(UnitMode mode) {
+  if (mode == UnitMode::integration) return {};
+  if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: only switching it off and on helps.";
+  return fmt::format("The unit is {} and does this in integration mode only: m in DISPLAY ECS STATUS (F3) switches it.",
+                     ecs::name_of(mode));
+}
 
 double seconds_since(std::chrono::steady_clock::time_point moment) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();

@@ -12,6 +12,9 @@
 
 namespace ecs::commissioning {
 
+/// Why a unit in this mode refuses what needs integration mode, and what to do; empty: it does not.
+[[nodiscard]] std::string refusal_in(UnitMode mode);
+
 /// The unit as it was seen last, and how long ago.
 struct UnitView {
   WatchedUnit watched;                            ///< without samples
@@ -28,6 +31,8 @@ struct UnitView {
   [[nodiscard]] std::vector<Axis> axes() const;  ///< that the unit has; all as long as none answered
   [[nodiscard]] const protocol::AxisSample* axis(Axis which) const;
   [[nodiscard]] bool integrating() const { return sample && sample->mode == UnitMode::integration; }
+  /// Why the unit refuses what it does in integration mode only; empty: it does it, or its mode is not known now.
+  [[nodiscard]] std::string refusal() const { return fresh && sample ? refusal_in(sample->mode) : ""; }
 
  private:
   void take(const protocol::MonitorSample& seen, std::chrono::steady_clock::time_point at);

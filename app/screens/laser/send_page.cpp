@@ -211,6 +211,7 @@ class VerifyPage final : public LaserPage {
       return true;
     }
     if (is_letter(key, U'c')) {
+      if (!controller().may_compensate()) return true;
       host().ask({"Switch the unit to compensation?",
                   "The unit is asked once more whether it holds the map that was compared or sent. It then tests its "
                   "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "

@@ -207,6 +207,7 @@ void ModelScreen::add_chosen() {
 
 /// The model's file is named in the map, so it must hold what is shown.
 void ModelScreen::begin_map() {
+  if (!controller_->may_build_map()) return;
   const auto ask = [this] {
     const std::string proposed =
         std::filesystem::path(controller_->model_file()).replace_extension(".map.csv").string();
@@ -281,11 +282,13 @@ bool ModelScreen::on_after_key(const Key& key) {
   } else if (is_letter(key, U't')) {
     controller_->prepare_sending();
   } else if (is_letter(key, U'c')) {
-    asking_.ask({"Switch the unit to compensation?",
-                 "The unit is asked once more whether it holds the map that was sent. It then tests its memory, closes "
-                 "the relays once every axis is referenced, and from then on moves the axes by the values of that map.",
-                 "switch", "not now"},
-                [this] { controller_->compensate(); });
+    if (controller_->may_compensate())
+      asking_.ask(
+          {"Switch the unit to compensation?",
+           "The unit is asked once more whether it holds the map that was sent. It then tests its memory, closes "
+           "the relays once every axis is referenced, and from then on moves the axes by the values of that map.",
+           "switch", "not now"},
+          [this] { controller_->compensate(); });
   } else {
     return false;
   }

@@ -66,7 +66,7 @@ class DatumRecordScreen final : public UtilityScreen<DatumRecordController> {
     if (is_letter(key, U'j')) driver_.ask(prompt_, controller_.unit().watched, controller_.message());
     if (controller_.busy()) return;
     if (choose_axis(place_, key, controller_.unit().axes(), kDatumRecordAxisRow + 2)) return;
-    if (key.name == Key::Name::enter)
+    if (key.name == Key::Name::enter && unit_integrates())
       asking_.ask(controller_.question(chosen()), [this, axis = chosen()] { controller_.start(axis); });
   }
 

@@ -77,7 +77,8 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
       controller_.toggle(
           rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
     if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
-    if (key.name == Key::Name::enter) asking_.ask(controller_.question(), [this] { controller_.start(); });
+    if (key.name == Key::Name::enter && unit_integrates())
+      asking_.ask(controller_.question(), [this] { controller_.start(); });
   }
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {

@@ -110,12 +110,12 @@ class OutputScreen final : public UtilityScreen<OutputController> {
     const auto axes = controller_.unit().axes();
     if (const auto k = axis_clicked(key, kOutputAxisRow + 2, static_cast<int>(axes.size())))
       controller_.choose(axes[static_cast<std::size_t>(*k)]);
-    if (key.name == Key::Name::enter) type_value();
+    if (key.name == Key::Name::enter && unit_integrates()) type_value();
     if (is_letter(key, U'+') || is_letter(key, U'=')) controller_.step(1);
     if (is_letter(key, U'-')) controller_.step(-1);
     if (is_letter(key, U'>') || is_letter(key, U'.')) controller_.resize_step(1);
     if (is_letter(key, U'<') || is_letter(key, U',')) controller_.resize_step(-1);
-    if (is_letter(key, U'r')) toggle_relay();
+    if (is_letter(key, U'r') && unit_integrates()) toggle_relay();
     if (is_letter(key, U'm')) type_measured();
   }
 

@@ -75,6 +75,12 @@ class UtilityScreen : public Screen {
     if constexpr (requires(Controller & c) { c.cancel(); }) controller_.cancel();
     return stay();
   }
+  /// Whether the unit does now what needs integration mode; the message says why not.
+  [[nodiscard]] bool unit_integrates() {
+    const std::string why = controller_.unit().refusal();
+    if (!why.empty()) controller_.message().say(why, Tone::warning);
+    return why.empty();
+  }
   /// Asks for a file, and again before one is overwritten.
   void ask_where_to_save(const std::string& proposed) {
     prompt_.ask("Save as:", Prompt::Kind::path, proposed, [this](const std::string& path) {

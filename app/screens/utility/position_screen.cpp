@@ -50,7 +50,7 @@ class PositionScreen final : public UtilityScreen<PositionController> {
 
   void on_command(const Key& key) override {
     if (choose_axis(place_, key, controller_.unit().axes(), kPositionAxisRow + 2)) return;
-    if (key.name == Key::Name::enter && !controller_.busy()) type();
+    if (key.name == Key::Name::enter && !controller_.busy() && unit_integrates()) type();
     if (is_letter(key, U'j')) driver_.ask(prompt_, controller_.unit().watched, controller_.message());
     if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) controller_.undo();
   }

@@ -146,10 +146,10 @@ class RunScreen final : public UtilityScreen<RunController> {
       return;
     }
     const auto program = program_in(fields_[0].text(), fields_[1].text(), fields_[2].text());
-    if (program)
-      controller_.prepare(*program);
-    else
+    if (!program)
       controller_.message().say(program.error());
+    else if (unit_integrates())
+      controller_.prepare(*program);
   }
 
   std::vector<ProgramRegion> regions_ = program_regions();

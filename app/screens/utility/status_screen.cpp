@@ -197,8 +197,8 @@ class StatusScreen final : public UtilityScreen<StatusController> {
   }
 
   void on_letter(const Key& key) {
-    if (is_letter(key, U't') && controller_.may_act()) controller_.test_memory();
-    if (is_letter(key, U'c') && controller_.may_act())
+    if (is_letter(key, U't') && controller_.may_act() && controller_.may_change()) controller_.test_memory();
+    if (is_letter(key, U'c') && controller_.may_act() && controller_.may_change())
       asking_.ask(controller_.clear_question(), [this] { controller_.clear_fault(); });
     if (is_letter(key, U'm') && controller_.may_act())
       asking_.ask(controller_.mode_question(), [this] { controller_.change_mode(); });

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "commissioning/unit/utility_work.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -62,5 +64,37 @@ TEST_CASE("a click chooses the axis on that row") {
     REQUIRE_MESSAGE(z != rows.end(), choice.name);
     (void)screen->on_key({Key::Name::mouse, 0, 0, static_cast<int>(z - rows.begin()), 3});
     CHECK_MESSAGE(contains(picture(*screen), "\n > Z "), choice.name);
+  }
+}
+
+TEST_CASE("while the unit waits for its references nothing that needs integration mode is asked about") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  give_map(*bench.controller, bench.folder);
+  REQUIRE(bench.with_link([](UnitLink& link) { return begin_compensation(link.client()); }));
+  const auto waits = [&] {
+    const auto newest = bench.controller->newest();
+    return newest && newest->mode == UnitMode::datuming;
+  };
+  for (int k = 0; k < 1000 && !waits(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  REQUIRE(waits());
+  const std::string refusal = "The unit is datuming and does this in integration mode only";
+  for (const MenuChoice& choice : utility_choices(bench.controller)) {
+    if (choice.name == "DISPLAY DATUM SEQUENCE") continue;
+    CAPTURE(choice.name);
+    const auto screen = choice.opens();
+    REQUIRE(shows(*screen, "datuming"));
+    if (choice.name == "DISPLAY ECS STATUS")
+      (void)letter(*screen, 'c');
+    else
+      (void)press(*screen, Key::Name::enter);
+    CHECK(reads(picture(*screen), refusal));
+    CHECK_FALSE(contains(picture(*screen), "y "));
+    CHECK_FALSE(contains(picture(*screen), "um:"));
+    CHECK_FALSE(contains(picture(*screen), ", mm:"));
+    if (choice.name == "OUTPUT COMPENSATION VALUE") {
+      (void)letter(*screen, 'r');
+      CHECK(reads(picture(*screen), refusal));
+    }
   }
 }
