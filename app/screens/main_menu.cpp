@@ -94,6 +94,7 @@ MenuChoice choice_of(const VerbEntry& verb, const Connection& connection) {
   MenuChoice choice{verb.name(), verb.help, [verb, connection] { return verb_screen(verb, connection); }};
   choice.only_sought =
       std::find(std::begin(kDoneByScreens), std::end(kDoneByScreens), choice.name) != std::end(kDoneByScreens);
+  choice.is_verb = true;
   return choice;
 }
 

@@ -17,7 +17,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 std::optional<int> rank_of_part(const MenuChoice& choice, const std::string& part) {
   const std::string name = lower(choice.name);
-  if (name == part) return is_name;
+  if (name == part || (!choice.is_verb && has(" " + name + " ", " " + part + " "))) return is_name;
   if (name.starts_with(part)) return begins_name;
   if (has(name, " " + part)) return begins_word;
   if (has(name, part)) return in_name;

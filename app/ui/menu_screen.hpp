@@ -20,11 +20,12 @@ struct MenuChoice {
   std::function<std::unique_ptr<Screen>()> opens;
   bool only_sought = false;  ///< shown while a name is sought
   std::string synonyms{};    ///< other words of the trade by which it is found
+  bool is_verb = false;      ///< a form; a screen or menu with that word in its name comes before it
 };
 
-/// How well an entry fits what is sought: 0 it is the name, then the name begins with it, then a word of the name, the
-/// name, a synonym, the help; of several words all must be found. Nothing: it does not fit. Upper and lower case are
-/// the same.
+/// How well an entry fits what is sought: 0 it is the name, of a screen or menu also whole words of it, then the name
+/// begins with it, then a word of the name, the name, a synonym, the help; of several words all must be found. Nothing:
+/// it does not fit. Upper and lower case are the same.
 [[nodiscard]] std::optional<int> rank_of(const MenuChoice& choice, const std::string& sought);
 
 class MenuScreen final : public Screen {

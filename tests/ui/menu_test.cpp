@@ -55,3 +55,14 @@ TEST_CASE("a description too long for its row ends after a whole clause, and is 
   CHECK_FALSE(contains(text, "…"));
   CHECK(contains(text, "PARAMETERS  what the unit must know of its machine\n"));
 }
+
+TEST_CASE("a screen with the word in its name comes before the verb of that name") {
+  const auto nothing = [] { return std::unique_ptr<Screen>(); };
+  std::vector<MenuChoice> all{{"monitor", "positions, sample by sample", nothing},
+                              {"ON LINE MONITOR", "what the unit sees", nothing},
+                              {"monitoring", "of something else", nothing}};
+  all[0].is_verb = all[2].is_verb = true;
+  CHECK(rank_of(all[1], "monitor") == rank_of(all[0], "monitor"));
+  CHECK(rank_of(all[1], "monitor") < rank_of(all[2], "monitor"));
+  CHECK(rank_of(all[1], "monit") > rank_of(all[0], "monit"));
+}
