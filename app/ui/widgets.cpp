@@ -142,6 +142,7 @@ void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::stri
 }
 
 bool TextLine::on_key(const Key& key) {
+  if (std::exchange(proposed_, false) && key.name == Key::Name::letter) set("");
   switch (key.name) {
     case Key::Name::letter:
       text_.insert(at_, 1, key.letter);
@@ -180,6 +181,12 @@ std::string TextLine::text() const { return utf8_of(text_); }
 void TextLine::set(const std::string& text) {
   text_ = code_points(text);
   at_ = text_.size();
+  proposed_ = false;
+}
+
+void TextLine::propose(const std::string& text) {
+  set(text);
+  proposed_ = true;
 }
 
 /// Columns of the letters from `first` up to the cursor.

@@ -55,6 +55,8 @@ class TextLine {
   [[nodiscard]] bool on_key(const Key& key);
   [[nodiscard]] std::string text() const;
   void set(const std::string& text);
+  /// A text that the first letter typed replaces; every other key keeps it.
+  void propose(const std::string& text);
   void draw(Canvas& canvas, const Area& area, int row, int column, int columns, bool active) const;
   /// Column of the cursor within `columns`.
   [[nodiscard]] int cursor_column(int columns) const;
@@ -64,6 +66,7 @@ class TextLine {
   [[nodiscard]] int columns_before_cursor(std::size_t first) const;
   std::u32string text_;
   std::size_t at_ = 0;
+  bool proposed_ = false;
 };
 
 /// The rest of a path as far as the folder decides it; what is there to choose from if it does not.

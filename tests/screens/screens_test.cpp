@@ -14,6 +14,7 @@
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
+#include "commissioning/session/measured_phases.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/screen_driver.hpp"
 
@@ -107,14 +108,85 @@ TEST_CASE("a form refuses to run without what is needed, then shows the answer o
   CHECK(contains(text, "samples/laser/x_axis.csv: EXX"));
 }
 
-TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
+TEST_CASE("a form shows what went wrong, in words in place of an exit code") {
   const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   Screen& form = *form_made;
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
-  CHECK(contains(picture(form), "ended with code 3"));
+  CHECK(contains(picture(form), "a file cannot be used: see below"));
   CHECK(contains(picture(form), "no_such_file.csv"));
+}
+
+TEST_CASE("the finder puts a screen before the verb of its name") {
+  for (const auto& [sought, screen] : {std::pair{"monitor", "> ON LINE MONITOR"},
+                                       {"status", "> DISPLAY ECS STATUS"},
+                                       {"volume", "> VOLUME"},
+                                       {"lengths", "> LENGTHS"},
+                                       {"memory", "> MEMORY ACCESS"}}) {
+    const auto found = finder(no_link());
+    type(*found, sought);
+    CHECK_MESSAGE(contains(picture(*found), screen), sought);
+  }
+}
+
+TEST_CASE("an answer that says that something does not hold is no failure of the form") {
+  const ecs::Folder folder;
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "params check"), no_link());
+  Screen& form = *form_made;
+  type(form, folder.with("p.toml", "[axis.X]\ndeadband_um = -1.0\n"));
+  (void)press(form, Key::Name::enter);
+  finish(form);
+  CHECK(contains(picture(form), "something does not hold, see below"));
+  CHECK_FALSE(contains(picture(form), "code"));
+}
+
+TEST_CASE("forms fill themselves from the folder of the model, and typing replaces what they propose") {
+  const ModelCase one;
+  (void)one.with("machine.toml", ecs::content_of("samples/mill/machine.toml"));
+  SUBCASE("the form of the MODEL screen") {
+    const auto form_made = model_form(no_link());
+    Screen& form = *form_made;
+    type(form, one.files.model);
+    (void)press(form, Key::Name::enter);
+    CHECK(contains(picture(form, 24, 200), "data.csv"));
+    CHECK(contains(picture(form, 24, 200), "machine.toml"));
+    SUBCASE("Enter takes them") {
+      (void)press(form, Key::Name::enter);
+      (void)press(form, Key::Name::enter);
+      finish(form);
+      CHECK(form.opens_by_itself() != nullptr);
+    }
+    SUBCASE("the first letter begins anew") {
+      type(form, "n");
+      CHECK_FALSE(contains(picture(form, 24, 200), "data.csv"));
+    }
+  }
+  SUBCASE("a model named on the command line") {
+    const auto form_made = model_form(no_link(), {one.files.model, "", {}});
+    CHECK(contains(picture(*form_made, 24, 200), "data.csv"));
+    CHECK(contains(picture(*form_made, 24, 200), "machine.toml"));
+  }
+  SUBCASE("the form of a verb, which Enter runs only once they were seen") {
+    const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "model compare"), no_link());
+    Screen& form = *form_made;
+    type(form, one.files.model);
+    (void)press(form, Key::Name::enter);
+    const std::string seen = picture(form, 24, 200);
+    CHECK(contains(seen, "data.csv"));
+    CHECK(contains(seen, "machine.toml"));
+    CHECK(contains(seen, "Filled in from the folder of the model. Enter runs it."));
+    (void)press(form, Key::Name::enter);
+    finish(form);
+    CHECK(contains(picture(form), "done"));
+  }
+}
+
+TEST_CASE("the form of laser table is filled in with what was measured before and after") {
+  commissioning::remember_measured_phases({"mill/plan.toml", "mill/before", "mill/after"});
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser table"), no_link());
+  for (const char* text : {"mill/plan.toml", "mill/before", "mill/after"}) CHECK(contains(picture(*form_made), text));
+  commissioning::remember_measured_phases({});
 }
 
 TEST_CASE("the model screen finds the missing effect, adds it on one key, and the error visibly falls") {

@@ -7,6 +7,7 @@
 #include "app/screens/files/chooser.hpp"
 #include "app/screens/laser/page.hpp"
 #include "app/ui/talk.hpp"
+#include "commissioning/session/measured_phases.hpp"
 #include "commissioning/session/recent_files.hpp"
 #include "commissioning/utility/emulated_machine.hpp"
 
@@ -158,28 +159,35 @@ class FilesPage final : public LaserPage {
             return fmt::format("there is no plan {}", v[0]);
           if (v[2].empty()) return std::string("a folder is needed");
           measure_by_plan(measuring_, controller().unit().snapshot().workshop, {v[0], machine.string(), v[1], v[2]},
-                          [this, phase = v[1], folder = v[2]](const Result<std::vector<std::string>>& files) {
-                            take_measured(files, phase, folder);
-                          });
+                          [this, v](const Result<std::vector<std::string>>& files) { take_measured(files, v); });
           return std::string();
         }));
   }
 
   /// What was measured with compensation is of no use for a map: it is compared with what was measured before.
-  void take_measured(const Result<std::vector<std::string>>& files, const std::string& phase,
-                     const std::string& folder) {
+  /// @param asked  plan, phase and folder
+  void take_measured(const Result<std::vector<std::string>>& files, const std::vector<std::string>& asked) {
     if (!files) return controller().message().say(fmt::format("{}. e asks again.", to_text(files.error())), Tone::bad);
     for (const std::string& path : *files) remember_file(path);
-    if (phase == "after")
+    if (asked[1] == "after") {
+      remember_phases(*files, asked[0]);
       return controller().message().say(fmt::format(
-          "{} lines measured into {}. o on page After of MODEL puts them beside what was predicted; F3, laser "
-          "table beside those measured before.",
-          files->size(), folder));
+          "{} lines measured into {}. o on page After of MODEL puts them beside what was predicted{}.", files->size(),
+          asked[2], asked[0].empty() ? "" : "; F3, laser table beside those measured before"));
+    }
     controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
       c.opened_map.clear();
       for (const std::string& path : *files) c.files.push_back({path, {}});
     });
     controller().message().say(fmt::format("{} lines measured; p takes the parameters, then the steps", files->size()));
+  }
+
+  /// For `laser table`, which needs a plan: those measured before are the files of this work.
+  void remember_phases(const std::vector<std::string>& after, const std::string& plan) {
+    if (plan.empty() || after.empty()) return;
+    const auto folder_of = [](const std::string& file) { return std::filesystem::path(file).parent_path().string(); };
+    const auto& before = controller().choices().files;
+    remember_measured_phases({plan, before.empty() ? "" : folder_of(before.front().path), folder_of(after.front())});
   }
 
   static const LaserFile* read(const LaserWork& work, const LaserFileChoice& choice) {

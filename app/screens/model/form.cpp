@@ -16,6 +16,7 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/files/beside.hpp"
 #include "commissioning/model_session/controller.hpp"
 #include "commissioning/session/recent_files.hpp"
 
@@ -40,6 +41,7 @@ class ModelForm final : public Screen {
     fields_[0].set(files.model);
     for (const std::string& path : files.data) add_data(path);
     fields_[2].set(files.machine);
+    fill_from_folder();
     if (!files.data.empty()) open();
   }
   [[nodiscard]] std::string title() const override { return "open"; }
@@ -79,7 +81,8 @@ class ModelForm final : public Screen {
     return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
            "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
            "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
-           "lever arms and pitches; without it fewer causes can be distinguished.";
+           "lever arms and pitches; without it fewer causes can be distinguished. Measurements and machine file that "
+           "lie in the folder of the model are filled in; typing replaces them.";
   }
 
   [[nodiscard]] bool advance() override {
@@ -108,6 +111,18 @@ class ModelForm final : public Screen {
     fields_[1].set(before.empty() ? quoted : before + " " + quoted);
   }
 
+  /// What is still empty is proposed from the folder of the model, else of the measurements.
+  void fill_from_folder() {
+    const auto data = split_words(fields_[1].text());
+    const std::string model = fields_[0].text().empty() && !data.empty() ? data.front() : fields_[0].text();
+    if (model.empty()) return;
+    const commissioning::FilesBeside beside = commissioning::files_beside(model);
+    if (fields_[2].text().empty()) fields_[2].propose(beside.machine);
+    if (!fields_[1].text().empty()) return;
+    for (const std::string& path : beside.data) add_data(path);
+    fields_[1].propose(fields_[1].text());
+  }
+
   void choose() {
     constexpr std::array<FileKind, 3> kKinds{FileKind::model, FileKind::measurements, FileKind::machine};
     constexpr std::array<const char*, 3> kLabels{"The model file", "Measured files", "The machine file"};
@@ -118,6 +133,7 @@ class ModelForm final : public Screen {
       else
         fields_[field].set(path);
       field_ = std::min(2, static_cast<int>(field) + 1);
+      fill_from_folder();
     });
   }
 
@@ -181,13 +197,13 @@ class ModelForm final : public Screen {
   void on_field_key(const Key& key) {
     TextLine& field = fields_[static_cast<std::size_t>(field_)];
     if (key.name == Key::Name::enter) {
-      if (field_ < 2)
-        ++field_;
-      else
-        open();
+      if (field_ == 2) return open();
+      fill_from_folder();
+      ++field_;
     } else if (key.name == Key::Name::up) {
       field_ = std::max(0, field_ - 1);
     } else if (key.name == Key::Name::down) {
+      fill_from_folder();
       field_ = std::min(2, field_ + 1);
     } else if (key.name == Key::Name::mouse) {
       if (key.row >= fields_row_ && key.row < fields_row_ + 3) field_ = key.row - fields_row_;

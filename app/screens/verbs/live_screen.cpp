@@ -105,8 +105,7 @@ class LiveScreen final : public Screen {
     const Area inside = area.between_margins();
     int row = 0;
     if (answer_) {
-      canvas.text(inside, row++, 0,
-                  answer_->exit_code == 0 ? "done" : fmt::format("ended with code {}", answer_->exit_code),
+      canvas.text(inside, row++, 0, answer_->exit_code == 0 ? "done" : "not finished: see below",
                   answer_->exit_code == 0 ? Tone::good : Tone::warning);
       std::vector<std::string> lines = answer_->lines;
       lines.insert(lines.end(), said_.begin(), said_.end());

@@ -18,8 +18,10 @@
 #include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "commissioning/files/beside.hpp"
 #include "commissioning/link/unit_commands.hpp"
 #include "commissioning/session/event_log.hpp"
+#include "commissioning/session/measured_phases.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
@@ -28,13 +30,30 @@ namespace {
 /// What an argument of this name holds; empty: any file.
 std::vector<FileKind> kinds_for(const std::string& argument) {
   static const std::map<std::string, FileKind> kKinds{
-      {"MODEL", FileKind::model},         {"--machine", FileKind::machine},
-      {"MACHINE", FileKind::machine},     {"DATA", FileKind::measurements},
-      {"--data", FileKind::measurements}, {"PARAMS", FileKind::parameters},
-      {"--params", FileKind::parameters}, {"MAP", FileKind::map},
+      {"MODEL", FileKind::model},       {"--from-model", FileKind::model},  {"--machine", FileKind::machine},
+      {"MACHINE", FileKind::machine},   {"DATA", FileKind::measurements},   {"--data", FileKind::measurements},
+      {"PARAMS", FileKind::parameters}, {"--params", FileKind::parameters}, {"MAP", FileKind::map},
       {"DUMP", FileKind::memory}};
   const auto found = kKinds.find(argument);
   return found == kKinds.end() ? std::vector<FileKind>{} : std::vector{found->second};
+}
+
+/// How a verb ended, before its answer. @param answered  it has answered on stdout
+std::string ending_of(int exit_code, bool answered) {
+  switch (exit_code) {
+    case 0:
+      return "done";
+    case 1:
+      return answered ? "done; something does not hold, see below" : "not done: see below why";
+    case 2:
+      return "not run: see below what to change";
+    case 3:
+      return "a file cannot be used: see below";
+    case 4:
+      return "no success on the link: see below";
+    default:
+      return exit_code > 128 ? "stopped" : "not done: see below why";
+  }
 }
 
 class VerbScreen final : public Screen {
@@ -44,6 +63,7 @@ class VerbScreen final : public Screen {
       : verb_(std::move(verb)), connection_(std::move(connection)) {
     for (const VerbOption& option : verb_.options)
       values_.emplace_back(option.name == "--link" ? connection_->link() : option.value);
+    if (verb_.name() == "laser table") fill_table();
   }
 
   ~VerbScreen() override {
@@ -114,7 +134,9 @@ class VerbScreen final : public Screen {
   [[nodiscard]] std::string help() const override {
     return verb_.help + ". The fields are the options of the verb `ecs " + verb_.name() +
            "`; those with * are needed. " +
-           "Tab in an empty field chooses a file. Several files are separated by blanks. " + verb_.example +
+           "Tab in an empty field chooses a file. Several files are separated by blanks. Measurements, machine file "
+           "and parameters in the folder of the model are filled in; typing replaces them. " +
+           verb_.example +
            "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
            "headings (< and > at the edges mark where it goes on), Home is its beginning, Esc goes back to the fields.";
   }
@@ -139,6 +161,7 @@ class VerbScreen final : public Screen {
   struct Answer {
     std::vector<std::string> lines;
     int exit_code = 0;
+    bool answered = false;  ///< on stdout
   };
   [[nodiscard]] int field_rows(const Area& area) const {
     const int all = static_cast<int>(verb_.options.size());
@@ -156,6 +179,50 @@ class VerbScreen final : public Screen {
     for (std::size_t k = 0; k < values_.size(); ++k)
       if (verb_.options[k].required && values_[k].text().empty()) return verb_.options[k].name;
     return {};
+  }
+
+  /// The field that takes a file of this kind; null: none.
+  [[nodiscard]] TextLine* field_for(FileKind kind) {
+    for (std::size_t k = 0; k < values_.size(); ++k)
+      if (const auto kinds = kinds_for(verb_.options[k].name);
+          !verb_.options[k].output && !kinds.empty() && kinds.front() == kind)
+        return &values_[k];
+    return nullptr;
+  }
+
+  /// What is still empty is proposed from the folder of the model. @return whether anything was
+  bool fill_from_folder() {
+    const TextLine* model = field_for(FileKind::model);
+    if (model == nullptr || model->text().empty()) return false;
+    const FilesBeside beside = files_beside(model->text());
+    bool filled = false;
+    const auto propose = [&](FileKind kind, const std::string& text) {
+      TextLine* field = field_for(kind);
+      if (field == nullptr || text.empty() || !field->text().empty()) return;
+      field->propose(text);
+      filled = true;
+    };
+    std::string data;
+    for (const std::string& file : beside.data) data += (data.empty() ? "" : " ") + quoted(file);
+    propose(FileKind::measurements, data);
+    propose(FileKind::machine, beside.machine);
+    propose(FileKind::parameters, beside.parameters);
+    return filled;
+  }
+
+  /// With what was measured last before and after compensation.
+  void fill_table() {
+    const MeasuredPhases phases = measured_phases();
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+      const std::string& name = verb_.options[k].name;
+      if (name == "PLAN") values_[k].propose(phases.plan);
+      if (name == "--before") values_[k].propose(phases.before);
+      if (name == "--after") values_[k].propose(phases.after);
+    }
+  }
+
+  static std::string quoted(const std::string& path) {
+    return path.find(' ') == std::string::npos ? path : '"' + path + '"';
   }
 
   [[nodiscard]] bool uses_line() const {
@@ -189,8 +256,8 @@ class VerbScreen final : public Screen {
     }
     if (!answer_) return;
     const Tone tone = answer_->exit_code == 0 ? Tone::good : (answer_->exit_code == 1 ? Tone::warning : Tone::bad);
-    canvas.text(area, 0, 0, answer_->exit_code == 0 ? "done" : fmt::format("ended with code {}", answer_->exit_code),
-                tone);
+    const std::string ending = ending_of(answer_->exit_code, answer_->answered);
+    canvas.text(area, 0, 0, ending, tone);
     const Area body = area.below(1);
     const auto& lines = answer_lines(body.columns);
     answer_rows_ = std::max(1, body.rows);
@@ -209,7 +276,7 @@ class VerbScreen final : public Screen {
       brief = "PgDn reads";
       whole = wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it";
     }
-    canvas.text_right(area, 0, width_of(whole) + 22 > area.columns ? brief : whole, Tone::strong);
+    canvas.text_right(area, 0, width_of(whole) + width_of(ending) + 2 > area.columns ? brief : whole, Tone::strong);
   }
 
   /// The answer in lines for the width it is shown in.
@@ -238,6 +305,7 @@ class VerbScreen final : public Screen {
     const int count = static_cast<int>(values_.size());
     if (count == 0) return stay();
     if (key.name == Key::Name::up || key.name == Key::Name::down) {
+      if (&values_[static_cast<std::size_t>(field_.selected)] == field_for(FileKind::model)) (void)fill_from_folder();
       (void)field_.on_key(key, count);
       return stay();
     }
@@ -271,6 +339,10 @@ class VerbScreen final : public Screen {
   }
 
   [[nodiscard]] Step run() {
+    if (!lacking().empty() && fill_from_folder() && lacking().empty()) {
+      hint_ = "Filled in from the folder of the model. Enter runs it.";
+      return stay();
+    }
     if (const std::string name = lacking(); !name.empty()) {
       hint_ = fmt::format("{} is needed", name);
       refused_ = true;
@@ -287,7 +359,7 @@ class VerbScreen final : public Screen {
       if (connection) lent.emplace(*connection);
       std::ostringstream out, messages;
       const int code = run_program(words, out, messages);
-      Answer answer{owned_lines_of(messages.str()), code};
+      Answer answer{owned_lines_of(messages.str()), code, !out.str().empty()};
       for (std::string& line : owned_lines_of(out.str())) answer.lines.push_back(std::move(line));
       return answer;
     };
@@ -310,9 +382,9 @@ class VerbScreen final : public Screen {
     const auto at = static_cast<std::size_t>(field_.selected);
     const VerbOption& option = verb_.options[at];
     files_.choose(option.help, {kinds_for(option.name), option.many}, [this, at](const std::string& path) {
-      const std::string quoted =
-          path.find(' ') == std::string::npos || !verb_.options[at].many ? path : '"' + path + '"';
-      values_[at].set(values_[at].text().empty() ? quoted : values_[at].text() + " " + quoted);
+      const std::string word = verb_.options[at].many ? quoted(path) : path;
+      values_[at].set(values_[at].text().empty() ? word : values_[at].text() + " " + word);
+      (void)fill_from_folder();
     });
   }
 
