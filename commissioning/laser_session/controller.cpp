@@ -14,6 +14,7 @@
 #include "base/text.hpp"
 #include "commissioning/laser_session/machine_mismatch.hpp"
 #include "commissioning/link/unit_commands.hpp"
+#include "laser/measured_machine.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -47,6 +48,18 @@ std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path, error).lexically_normal().string();
 }
 
+/// The machine that work belongs to: as the header, the parameters or a measured file name it, else the files' folder.
+std::string owner_of(const LaserChoices& choices) {
+  if (!choices.header.machine.empty()) return choices.header.machine;
+  if (const auto read = params::read_parameters(choices.params_file); read && !read->identity.machine.empty())
+    return read->identity.machine;
+  if (choices.files.empty()) return {};
+  const LaserFile file = read_laser_file(choices.files.front());
+  if (file.set)
+    if (const auto named = laser::measured_machine(file.set->metadata); !named.name.empty()) return named.name;
+  return "files of " + std::filesystem::path(choices.files.front().path).parent_path().string();
+}
+
 LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : LaserMark::done; }
 
 }  // namespace
@@ -60,11 +73,8 @@ struct LaserController::WorkFolder {
 };
 
 LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
-    : unit_(std::move(unit)),
-      folder_(std::make_unique<WorkFolder>()),
-      offered_(offered_draft(kDraft)),
-      work_(std::make_shared<const LaserWork>()) {
-  if (offered_ && !choices_in(offered_->text)) offered_.reset();
+    : unit_(std::move(unit)), folder_(std::make_unique<WorkFolder>()), work_(std::make_shared<const LaserWork>()) {
+  offer(offered_draft(kDraft));
 }
 
 LaserController::~LaserController() {
@@ -146,9 +156,15 @@ void LaserController::take_up_offered() {
   work_out(false);
 }
 
+void LaserController::offer(std::optional<Draft> draft) {
+  const auto choices = draft ? choices_in(draft->text) : std::nullopt;
+  offered_ = choices ? std::move(draft) : std::nullopt;
+  offered_of_ = choices ? owner_of(*choices) : "";
+}
+
 void LaserController::drop_offered() {
   drop_draft(kDraft);
-  offered_ = offered_draft(kDraft);
+  offer(offered_draft(kDraft));
 }
 
 void LaserController::set_offered_aside() {
@@ -160,7 +176,7 @@ std::size_t LaserController::drafts_aside() { return commissioning::drafts_aside
 
 void LaserController::offer_another() {
   exchange_draft(kDraft);
-  offered_ = draft_of(kDraft);
+  offer(draft_of(kDraft));
 }
 
 /// Single readings are known by their place in the file: a file written anew may hold others there.

@@ -52,6 +52,8 @@ class LaserController {
   void redo();
   /// Of an earlier sitting; nothing: there is none, or it was answered.
   [[nodiscard]] const std::optional<Draft>& offered() const { return offered_; }
+  /// Of which machine it is, "moving column mill"; where nothing names one, "files of FOLDER"; empty: not known.
+  [[nodiscard]] const std::string& offered_of() const { return offered_of_; }
   void take_up_offered();
   void drop_offered();
   /// New work is begun; what was offered is kept and offered again when there is no other.
@@ -133,7 +135,9 @@ class LaserController {
   std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;
   History past_, future_;  ///< what each step was, and the choices beyond it
+  void offer(std::optional<Draft> draft);
   std::optional<Draft> offered_;
+  std::string offered_of_;
   bool changed_ = false;  ///< since the map was saved last
   LaserWorkPtr work_;
   bool pending_ = false;  ///< the choices went on while work was done

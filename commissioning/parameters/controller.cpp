@@ -89,6 +89,12 @@ std::optional<Draft> ParametersController::draft() const {
   return loaded_ ? std::nullopt : offered_draft(kParametersDraft);
 }
 
+std::string ParametersController::owner_of(const Draft& draft) {
+  const auto parsed = parsed_draft(draft.text);
+  if (!parsed) return {};
+  return parsed->set.identity.machine.empty() ? parsed->file : parsed->set.identity.machine;
+}
+
 void ParametersController::drop_draft() { commissioning::drop_draft(kParametersDraft); }
 void ParametersController::set_draft_aside() { commissioning::set_draft_aside(kParametersDraft); }
 std::size_t ParametersController::drafts_aside() { return commissioning::drafts_aside(kParametersDraft); }

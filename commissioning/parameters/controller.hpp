@@ -30,6 +30,8 @@ class ParametersController {
   [[nodiscard]] Result<void> take_from_unit(const UnitContent& unit);
   /// Work of an earlier time that was neither saved nor sent, if nothing is loaded yet.
   [[nodiscard]] std::optional<Draft> draft() const;
+  /// Of which machine it is, else of which file; empty: neither is known.
+  [[nodiscard]] static std::string owner_of(const Draft& draft);
   [[nodiscard]] Result<void> take_up_draft();
   static void drop_draft();
   /// The draft is kept and offered again later: other parameters can be begun.

@@ -153,8 +153,9 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows > rows) draw_bottom(canvas, {area.row + area.rows - rows, area.column, rows, area.columns});
   if (const auto& draft = host_->controller.offered(); draft && !host_->asking_.active()) {
     const std::size_t aside = LaserController::drafts_aside();
+    const std::string& of = host_->controller.offered_of();
     draw_question(canvas, area,
-                  {fmt::format("Work of {} found", draft->kept),
+                  {fmt::format("Work of {} found{}{}", draft->kept, of.empty() ? "" : ": ", of),
                    "The files, what was left out, slopes, smoothing and header chosen then. b begins new work: this is "
                    "kept and offered again later." +
                        (aside == 0 ? "" : fmt::format(" o offers another one: {} more.", aside)),

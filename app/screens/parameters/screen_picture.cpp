@@ -76,7 +76,10 @@ bool ParametersScreen::nothing_listed() const {
 void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
   const Area inside = area.between_margins();
   if (draft_) {
-    int row = canvas.paragraph(inside, 0, fmt::format("Unsaved work of {} was found.", draft_->kept), Tone::strong);
+    const std::string of = ParametersController::owner_of(*draft_);
+    int row = canvas.paragraph(
+        inside, 0, fmt::format("Unsaved work of {} was found{}{}.", draft_->kept, of.empty() ? "" : ": ", of),
+        Tone::strong);
     std::vector<ListRow> rows{{"Enter  takes it up where it was left"},
                               {"d      drops it"},
                               {"b      begins with other parameters; it is kept and offered again later"}};

@@ -140,6 +140,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   {
     LaserScreenDriver again;
     CHECK(again.seen().find("Work of 20") != std::string::npos);
+    CHECK(again.seen().find("found: moving column mill") != std::string::npos);
     again.type("\n");
     REQUIRE(again.settled());
     CHECK(choices_text(again.controller().choices()) == choices);
