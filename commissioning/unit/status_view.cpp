@@ -56,10 +56,11 @@ Cell ram_test_cell(const UnitStatus& status) {
 Cell block_check_cell(const UnitStatus& status) {
   const bool made = status.block_check_expected != 0 || status.block_check_found != 0;  // both zero until the first
   const bool agrees = status.block_check_expected == status.block_check_found;
+  const std::string differ = fmt::format(": they differ. What to do: {}", text_of(Fault::block_check).action);
   return record_cell(made ? "block check  expected {expected}, found {found}{agrees}\n" : "block check  not run\n",
                      {{"expected", made ? hex_cell(status.block_check_expected) : null_cell()},
                       {"found", made ? hex_cell(status.block_check_found) : null_cell()},
-                      {"agrees", made ? yes_cell(agrees, "", ": they differ") : null_cell()}});
+                      {"agrees", made ? yes_cell(agrees, "", differ) : null_cell()}});
 }
 
 Cell map_cell(const UnitStatus& status) {

@@ -54,6 +54,19 @@ TEST_CASE("a saved status decodes to the same fault, address, pointers and value
   CHECK(j["link"] == "tcp:mill:502:1");
 }
 
+TEST_CASE("a block check that differs says what to do, and so does its JSON that it does") {
+  StatusSnapshot s = faulty_unit();
+  s.status.block_check_expected = 0x1234ABCD;
+  s.status.block_check_found = 0x1234ABCE;
+  const Cell differs = status_cell(s);
+  CHECK(
+      differs.text.find("expected 1234ABCD, found 1234ABCE: they differ. What to do: send parameters and map again") !=
+      std::string::npos);
+  CHECK(differs.json["block_check"]["agrees"] == false);
+  s.status.block_check_found = s.status.block_check_expected;
+  CHECK(status_cell(s).text.find("What to do: send") == std::string::npos);
+}
+
 TEST_CASE("the words say what to do next") {
   const std::string text = status_cell(faulty_unit()).text;
   CHECK(text.find("replace that axis memory module") != std::string::npos);
