@@ -9,6 +9,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "app/cli/around_verb.hpp"
 #include "app/cli/overview.hpp"
@@ -37,15 +39,23 @@ int failed(VerbContext& context, const Problem& problem) {
   return exit_code_of(problem.kind);
 }
 
+/// Whoever read stdout through a pipe has closed it, as `head` does.
+bool reader_left() {
+  pollfd answers{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&answers, 1, 0) > 0 && (answers.revents & POLLERR) != 0;
+}
+
 int answered(VerbContext& context, const Outcome& outcome) {
   std::string object = outcome.json;
   if (context.console.json && !object.empty() && !context.link_name.empty())
     object = one_line(with_link(Json::parse(object), context));
   context.console.answer(outcome.text, object);
-  if (!context.console.output_is_whole())
+  if (!context.console.output_is_whole()) {
+    if (reader_left()) return 128 + SIGPIPE;  // it has read enough
     return failed(
         context,
         {ProblemKind::output, "stdout could not be written: the disc is full, or the pipe is closed", {}, 0, 0, {}});
+  }
   return outcome.exit_code;
 }
 

@@ -254,5 +254,16 @@ TEST_CASE("stdout that cannot be written is exit code 5") {
   CHECK(run_program({"--version"}, full, messages) == 5);
 }
 
+TEST_CASE("a reader that closes the pipe ends a verb quietly, as the shell expects it") {
+  const StateFolder folder;
+  const std::string ecs = std::string(ECS_BUILD_FOLDER) + "/app/ecs";
+  for (const char* words : {"--help", "model effects --json", "monitor --count 0 --interval 1 --link emulator"}) {
+    CAPTURE(words);
+    const Output output =
+        output_of("bash -c '{ sleep 0.3; " + ecs + " --quiet " + words + "; echo left with $? >&2; } | true'");
+    CHECK(output.text == "left with 141\n");
+  }
+}
+
 }  // namespace
 }  // namespace ecs::app
