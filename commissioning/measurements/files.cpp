@@ -15,6 +15,9 @@ namespace {
 
 using laser::MeasurementSet;
 
+/// Where the other axes stood: of the lines of one file. Every reading has its own place.
+constexpr const char* kParked = "parked";
+
 /// "y=-1400,z=0" into the entries it names.
 Result<PerAxis<std::optional<double>>> parked_in(std::string_view text) {
   PerAxis<std::optional<double>> parked{};
@@ -135,6 +138,7 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
     if (const std::string differs = conflict(all, more, key); !differs.empty())
       return problem(ProblemKind::refused, differs + "; files of different machines are not joined");
   for (const laser::MetadataEntry& entry : more.metadata) {
+    if (entry.key == kParked) continue;
     const auto known = laser::metadata_value(all, entry.key);
     if (!known)
       all.metadata.push_back(entry);
@@ -267,6 +271,10 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
     all.notes.insert(all.notes.end(), more.notes.begin(), more.notes.end());
     all.readings.insert(all.readings.end(), more.readings.begin(), more.readings.end());
   }
+  const auto parked = laser::metadata_value(all, kParked);
+  if (std::any_of(sets.begin(), sets.end(),
+                  [&](const MeasurementSet& set) { return laser::metadata_value(set, kParked) != parked; }))
+    std::erase_if(all.metadata, [](const laser::MetadataEntry& entry) { return entry.key == kParked; });
   return all;
 }
 

@@ -129,7 +129,6 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     for (const std::string& note : read->notes) messages.note(fmt::format("{}: {}", file, note));
     if (read->readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    if (rows > 0) messages.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
     for (laser::Reading& reading : read->readings) reading.row = ++rows;
     read->notes.clear();
     (*path ? paths : sets).push_back(std::move(*read));

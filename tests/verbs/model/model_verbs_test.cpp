@@ -63,6 +63,19 @@ TEST_CASE("files of one machine are joined, their rows and runs numbered on") {
   CHECK(last > 246);
 }
 
+TEST_CASE("files of several lines are joined without notes on what follows from them") {
+  const ModelWorkspace workspace;
+  const auto at = [&](const char* name, const char* parked, unsigned seed) {
+    return workspace.folder.with(name, fmt::format("# parked: Y {0}\n", parked) + measured_x(cyclic_x, {.seed = seed}));
+  };
+  const std::string first = at("first.csv", "-1400", 3), second = at("second.csv", "-700", 4);
+  const Ran r = ran({"model", "compare", workspace.model, first, second});
+  REQUIRE(r.code == 0);
+  CHECK_FALSE(contains(r.messages, "rows are numbered"));
+  CHECK_FALSE(contains(r.messages, "left out"));
+  CHECK(contains(r.messages, "its runs of EXX are numbered on from 4"));
+}
+
 TEST_CASE("instruments' own files are data as well") {
   const ModelWorkspace workspace;
   const Ran r = ran({"model", "compare", workspace.model, "samples/laser/vmc_x.rtl", "--json"});
