@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/link/choice.hpp"
+#include "commissioning/session/shell_word.hpp"
 
 namespace ecs::app {
 
@@ -29,8 +30,8 @@ void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_vi
   context.console.note(fmt::format("reference {} of the machine now: the unit watches", axes));
   if (unit.workshop().empty()) return;
   const auto emulator = emulator_program();
-  context.console.note(fmt::format("from another terminal: {} workshop {} reference",
-                                   emulator ? emulator->string() : "ecs-emulator", unit.workshop()));
+  context.console.note("from another terminal: " + shell_command({emulator ? emulator->string() : "ecs-emulator",
+                                                                  "workshop", unit.workshop(), "reference"}));
 }
 
 protocol::ProgressCallback progress_bar(VerbContext& context, std::string label) {

@@ -10,6 +10,7 @@
 #include "base/file.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
 
@@ -287,9 +288,9 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   if (!files) return tl::unexpected(files.error());
   if (options_.link.empty()) {
     messages_.note(
-        fmt::format("send the map with `ecs map send {} --params {} --link …`, then switch the unit to compensation "
-                    "with `ecs utility mode compensate --link …` and reference the axes",
-                    files->map, files->params));
+        fmt::format("send the map with `{}`, then switch the unit to compensation with `ecs utility mode compensate` "
+                    "and reference the axes; both take the stored link, or --link",
+                    shell_command({"ecs", "map", "send", files->map, "--params", files->params})));
     return {};
   }
   auto choice = chosen_link(options_.link);

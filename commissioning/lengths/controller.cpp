@@ -14,6 +14,7 @@
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/recent_files.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "laser/map/csv.hpp"
 
 namespace ecs::commissioning {
@@ -23,7 +24,7 @@ namespace {
 bool is_plan(std::string_view text) { return text.find("deviation_um") == std::string_view::npos; }
 
 /// What a plan asks for, set-up by set-up.
-std::vector<std::string> lines_of_plan(const model::LengthTest& test) {
+std::vector<std::string> lines_of_plan(const model::LengthTest& test, const std::string& machine) {
   std::vector<std::string> out{
       fmt::format("{}: a plan of {} lengths{}, nothing measured yet", test.source, test.readings.size(),
                   test.minutes ? fmt::format(", {:.1f} minutes", *test.minutes) : std::string())};
@@ -44,7 +45,8 @@ std::vector<std::string> lines_of_plan(const model::LengthTest& test) {
     out.push_back(fmt::format("  tool {}: reflector at {:.6g}, {:.6g}, {:.6g} mm", tool.name, tool.offset_mm[0],
                               tool.offset_mm[1], tool.offset_mm[2]));
   out.emplace_back("Measure row by row and add the column deviation_um; of the emulated machine:");
-  out.push_back(fmt::format("  ecs-emulator lengths {} --machine machine.toml -o lengths.csv", path_word(test.source)));
+  out.push_back("  " + shell_command({"ecs-emulator", "lengths", path_word(test.source), "--machine",
+                                      path_word(machine), "-o", "lengths.csv"}));
   return out;
 }
 
@@ -63,7 +65,7 @@ Result<LengthsView> fitted(const LengthsArguments& arguments) {
     const auto plan = model::parse_lengths(*text, arguments.file, true);
     if (!plan) return tl::unexpected(plan.error());
     view.measured = false;
-    view.lines = lines_of_plan(*plan);
+    view.lines = lines_of_plan(*plan, arguments.machine);
     return view;
   }
   auto work = lengths_work(arguments);

@@ -4,6 +4,7 @@
 
 #include "commissioning/link/port_survey.hpp"
 #include "commissioning/session/commands.hpp"
+#include "commissioning/session/shell_word.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -169,10 +170,8 @@ void LinkController::store_now(const std::string& link) {
   if (link == works_ || unit_->snapshot().link == link)
     note_command({"doctor", "--link", link, "--save"});
   else
-    note_remark(
-        fmt::format("{} was stored as the link without an answer; `ecs doctor --link {} --save` stores it when "
-                    "it works",
-                    link, link));
+    note_remark(fmt::format("{} was stored as the link without an answer; `{}` stores it when it works", link,
+                            shell_command({"ecs", "doctor", "--link", link, "--save"})));
   message_.say(
       fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));
 }

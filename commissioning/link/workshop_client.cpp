@@ -12,6 +12,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "commissioning/session/shell_word.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -94,8 +96,9 @@ ProblemKind kind_of(int exit_code) {
 Result<Json> WorkshopClient::ask(const Json& request, const std::function<void(double)>& progress) const {
   Line line;
   if (!line.connect(socket_.string()))
-    return no_link(fmt::format("{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
-                               socket_.string(), std::strerror(errno), socket_.string()));
+    return no_link(fmt::format("{}: no workshop listens here ({}); start one with `{}`", socket_.string(),
+                               std::strerror(errno),
+                               shell_command({"ecs-emulator", "serve", "--workshop", socket_.string()})));
   if (!line.send(one_line(request) + "\n")) return no_link("the workshop closed the connection");
   for (;;) {
     const auto text = line.line(*cancelled_);

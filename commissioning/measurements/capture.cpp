@@ -13,6 +13,7 @@
 #include "base/interrupt.hpp"
 #include "commissioning/measurements/capture_run.hpp"
 #include "commissioning/measurements/device_choice.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::commissioning {
@@ -45,12 +46,23 @@ bool exists(const std::string& path) {
   return std::filesystem::exists(path, error);
 }
 
+/// The command that goes on, with the same devices.
+std::string resuming(const CaptureChoice& choice, const std::string& part) {
+  std::vector<std::string> words{"ecs", "laser", "capture", "--resume", part};
+  for (const auto& [option, given] : {std::pair{"--trigger", &choice.trigger},
+                                      {"--gauge", &choice.gauge},
+                                      {"--readings", &choice.readings},
+                                      {"--follow", &choice.follow},
+                                      {"--display", &choice.display},
+                                      {"--environment", &choice.environment}})
+    if (!given->empty()) words.insert(words.end(), {option, *given});
+  return shell_command(words);
+}
+
 Result<void> output_is_free(const CaptureChoice& choice, const std::string& output, const std::string& part) {
   if (exists(part) && choice.resume.empty())
-    return problem(
-        ProblemKind::usage,
-        fmt::format("{} holds an unfinished capture: go on with `ecs laser capture --resume {}`, or remove it", part,
-                    part));
+    return problem(ProblemKind::usage, fmt::format("{} holds an unfinished capture: go on with `{}`, or remove it",
+                                                   part, resuming(choice, part)));
   if (exists(output) && !choice.force)
     return problem(ProblemKind::usage,
                    fmt::format("{} exists already: give another name, or --force to overwrite it", output));
@@ -209,15 +221,14 @@ void go_through(MessageSink& messages, Keyboard* keyboard, CaptureRun& run, bool
   }
 }
 
-std::string kept_text(CaptureRun& run) {
+std::string kept_text(const CaptureChoice& choice, CaptureRun& run) {
   if (run.record().taken().empty()) return "nothing was read";
   if (!run.part_is_safe()) return fmt::format("{} could not be written last: the newest readings are lost", run.part());
-  return fmt::format(
-      "{} of {} readings are safe in {}; go on with `ecs laser capture --resume {}` and the same devices",
-      run.record().taken().size(), run.record().plan().stops.size(), run.part(), run.part());
+  return fmt::format("{} of {} readings are safe in {}; go on with `{}`", run.record().taken().size(),
+                     run.record().plan().stops.size(), run.part(), resuming(choice, run.part()));
 }
 
-Result<CaptureEnd> ended(CaptureRun& run, const std::string& output) {
+Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std::string& output) {
   CaptureEnd end{run.done(),
                  run.record().result(),
                  run.record().plan().stops.size(),
@@ -228,7 +239,7 @@ Result<CaptureEnd> ended(CaptureRun& run, const std::string& output) {
                  {},
                  {}};
   if (!run.done()) {
-    end.kept = kept_text(run);
+    end.kept = kept_text(choice, run);
     if (interrupted()) return problem(ProblemKind::refused, end.kept);
     if (!run.stuck().empty()) return problem(ProblemKind::bad_input, fmt::format("{}: {}", run.stuck(), end.kept));
     return end;
@@ -236,7 +247,7 @@ Result<CaptureEnd> ended(CaptureRun& run, const std::string& output) {
   if (end.result.readings.empty()) return problem(ProblemKind::refused, "no target has a reading: nothing is written");
   if (const auto written = laser::write_measurement_set(output, end.result); !written) {
     Problem why = written.error();
-    why.message += "; " + kept_text(run);
+    why.message += "; " + kept_text(choice, run);
     return tl::unexpected(std::move(why));
   }
   end.file = output;
@@ -263,7 +274,7 @@ Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const Capt
   messages.note(run.help());
   wait_for_environment(messages, run, has_environment);
   go_through(messages, keyboard, run, needs_keyboard);
-  return ended(run, begun->output);
+  return ended(choice, run, begun->output);
 }
 
 }  // namespace ecs::commissioning

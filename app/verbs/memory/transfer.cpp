@@ -13,6 +13,7 @@
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/memory/space.hpp"
 #include "commissioning/memory/write.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "commissioning/unit/map_checks.hpp"
 
 namespace ecs::app {
@@ -134,8 +135,9 @@ Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments
   if (auto written = write_file(arguments.output, to_bytes(*dump)); !written) return tl::unexpected(written.error());
   std::size_t bytes = 0;
   for (const DumpRegion& region : dump->regions) bytes += region.bytes.size();
-  return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `ecs memory show {file}` decodes it",
+  return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
                                 {{"file", word_cell(arguments.output)},
+                                 {"show", shown_cell(shell_command({"ecs", "memory", "show", arguments.output}))},
                                  {"unit", shown_cell(dump->serial_number)},
                                  {"bytes", count_cell(bytes)},
                                  {"regions", list_cell(dump->regions, [](const DumpRegion& region) {

@@ -5,8 +5,10 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/session/shell_word.hpp"
 
 namespace ecs::app {
 namespace {
@@ -21,13 +23,18 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   if (!work) return tl::unexpected(work.error());
   std::vector<std::string> effects;
   for (const model::EffectInstance& effect : work->model.effects) effects.push_back(name_with_alternatives(effect));
+  std::vector<std::string> next{"ecs", "model", "diagnose", arguments.model};
+  next.insert(next.end(), arguments.data.begin(), arguments.data.end());
+  if (!arguments.machine.empty()) next.insert(next.end(), {"--machine", arguments.machine});
+  const std::vector<std::string> import = commissioning::import_words(arguments.import);
+  next.insert(next.end(), import.begin(), import.end());
   return outcome_of(
-      record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: ecs model diagnose {model} {data}\n",
+      record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
                   {{"model", word_cell(arguments.model)},
                    {"usual", shown_cell(usual_in_words(work->data))},
                    {"of_paths", shown_cell(work->data.paths.empty() ? "" : "; of circles and diagonals nothing")},
                    {"effects", lines_cell(effects, "  ")},
-                   {"data", shown_cell(work->data_name)}}));
+                   {"next", shown_cell(shell_command(next))}}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "commissioning/parameters/set.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"
@@ -172,8 +173,10 @@ Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
     return tl::unexpected(written.error());
   return outcome_of(record_cell(
       "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
-      "`ecs params check {file}`",
-      {{"file", word_cell(arguments.output)}, {"parameters", parameters_cell(parameters)}}));
+      "`{check}`",
+      {{"file", word_cell(arguments.output)},
+       {"check", shown_cell(shell_command({"ecs", "params", "check", arguments.output}))},
+       {"parameters", parameters_cell(parameters)}}));
 }
 
 }  // namespace

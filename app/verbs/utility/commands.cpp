@@ -8,6 +8,7 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {
@@ -64,16 +65,18 @@ Result<Outcome> output_value(VerbContext& context, const OutputArguments& argume
                                                                arguments.axis, *arguments.output_um));
         !sure)
       return tl::unexpected(sure.error());
+  std::vector<std::string> off{"ecs", "utility", "output", "--off"};
+  if (!context.link_option.empty()) off.insert(off.end(), {"--link", context.link_option});
   return simple(
       context,
       [&](protocol::UnitClient& client) {
         return client.output_compensation(*axis, *arguments.output_um, arguments.relay);
       },
-      record_cell(
-          "axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `ecs utility output --off` ends it",
-          {{"axis", word_cell(arguments.axis)},
-           {"output_um", plain_cell(*arguments.output_um)},
-           {"relay_closed", yes_cell(arguments.relay, "closed", "open")}}));
+      record_cell("axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `{off}` ends it",
+                  {{"off", shown_cell(shell_command(off))},
+                   {"axis", word_cell(arguments.axis)},
+                   {"output_um", plain_cell(*arguments.output_um)},
+                   {"relay_closed", yes_cell(arguments.relay, "closed", "open")}}));
 }
 
 struct RunArguments : VerbArguments {
