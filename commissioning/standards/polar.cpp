@@ -13,24 +13,37 @@ constexpr double kRad_per_deg = std::numbers::pi / 180.0;
 /// The largest deviation is drawn as at most this share of the nominal circle.
 constexpr double kLargestShare = 0.45;
 
-/// The first pass of each direction that was measured, counter-clockwise first.
-std::vector<const laser::CirclePass*> shown_passes(const laser::CircleValues& values) {
-  std::vector<const laser::CirclePass*> shown;
+/// The first pass of each direction that was measured, counter-clockwise first, all about one least squares circle:
+/// what differs between the directions is in the picture.
+struct DrawnCircle {
+  std::vector<const laser::CirclePass*> passes;
+  std::array<double, 2> centre_um{};
+  double mean_um = 0.0;
+
+  [[nodiscard]] double deviation_um(const laser::CirclePass& pass, double angle_deg) const {
+    return laser::deviation_at(pass, angle_deg, centre_um) - mean_um;
+  }
+};
+
+DrawnCircle drawn_circle(const laser::CircleValues& values) {
+  DrawnCircle drawn;
   for (const laser::CirclePass& pass : values.passes)
-    if (shown.empty() || shown.back()->clockwise != pass.clockwise) shown.push_back(&pass);
-  return shown;
+    if (drawn.passes.empty() || drawn.passes.back()->clockwise != pass.clockwise) drawn.passes.push_back(&pass);
+  if (values.pairs.empty()) {
+    drawn.centre_um = drawn.passes.front()->centre_um;
+    drawn.mean_um = drawn.passes.front()->mean_um;
+  } else {
+    drawn.centre_um = values.pairs.front().centre_um;
+    drawn.mean_um = values.pairs.front().D_um;
+  }
+  return drawn;
 }
 
-/// About the least squares circle of the first pass.
-double drawn_um(const std::vector<const laser::CirclePass*>& passes, double deviation_um) {
-  return deviation_um - passes.front()->mean_um;
-}
-
-double largest_um(const std::vector<const laser::CirclePass*>& passes) {
+double largest_um(const DrawnCircle& drawn) {
   double largest = 1e-3;
-  for (const laser::CirclePass* pass : passes)
-    for (const double deviation_um : {pass->F_max_um, pass->F_min_um})
-      largest = std::max(largest, std::abs(drawn_um(passes, deviation_um)));
+  for (const laser::CirclePass* pass : drawn.passes)
+    for (const laser::CircleReading& reading : pass->readings)
+      largest = std::max(largest, std::abs(drawn.deviation_um(*pass, reading.angle_deg)));
   return largest;
 }
 
@@ -55,8 +68,8 @@ PlotSeries ring(std::string name, Mark mark, double radius) {
 }  // namespace
 
 PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues& values) {
-  const auto passes = shown_passes(values);
-  const double largest = largest_um(passes);
+  const DrawnCircle drawn = drawn_circle(values);
+  const double largest = largest_um(drawn);
   const double magnified = round_below(kLargestShare * test.radius_mm / (largest / 1000.0));
   const double ring_um = round_below(largest / 2.0);
   const auto drawn_mm = [&](double deviation_um) { return test.radius_mm + deviation_um / 1000.0 * magnified; };
@@ -70,14 +83,14 @@ PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues
   for (int k = -rings; k <= rings; ++k)
     if (k != 0) panel.series.push_back(ring("", Mark::wire, drawn_mm(k * ring_um)));
   panel.series.push_back(
-      ring(fmt::format("least squares circle, {:+.1f} um", passes.front()->mean_um), Mark::level, test.radius_mm));
-  for (const laser::CirclePass* pass : passes) {
+      ring(fmt::format("least squares circle{}, {:+.1f} um", values.pairs.empty() ? "" : " of both", drawn.mean_um),
+           Mark::level, test.radius_mm));
+  for (const laser::CirclePass* pass : drawn.passes) {
     PlotSeries series{fmt::format("{}, G {:.1f} um", pass->clockwise ? "clockwise" : "counter-clockwise", pass->G_um),
                       pass->clockwise ? Mark::reverse : Mark::forward,
                       {}};
     for (const laser::CircleReading& reading : pass->readings)
-      series.points.push_back(
-          polar_point(drawn_mm(drawn_um(passes, laser::deviation_at(*pass, reading.angle_deg))), reading.angle_deg));
+      series.points.push_back(polar_point(drawn_mm(drawn.deviation_um(*pass, reading.angle_deg)), reading.angle_deg));
     series.points.push_back(series.points.front());
     panel.series.push_back(std::move(series));
   }
@@ -87,8 +100,8 @@ PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues
 std::string polar_text(const laser::CircleValues& values) {
   constexpr int kHalfColumns = 30, kHalfRows = 15;
   constexpr double kNominal = 10.0;  ///< rows from the centre to the nominal circle
-  const auto passes = shown_passes(values);
-  const double largest = largest_um(passes);
+  const DrawnCircle drawn = drawn_circle(values);
+  const double largest = largest_um(drawn);
   const double um_a_row = largest / (kHalfRows - kNominal);
   std::vector<std::string> rows(2 * kHalfRows + 1, std::string(2 * kHalfColumns + 1, ' '));
   const auto put = [&](double radius, double angle_deg, char sign) {
@@ -100,9 +113,9 @@ std::string polar_text(const laser::CircleValues& values) {
     cell = cell == ' ' || cell == '.' || cell == sign ? sign : '#';
   };
   for (int angle = 0; angle < 360; angle += 2) put(kNominal, angle, '.');
-  for (const laser::CirclePass* pass : passes)
+  for (const laser::CirclePass* pass : drawn.passes)
     for (const laser::CircleReading& reading : pass->readings)
-      put(kNominal + drawn_um(passes, laser::deviation_at(*pass, reading.angle_deg)) / um_a_row, reading.angle_deg,
+      put(kNominal + drawn.deviation_um(*pass, reading.angle_deg) / um_a_row, reading.angle_deg,
           pass->clockwise ? 'o' : '+');
   std::string text =
       fmt::format("a row is {:.3g} um; + counter-clockwise, o clockwise, # both, . least squares circle\n", um_a_row);

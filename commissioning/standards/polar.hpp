@@ -8,8 +8,8 @@
 
 namespace ecs::commissioning {
 
-/// The first pass of each direction about its least squares centre, deviations from the least squares circle of the
-/// first magnified, with rings at round deviations.
+/// The first pass of each direction about the least squares circle of both together, deviations from it magnified, with
+/// rings at round deviations.
 [[nodiscard]] PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues& values);
 
 /// The same in 31 rows of 61 characters: + counter-clockwise, o clockwise, # both, . least squares circle.

@@ -42,15 +42,19 @@ void evaluate(CirclePass& pass) {
 }
 
 CirclePair pair_of(const CirclePass& ccw, const CirclePass& cw) {
-  CirclePair pair{cw.run, ccw.run, 0.0, 0.0, 0.0, 0.0};
+  CirclePair pair;
+  pair.clockwise_run = cw.run;
+  pair.counter_clockwise_run = ccw.run;
   auto both = zone_points(ccw);
   const auto others = zone_points(cw);
   both.insert(both.end(), others.begin(), others.end());
   pair.G_um = minimum_zone(both).width();
-  pair.D_um = mean_about(both, least_squares_zone(both));
-  // Both paths about one centre: the difference holds no centring error of the instrument, and no drift of it either.
+  const Zone common = least_squares_zone(both);
+  pair.D_um = mean_about(both, common);
+  pair.centre_um = {common.per_u, common.per_v};
   for (const CircleReading& reading : ccw.readings) {
-    const double own = deviation_at(ccw, reading.angle_deg), other = deviation_at(cw, reading.angle_deg);
+    const double own = deviation_at(ccw, reading.angle_deg, pair.centre_um),
+                 other = deviation_at(cw, reading.angle_deg, pair.centre_um);
     if (std::abs(own - other) <= pair.H_um) continue;
     pair.H_um = std::abs(own - other);
     pair.H_at_deg = reading.angle_deg;
@@ -60,7 +64,7 @@ CirclePair pair_of(const CirclePass& ccw, const CirclePass& cw) {
 
 }  // namespace
 
-double deviation_at(const CirclePass& pass, double angle_deg) {
+double deviation_at(const CirclePass& pass, double angle_deg, const std::array<double, 2>& centre_um) {
   const auto& readings = pass.readings;
   const auto above = std::lower_bound(readings.begin(), readings.end(), angle_deg,
                                       [](const CircleReading& reading, double at) { return reading.angle_deg < at; });
@@ -69,9 +73,11 @@ double deviation_at(const CirclePass& pass, double angle_deg) {
   const auto ahead = [](double from, double to) { return to < from ? to - from + 360.0 : to - from; };
   const double gap = ahead(low.angle_deg, high.angle_deg);
   const double share = gap > 0.0 ? ahead(low.angle_deg, angle_deg) / gap : 1.0;
-  const double angle = angle_deg * kRad_per_deg;
-  return std::lerp(low.deviation_um, high.deviation_um, share) - pass.centre_um[0] * std::cos(angle) -
-         pass.centre_um[1] * std::sin(angle);
+  const auto about_centre = [&](const CircleReading& reading) {
+    const double angle = reading.angle_deg * kRad_per_deg;
+    return reading.deviation_um - centre_um[0] * std::cos(angle) - centre_um[1] * std::sin(angle);
+  };
+  return std::lerp(about_centre(low), about_centre(high), share);
 }
 
 CircleValues circle_values_of(const CircleTest& test) {

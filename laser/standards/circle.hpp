@@ -2,7 +2,7 @@
 // Does not live here: the causes of what they show (model/circle/diagnosis.hpp).
 #pragma once
 
-#include <optional>
+#include <array>
 #include <vector>
 
 #include "laser/circle_test.hpp"
@@ -27,8 +27,11 @@ struct CirclePair {
   int counter_clockwise_run = 1;
   double G_um = 0.0;  ///< bidirectional circular deviation G(b): minimum zone circles that hold both paths
   double D_um = 0.0;  ///< mean bidirectional radial deviation: least squares circle of both paths less nominal radius
-  double H_um = 0.0;  ///< circular hysteresis: greatest difference between the paths at one angle (ISO 230-4:1996)
+  /// Circular hysteresis: greatest radial difference between the paths at one angle, both about `centre_um` (ISO
+  /// 230-4:1996).
+  double H_um = 0.0;
   double H_at_deg = 0.0;
+  std::array<double, 2> centre_um{};  ///< of least squares of both paths together
 };
 
 struct CircleValues {
@@ -36,11 +39,11 @@ struct CircleValues {
   std::vector<CirclePair> pairs;   ///< empty where one direction only was measured
 };
 
-/// F is given about the least squares centre of each path, which ISO 230-4 allows for full circles; G and D do not
-/// depend on the centre.
+/// F is given about the least squares centre of each path, which ISO 230-4 allows for full circles. What compares both
+/// paths, G(b), D and H, has one centre for both: a centre that moves with the direction is a deviation of the machine.
 [[nodiscard]] CircleValues circle_values_of(const CircleTest& test);
 
-/// Deviation of a pass at an angle, linear between its readings, about its least squares centre [um].
-[[nodiscard]] double deviation_at(const CirclePass& pass, double angle_deg);
+/// Deviation of a pass at an angle about a centre, linear between its readings about that centre [um].
+[[nodiscard]] double deviation_at(const CirclePass& pass, double angle_deg, const std::array<double, 2>& centre_um);
 
 }  // namespace ecs::laser

@@ -22,6 +22,10 @@ struct CircleArguments : VerbArguments {
   const std::string& plot = output_file("--plot", "the polar plot: OUT.svg or OUT.png");
 };
 
+Cell centre_cell(const std::array<double, 2>& centre_um) {
+  return {{centre_um[0], centre_um[1]}, fmt::format("({:.2f}, {:.2f})", centre_um[0], centre_um[1])};
+}
+
 Cell pass_cell(const laser::CirclePass& pass) {
   return record_cell("  {direction:<4} {run:>4} {G_um:>9} {F_max_um:>9} {F_min_um:>9} {mean_um:>9}   {centre_um}\n",
                      {{"direction", word_cell(laser::contouring_name(pass.clockwise))},
@@ -30,22 +34,21 @@ Cell pass_cell(const laser::CirclePass& pass) {
                       {"F_max_um", number_cell(pass.F_max_um, 2)},
                       {"F_min_um", number_cell(pass.F_min_um, 2)},
                       {"mean_um", number_cell(pass.mean_um, 2)},
-                      {"centre_um",
-                       {{pass.centre_um[0], pass.centre_um[1]},
-                        fmt::format("({:.2f}, {:.2f})", pass.centre_um[0], pass.centre_um[1])}}});
+                      {"centre_um", centre_cell(pass.centre_um)}});
 }
 
 Cell pair_cell(const laser::CirclePair& pair) {
   return record_cell(
       "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, D {D_um} um, hysteresis H "
       "{H_um} "
-      "um at {H_at_deg} deg\n",
+      "um at {H_at_deg} deg, all about the centre {centre_um} um\n",
       {{"counter_clockwise_run", integer_cell(pair.counter_clockwise_run)},
        {"clockwise_run", integer_cell(pair.clockwise_run)},
        {"G_um", number_cell(pair.G_um, 2)},
        {"D_um", number_cell(pair.D_um, 2)},
        {"H_um", number_cell(pair.H_um, 2)},
-       {"H_at_deg", number_cell(pair.H_at_deg, 0)}});
+       {"H_at_deg", number_cell(pair.H_at_deg, 0)},
+       {"centre_um", centre_cell(pair.centre_um)}});
 }
 
 Cell fault_cell(const model::CircleFaultFound& fault) {

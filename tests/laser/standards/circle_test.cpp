@@ -75,6 +75,32 @@ TEST_CASE("servo mismatch turns with the direction: G 4 um each, G(b) 4 um, hyst
   CHECK(std::fmod(values.pairs[0].H_at_deg, 90.0) == Approx(45.0));
 }
 
+TEST_CASE("centres that lie 10 um apart by the direction are hysteresis: G 0, G(b) 10, H 10 um at 0 or 180 degrees") {
+  // r = +-5 cos t: each path is a circle; the radial difference is 10 cos t, and the circle of both lies in the middle.
+  const auto values = circle_values_of(circle_of([](double t, double s) { return 5.0 * s * std::cos(t); }));
+  REQUIRE(values.pairs.size() == 1);
+  CHECK(values.passes[0].G_um < 1e-6);
+  CHECK(values.passes[1].G_um < 1e-6);
+  CHECK(values.pairs[0].G_um == Approx(10.0).epsilon(1e-4));
+  CHECK(values.pairs[0].H_um == Approx(10.0).epsilon(1e-4));
+  CHECK(std::fmod(values.pairs[0].H_at_deg, 180.0) == Approx(0.0));
+  CHECK(std::abs(values.pairs[0].centre_um[0]) < 1e-9);
+}
+
+TEST_CASE("a set-up 100 um aside is no hysteresis, whatever the angles of the readings of each direction") {
+  CircleTest test;
+  test.radius_mm = 100.0;
+  for (const bool clockwise : {false, true})
+    for (int angle = clockwise ? 5 : 0; angle < 360; angle += 10) {
+      const double t = angle * std::numbers::pi / 180.0;
+      test.readings.push_back({0, static_cast<double>(angle), 100.0 * std::cos(t) - 40.0 * std::sin(t), clockwise, 1});
+    }
+  const auto values = circle_values_of(test);
+  CHECK(values.pairs[0].centre_um[0] == Approx(100.0));
+  CHECK(values.pairs[0].centre_um[1] == Approx(-40.0));
+  CHECK(values.pairs[0].H_um < 1e-9);
+}
+
 TEST_CASE("the minimum zone is narrower than the zone about the least squares centre where a spike pulls that aside") {
   const auto values =
       circle_values_of(circle_of([](double t, double) { return t < 0.2 ? 5.0 : 0.8 * std::cos(3.0 * t); }));
