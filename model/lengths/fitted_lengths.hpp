@@ -2,6 +2,7 @@
 // Does not live here: least squares (length_solution.hpp), noise (noise_fit.hpp).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "model/lengths/identify.hpp"
@@ -10,6 +11,21 @@
 #include "model/lengths/noise_fit.hpp"
 
 namespace ecs::model {
+
+/// A zero that was taken anew within a run: the readings from a line on are a run of their own.
+struct ZeroJump {
+  std::size_t set_up = 0, tool = 0;
+  int run = 1;        ///< as the file has it
+  int run_after = 1;  ///< of the readings from `line` on
+  int line = 0;       ///< of the file
+};
+
+/// A station whose place in the file is not the one that the directions of its lengths show.
+struct MisplacedStation {
+  std::size_t set_up = 0;
+  Vector3 off_mm{};   ///< from where the file puts it
+  double u_mm = 0.0;  ///< standard uncertainty of the distance
+};
 
 struct FittedLengths {
   FittedLengths(LengthTest measured, MachineCurves made) : test(std::move(measured)), curves(std::move(made)) {}
@@ -25,6 +41,8 @@ struct FittedLengths {
   ScatterVariances variances{};
   double single_um = 0.0;  ///< standard deviation of a single reading, all scatter together
   std::vector<LengthOutlier> outliers;
+  std::vector<ZeroJump> jumps;
+  std::optional<MisplacedStation> misplaced;
   int degrees_of_freedom = 0;
 };
 

@@ -19,6 +19,7 @@ constexpr double kPartner = 0.05;  ///< share of a combination from which a comp
 constexpr double kAsGoodAsNothing = 1000.0;
 constexpr int kVolumePlaces = 5;  ///< along each axis
 constexpr double kLeastRepeats = 10.0;
+constexpr double kStationByTape_mm = 10.0;  ///< a station farther off than this was not measured, or typed wrongly
 
 class LengthReport {
  public:
@@ -42,6 +43,8 @@ class LengthReport {
     out.residual_um = fitted_.single_um;
     out.repeat_um = repeats();
     report_set_ups(out);
+    report_stations(out);
+    report_jumps(out);
     if (out.whole()) {
       const Eigen::MatrixXd weight =
           volume_weight(fitted_.curves, {fitted_.test.tools.front().offset_mm}, kVolumePlaces);
@@ -192,6 +195,46 @@ class LengthReport {
       }
       if (one.readings > 0) one.rms_um = std::sqrt(squares / static_cast<double>(one.readings));
       out.set_ups.push_back(one);
+    }
+  }
+
+  /// Stations that lie far from where the file puts them.
+  void report_stations(Identification& out) const {
+    for (const auto& [of, first] : fitted_.nuisance.station) {
+      const Eigen::Vector3d off_mm = fitted_.solution.x.segment(first, 3) / kUmPerMm;
+      if (off_mm.norm() <= kStationByTape_mm) continue;
+      out.notes.push_back(fmt::format(
+          "set-up {}, tool {}: the station lies {:.1f} mm from where the file puts it (by {:+.1f}, {:+.1f}, {:+.1f} "
+          "mm); a tape finds it within {:g} mm. Check its coordinates (# set_up) and the offset of the tool (# tool)",
+          fitted_.test.set_ups[of.first].name, fitted_.test.tools[of.second].name, off_mm.norm(), off_mm(0), off_mm(1),
+          off_mm(2), kStationByTape_mm));
+    }
+    if (fitted_.misplaced) {
+      const MisplacedStation& one = *fitted_.misplaced;
+      const double far_mm = std::hypot(one.off_mm[0], one.off_mm[1], one.off_mm[2]);
+      if (far_mm <= kStationByTape_mm) return;
+      out.notes.push_back(fmt::format(
+          "set-up {}: the lengths look from another place than the file says, {:.0f} mm away (U = {:.0f}; by {:+.0f}, "
+          "{:+.0f}, {:+.0f} mm): every component takes up what the directions lack. Correct its coordinates (# set_up)",
+          fitted_.test.set_ups[one.set_up].name, far_mm, 2.0 * one.u_mm, one.off_mm[0], one.off_mm[1], one.off_mm[2]));
+    }
+  }
+
+  /// Zeros that were taken anew within a run, with the change of the zero.
+  void report_jumps(Identification& out) const {
+    for (const ZeroJump& jump : fitted_.jumps) {
+      const auto zero = [&](int run) { return fitted_.nuisance.zero.find({jump.set_up, run, jump.tool}); };
+      if (zero(jump.run) == fitted_.nuisance.zero.end() || zero(jump.run_after) == fitted_.nuisance.zero.end())
+        continue;
+      const auto before = zero(jump.run)->second, after = zero(jump.run_after)->second;
+      const double um = fitted_.solution.x(after) - fitted_.solution.x(before);
+      const double u_um = std::sqrt(
+          std::max(0.0, covariance_(after, after) + covariance_(before, before) - 2.0 * covariance_(after, before)));
+      out.notes.push_back(fmt::format(
+          "set-up {}, tool {}: the lengths jump by {:+.1f} um (U = {:.1f}) at line {} and stay there: a beam that was "
+          "lost, or an instrument that was touched. The zero is taken anew from that line on. Give these rows a run of "
+          "their own, or measure the set-up again",
+          fitted_.test.set_ups[jump.set_up].name, fitted_.test.tools[jump.tool].name, um, 2.0 * u_um, jump.line));
     }
   }
 

@@ -2,6 +2,7 @@
 #include "model/lengths/identify.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tests/identification/support/made_lengths.hpp"
 #include "tests/support/test.hpp"
@@ -162,6 +163,90 @@ TEST_CASE("a reading that is wrong is named and left out") {
   IdentifySettings keep;
   keep.keep_outliers = true;
   CHECK(identified(lengths, keep).readings == lengths.test.readings.size());
+}
+
+std::string notes_in(const Identification& found) {
+  std::string text;
+  for (const std::string& note : found.notes) text += note + "\n";
+  return text;
+}
+
+TEST_CASE("a beam lost within a run is told with its line and size, and what is found is as without it") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(7);
+  const MadeComponents made(8);
+  lengths.measure(made, 0.2);
+  const Identification before = identified(lengths, {});
+  CHECK(!contains(notes_in(before), "jump"));
+  const std::size_t first = 2 * lengths.test.readings.size() / 5;
+  const model::LengthReading lost = lengths.test.readings[first];
+  for (std::size_t i = first; i < lengths.test.readings.size(); ++i) {
+    model::LengthReading& r = lengths.test.readings[i];
+    if (r.set_up == lost.set_up && r.tool == lost.tool) r.deviation_um += 5.0;
+  }
+  for (const bool keep_outliers : {false, true}) {
+    IdentifySettings settings;
+    settings.keep_outliers = keep_outliers;
+    const Identification found = identified(lengths, settings);
+    CAPTURE(notes_in(found));
+    CHECK(contains(notes_in(found),
+                   fmt::format("set-up {}, tool {}: the lengths jump by +", lengths.test.set_ups[lost.set_up].name,
+                               lengths.test.tools[lost.tool].name)));
+    CHECK(contains(notes_in(found), fmt::format("at line {} and stay there", lost.line)));
+    CHECK(found.outliers.empty());
+    CHECK(found.residual_um == doctest::Approx(before.residual_um).epsilon(0.05));
+    CHECK(farthest_from(found, made, lengths.machine) < 1.1 * farthest_from(before, made, lengths.machine) + 0.05);
+  }
+}
+
+TEST_CASE("a zero that drifts steadily is no lost beam") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(7);
+  lengths.measure(MadeComponents(8), 0.2);
+  double drift_um = 0.0;
+  for (model::LengthReading& r : lengths.test.readings)
+    if (r.set_up == 1 && r.tool == 0) r.deviation_um += (drift_um += 0.02);
+  const Identification found = identified(lengths, {});
+  CAPTURE(notes_in(found));
+  CHECK(!contains(notes_in(found), "jump"));
+}
+
+TEST_CASE("a component that is declared zero and is none is told, with its size; one that is zero is not") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(7);
+  MadeComponents made(8);
+  made.form[index_of(Component::EBY)] = {};
+  lengths.measure(made, 0.2);
+  IdentifySettings settings;
+  settings.zero[index_of(Component::EBY)] = true;
+  CHECK(!contains(notes_in(identified(lengths, settings)), "is declared zero"));
+  made.form[index_of(Component::EBY)] = {0.0, 10.0, 0.0, 0.0};  // 10 um/m at the far end of Y
+  lengths.measure(made, 0.2);
+  const Identification found = identified(lengths, settings);
+  CAPTURE(notes_in(found));
+  CHECK(contains(notes_in(found), "EBY is declared zero, but the lengths show up to "));
+  CHECK(contains(notes_in(found), "at Y 400 mm"));
+  settings.zero[index_of(Component::EBY)] = false;
+  settings.zero[index_of(Component::C0Y)] = true;
+  CHECK(contains(notes_in(identified(lengths, settings)), "C0Y is declared zero, but the lengths show "));
+}
+
+TEST_CASE("a station 40 mm off is told, whichever of file and nominal lengths has it wrong; 0.3 mm are not") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(7);
+  const MadeComponents made(8);
+  lengths.measure(made, 0.2);
+  CHECK(!contains(notes_in(identified(lengths, {})), "set-up"));
+  // The nominal lengths count from where the file puts the station, and it stands 40 mm from there.
+  lengths.measure(made, 0.2, 1, {0.0, 40.0, 0.0});
+  CAPTURE(notes_in(identified(lengths, {})));
+  CHECK(contains(notes_in(identified(lengths, {})), "set-up S2, tool A: the station lies 40.0 mm from where"));
+  // It stands where the nominal lengths count from, and the file has another place.
+  lengths.measure(made, 0.2);
+  lengths.test.set_ups[1].place[0] += 40.0;
+  const Identification found = identified(lengths, {});
+  CAPTURE(notes_in(found));
+  CHECK(contains(notes_in(found), "set-up S2: the lengths look from another place than the file says"));
 }
 
 TEST_CASE("uncertainties hold: with white noise values lie within the stated 95 % as often as they should") {
