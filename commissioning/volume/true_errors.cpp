@@ -98,6 +98,16 @@ MeasurementLines lines_in(const Json& answer) {
   return lines;
 }
 
+/// "scatter (EXX, EYX); load (EYZ)"
+std::string left_out_in(const Json& answer) {
+  std::vector<std::string> causes;
+  if (answer.contains("left_out"))
+    for (const Json& one : answer["left_out"])
+      causes.push_back(fmt::format("{} ({})", one.value("cause", ""),
+                                   fmt::join(one.value("components", std::vector<std::string>()), ", ")));
+  return fmt::format("{}", fmt::join(causes, "; "));
+}
+
 std::vector<std::string> words_for(const std::string& program, const std::string& machine, const std::string& errors,
                                    const volume::Grid& grid) {
   std::vector<std::string> words{program, "components", "--machine", machine, "--errors", errors};
@@ -113,8 +123,8 @@ std::vector<std::string> words_for(const std::string& program, const std::string
 
 }  // namespace
 
-Result<volume::ErrorSource> true_errors(const std::string& errors_file, const std::string& machine_file,
-                                        const volume::CompensatedMachine& machine) {
+Result<TrueErrors> true_errors(const std::string& errors_file, const std::string& machine_file,
+                               const volume::CompensatedMachine& machine) {
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::output,
@@ -141,7 +151,7 @@ Result<volume::ErrorSource> true_errors(const std::string& errors_file, const st
     if (!answer) return tl::unexpected(answer.error());
     return components_in(*answer);
   };
-  return source;
+  return TrueErrors{std::move(source), left_out_in(*first)};
 }
 
 Result<volume::RotaryErrors> true_rotary_errors(const std::string& errors_file, const std::string& machine_file,

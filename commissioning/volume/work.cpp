@@ -88,7 +88,12 @@ Result<void> take_errors(const VolumeArguments& arguments, const std::string& ma
   }
   auto errors = true_errors(arguments.errors, machine ? machine_file : std::string(), work.prepared.machine);
   if (!errors) return tl::unexpected(errors.error());
-  work.prepared.machine.errors = std::move(*errors);
+  work.prepared.machine.errors = std::move(errors->source);
+  if (!errors->left_out.empty())
+    work.notes.push_back(
+        fmt::format("the true errors are those of the machine at rest, cold and without load; the errors file holds "
+                    "more, which is left out: {}",
+                    errors->left_out));
   work.prepared.errors_from = "the errors file";
   return {};
 }

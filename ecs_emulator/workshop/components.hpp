@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "ecs_emulator/machine/simulation.hpp"
@@ -20,6 +21,14 @@ struct AxisComponents {
 /// @param places_mm  coordinates of each axis
 [[nodiscard]] Result<AxisComponents> components_along(const Simulation& simulation,
                                                       const PerAxis<std::vector<double>>& places_mm);
+
+/// A cause that the components above leave out: they are those of a machine at rest, as it was switched on.
+struct LeftOut {
+  std::string cause;  ///< "scatter", "load", …
+  std::vector<Component> components;
+};
+/// Those that the errors file has: found by changing one condition after the other.
+[[nodiscard]] std::vector<LeftOut> left_out(const Simulation& simulation);
 
 /// The same of the rotary axes: by A, B, C and sense, at the angles asked for; location errors.
 struct RotaryComponents {

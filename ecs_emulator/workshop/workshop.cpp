@@ -326,8 +326,15 @@ Answer true_components(const Workshop& workshop, Arguments& arguments) {
   Json lines = Json::object();
   const MeasurementLines lines_mm = params::measurement_lines_of(workshop.simulation->description().machine);
   for (const Axis a : kAllAxes) lines[std::string(1, letter_of(a))] = lines_mm[index_of(a)];
+  Json without = Json::array();
+  for (const LeftOut& one : left_out(*workshop.simulation)) {
+    Json components = Json::array();
+    for (const Component component : one.components) components.push_back(name_of(component));
+    without.push_back({{"cause", one.cause}, {"components", std::move(components)}});
+  }
   return Json{{"components", curves},
               {"squareness_um_per_m", squareness},
+              {"left_out", std::move(without)},
               {"measurement_lines_mm", lines},
               {"rotary", true_rotary_components(*workshop.simulation, angles)}};
 }
