@@ -10,6 +10,7 @@ namespace {
 constexpr double kCoverageFactor = 2.0;
 constexpr double kCoverageProbability = 0.95;
 constexpr std::string_view kNotStated = "not stated";
+constexpr const char* kUnknownCountry = "ZZ";  ///< of ISO 3166-1's codes for users: the schema wants two letters
 
 /// For text and attributes; characters that XML 1.0 has not are left out.
 std::string escaped(std::string_view text) {
@@ -97,7 +98,7 @@ void add_hash(Xml& xml, const char* element, const std::string& referral, const 
 
 void add_core(Xml& xml, const Certificate& c) {
   xml.open("dcc:coreData")
-      .leaf("dcc:countryCodeISO3166_1", filled(c.country))
+      .leaf("dcc:countryCodeISO3166_1", c.country.empty() ? kUnknownCountry : filled(c.country))
       .leaf("dcc:usedLangCodeISO639_1", "en")
       .leaf("dcc:mandatoryLangCodeISO639_1", "en")
       .leaf("dcc:uniqueIdentifier", filled(c.identifier));
@@ -109,7 +110,7 @@ void add_core(Xml& xml, const Certificate& c) {
   xml.close();
   xml.leaf("dcc:beginPerformanceDate", c.begin_date)
       .leaf("dcc:endPerformanceDate", c.end_date)
-      .leaf("dcc:performanceLocation", "customer")
+      .leaf("dcc:performanceLocation", c.customer.empty() ? "other" : "customer")
       .leaf("dcc:issueDate", c.issue_date);
   if (c.previous)
     add_hash(xml, "dcc:previousReport", "previous certificate of this machine", c.previous->identifier,
@@ -120,7 +121,9 @@ void add_core(Xml& xml, const Certificate& c) {
 void add_contact(Xml& xml, const std::string& name, const std::string& city, const std::string& country) {
   xml.words("dcc:name", name).open("dcc:location");
   if (!city.empty()) xml.leaf("dcc:city", filled(city));
-  xml.leaf("dcc:countryCode", filled(country)).close();
+  if (!country.empty()) xml.leaf("dcc:countryCode", filled(country));
+  if (city.empty() && country.empty()) xml.words("dcc:further", {});
+  xml.close();
 }
 
 void add_administration(Xml& xml, const Certificate& c) {
@@ -143,7 +146,7 @@ void add_administration(Xml& xml, const Certificate& c) {
   xml.open("dcc:respPersons").open("dcc:respPerson").open("dcc:person").words("dcc:name", c.person).close();
   xml.leaf("dcc:mainSigner", "true").close().close();
   xml.open("dcc:customer");
-  add_contact(xml, c.customer, {}, c.country);
+  add_contact(xml, c.customer, {}, {});
   xml.close();
   if (!c.remarks.empty()) {
     xml.open("dcc:statements");
@@ -218,9 +221,9 @@ void add_results(Xml& xml, const Certificate& c) {
   xml.open("dcc:measurementResults");
   for (const CertifiedLine& line : c.lines) {
     xml.open("dcc:measurementResult").words("dcc:name", line.name).words("dcc:description", line.description);
-    xml.open("dcc:usedMethods").open("dcc:usedMethod").words("dcc:name", "statistics of positioning");
-    xml.leaf("dcc:norm", "ISO 230-2:2014").close().close();
-    add_equipment(xml, c.instrument);
+    xml.open("dcc:usedMethods").open("dcc:usedMethod").words("dcc:name", line.method);
+    xml.leaf("dcc:norm", filled(line.norm)).close().close();
+    add_equipment(xml, line.instrument);
     xml.open("dcc:results");
     for (const CertifiedValue& value : line.values) add_value(xml, value, before_3_3);
     for (const CertifiedCurve& curve : line.curves) add_curve(xml, curve, line.position_unit);

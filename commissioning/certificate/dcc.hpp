@@ -29,8 +29,10 @@ struct CertifiedCurve {
 
 struct CertifiedLine {
   std::string name;         ///< "EXX, positioning of X"
-  std::string description;  ///< file with its hash, parked axes
-  bool compensated = false;
+  std::string description;  ///< file with its hash, what was taken off, conditions of the standard that are not met
+  std::string method;       ///< "statistics of positioning"
+  std::string norm;         ///< "ISO 230-2:2014"
+  Instrument instrument;    ///< that measured it
   std::string position_unit = "\\milli\\metre";
   std::vector<CertifiedValue> values;
   std::vector<CertifiedCurve> curves;
@@ -44,7 +46,7 @@ struct PreviousCertificate {
 struct Certificate {
   std::string schema_version = "3.3.0";
   std::string identifier;
-  std::string country = "DE";  ///< ISO 3166-1
+  std::string country;  ///< ISO 3166-1; empty: not given
   std::string begin_date, end_date, issue_date;
   std::string program;  ///< and its version
   std::string machine, serial_number, manufacturer;
@@ -52,7 +54,6 @@ struct Certificate {
   std::string logbook_hash;  ///< of the last entry before this certificate
   std::string active_image;  ///< hash of the image that is active in the unit; empty: none
   std::optional<PreviousCertificate> previous;
-  Instrument instrument;
   std::vector<CertifiedLine> lines;
   std::vector<std::string> remarks;
   bool to_be_signed = false;  ///< with the empty signature that xmlsec1 fills

@@ -14,28 +14,57 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "commissioning/logbook/observed.hpp"
+#include "laser/analysis/pipeline.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
 constexpr std::size_t kDay = 10;  // of "2026-05-04T09:30:00Z"
 
+/// A quantity of ISO 230-2, and its name where the line is none of positioning: the formulas are the same.
 struct StatedValue {
   const char* key;  ///< in the answer of `laser stats`
-  const char* name;
+  const char* positioning;
+  const char* other;  ///< behind it: ", straightness of …"
 };
 constexpr std::array<StatedValue, 10> kValues{{
-    {"A", "bidirectional accuracy of positioning A"},
-    {"A_forward", "accuracy of positioning, forward"},
-    {"A_reverse", "accuracy of positioning, reverse"},
-    {"E", "bidirectional systematic error of positioning E"},
-    {"E_forward", "systematic error of positioning, forward"},
-    {"E_reverse", "systematic error of positioning, reverse"},
-    {"M", "mean bidirectional error of positioning M"},
-    {"R", "bidirectional repeatability of positioning R"},
-    {"B", "reversal error B"},
-    {"B_mean", "mean reversal error"},
+    {"A", "bidirectional accuracy of positioning A", "range with twice the standard deviation on both sides"},
+    {"A_forward", "accuracy of positioning, forward", "range with twice the standard deviation, forward"},
+    {"A_reverse", "accuracy of positioning, reverse", "range with twice the standard deviation, reverse"},
+    {"E", "bidirectional systematic error of positioning E", "range of the means of both approaches"},
+    {"E_forward", "systematic error of positioning, forward", "range of the means, forward"},
+    {"E_reverse", "systematic error of positioning, reverse", "range of the means, reverse"},
+    {"M", "mean bidirectional error of positioning M", "range of the mean of both approaches"},
+    {"R", "bidirectional repeatability of positioning R", "repeatability of both approaches"},
+    {"B", "reversal error B", "largest reversal"},
+    {"B_mean", "mean reversal error", "mean reversal"},
 }};
+
+/// What a line is of: what its values are called, and what is taken off before.
+enum class LineKind { positioning, rotation, straightness, square };
+
+LineKind kind_of(const laser::Group& group, const std::string& file) {
+  const auto named = component_of(std::filesystem::path(file).stem().string());
+  const bool along = group.sense == static_cast<Sense>(index_of(group.axis) + (group.rotary ? kAxes : 0));
+  if (along) return LineKind::positioning;
+  if (is_rotation(group.sense)) return LineKind::rotation;
+  if (!group.rotary && named && is_squareness(*named)) return LineKind::square;
+  return LineKind::straightness;
+}
+
+const char* noun_of(LineKind kind) {
+  switch (kind) {
+    case LineKind::rotation:
+      return "angular error motion";
+    case LineKind::straightness:
+      return "straightness error motion";
+    case LineKind::square:
+      return "straightness along the square";
+    default:
+      return "positioning";
+  }
+}
 
 std::string text_at(const Json& object, const char* key) {
   return object.contains(key) && object[key].is_string() ? object[key].get<std::string>() : std::string();
@@ -59,22 +88,63 @@ CertifiedCurve curve_of(const Json& targets, const char* key, std::string name, 
   return curve;
 }
 
-CertifiedLine line_of(const Json& line, const LogFile& file) {
+/// "with the compensation active"; nothing is said where the file does not.
+const char* state_of(const Json& line) {
+  const Json compensated = line.contains("compensated") ? line["compensated"] : Json();
+  if (!compensated.is_boolean()) return "compensation not stated";
+  return compensated == true ? "with the compensation active" : "without compensation";
+}
+
+/// One line of a measurement set, what is taken off it and the answer of `laser stats` for what is left.
+struct LineToCertify {
+  LineKind kind = LineKind::positioning;
+  std::optional<laser::ProcessedReadings> levelled;  ///< where a slope was taken off
+  std::optional<laser::Squareness> square;           ///< of a square alone
+  Json answer;
+};
+
+CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
+  const Json& line = measured.answer;
+  const LineKind kind = measured.kind;
+  const bool positioning = kind == LineKind::positioning;
   CertifiedLine one;
-  const bool compensated = line.contains("compensated") && line["compensated"] == true;
   const std::string unit = dsi_unit(text_at(line, "unit"));
-  one.compensated = compensated;
-  one.name = fmt::format("{} ({} along {}), {}", text_at(line, "component"), text_at(line, "sense"),
-                         text_at(line, "axis"), compensated ? "with the compensation active" : "without compensation");
-  one.description =
-      fmt::format("readings {}, SHA-256 {}", std::filesystem::path(file.name).filename().string(), file.sha256);
+  const std::string file_name = std::filesystem::path(file.name).filename().string();
+  one.name =
+      fmt::format("{} ({} along {}), {}",
+                  measured.square ? std::filesystem::path(file_name).stem().string() : text_at(line, "component"),
+                  text_at(line, "sense"), text_at(line, "axis"), state_of(line));
+  one.description = fmt::format("readings {}, SHA-256 {}", file_name, file.sha256);
+  one.method = positioning ? "statistics of positioning" : fmt::format("statistics of a line: {}", noun_of(kind));
+  one.norm = positioning ? "ISO 230-2:2014" : "ISO 230-1:2012";
+  if (measured.levelled)
+    one.description += fmt::format(". The slope of the set-up, {:.2f} um/m, was removed by least squares",
+                                   measured.levelled->level.removed.slope_per_m);
+  if (line.contains("notes") && line["notes"].is_array())
+    for (const Json& note : line["notes"])
+      if (note.is_string()) one.description += ". Note: " + note.get<std::string>();
   if (const std::string targets = text_at(line, "unit_of_targets"); !targets.empty())
     one.position_unit = dsi_unit(targets);
-  const Json uncertainty = line.contains("uncertainty") ? line["uncertainty"] : Json();
+  if (measured.square)
+    one.values.push_back({fmt::format("squareness {}, from the slope of the line; the error of the square is in it",
+                                      std::filesystem::path(file_name).stem().string()),
+                          "iso230-1_squareness",
+                          measured.square->um_per_m,
+                          dsi_unit("um/m"),
+                          {}});
+  // The contributions to the uncertainty are those of positioning.
+  const Json uncertainty = positioning && line.contains("uncertainty") ? line["uncertainty"] : Json();
   for (const StatedValue& stated : kValues)
     if (const auto value = value_at(line, stated.key))
-      one.values.push_back({fmt::format("{} (ISO 230-2)", stated.name), fmt::format("iso230-2_{}", stated.key), *value,
-                            unit, value_at(uncertainty, stated.key)});
+      one.values.push_back(
+          positioning
+              ? CertifiedValue{fmt::format("{} (ISO 230-2)", stated.positioning),
+                               fmt::format("iso230-2_{}", stated.key), *value, unit, value_at(uncertainty, stated.key)}
+              : CertifiedValue{fmt::format("{}: {} (formula of ISO 230-2)", noun_of(kind), stated.other),
+                               fmt::format("iso230-1_{}", stated.key),
+                               *value,
+                               unit,
+                               {}});
   if (line.contains("targets") && line["targets"].is_array())
     for (const auto& [key, name] :
          {std::pair("mean_forward", "mean error, forward"), std::pair("mean_reverse", "mean error, reverse")})
@@ -83,8 +153,8 @@ CertifiedLine line_of(const Json& line, const LogFile& file) {
   return one;
 }
 
-/// When it was measured: `# date:` of its header, else when it came into the logbook.
-std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry& entry) {
+/// When it was measured: `# date:` of its header, else when it came into the logbook, which is said.
+std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry& entry, Certificate& certificate) {
   constexpr std::string_view kDate = "# date:";
   const auto content = book.original(file.sha256);
   const std::size_t at = content ? content->find(kDate) : std::string::npos;
@@ -93,6 +163,8 @@ std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry&
     const std::string date(trimmed(std::string_view(*content).substr(begin, content->find('\n', begin) - begin)));
     if (is_iso_date(date)) return date.substr(0, kDay);
   }
+  certificate.remarks.push_back(fmt::format("{} states no date: the day on which it came into the logbook is given",
+                                            std::filesystem::path(file.name).filename().string()));
   return entry.time.substr(0, kDay);
 }
 
@@ -108,29 +180,67 @@ std::optional<LogFile> set_of(const Logbook& book, const LogbookEntry& entry) {
   return std::nullopt;
 }
 
-/// Adds the lines of one set; what cannot be certified is said. @return whether there was one
-bool add_lines(Certificate& certificate, const Logbook& book, const LogFile& file, const CertificateWishes& wishes,
-               const RunVerb& run) {
-  const auto content = book.original(file.sha256);
-  const std::string name = std::filesystem::path(file.name).filename().string();
-  if (!content) {
-    certificate.remarks.push_back(fmt::format("{} is not certified: {}", name, content.error().message));
-    return false;
-  }
+/// `laser stats` of one line by itself.
+Result<Json> stats_of(const std::string& name, const laser::MeasurementSet& set, const CertificateWishes& wishes,
+                      const RunVerb& run) {
   KeptFiles kept("/");
-  kept.put(name, *content);
+  kept.put(name, laser::to_csv(set));
   std::vector<std::string> words{"laser", "stats", name};
   words.insert(words.end(), wishes.uncertainty.begin(), wishes.uncertainty.end());
   const auto said = run(words);
-  const Json answer = said ? Json::parse(*said, nullptr, false) : Json();
-  std::size_t before = certificate.lines.size();
-  if (answer.is_object() && answer.contains("lines") && answer["lines"].is_array())
-    for (const Json& line : answer["lines"])
-      if (CertifiedLine one = line_of(line, file); !one.values.empty()) certificate.lines.push_back(std::move(one));
-  if (certificate.lines.size() == before)
-    certificate.remarks.push_back(
-        fmt::format("{} is not certified: {}", name, said ? "it holds no line of ISO 230-2" : said.error().message));
-  return certificate.lines.size() > before;
+  if (!said) return tl::unexpected(said.error());
+  const Json answer = Json::parse(*said, nullptr, false);
+  if (answer.is_object() && answer.contains("lines") && answer["lines"].is_array() && answer["lines"].size() == 1)
+    return answer["lines"][0];
+  return problem(ProblemKind::bad_input, "it holds no line of ISO 230-2");
+}
+
+/// A straightness is what its readings hold beside a straight line, which is how the laser was set up; of a square the
+/// slope is the squareness.
+Result<LineToCertify> measured_line(const std::string& name, const laser::MeasurementSet& set,
+                                    const laser::Group& group, const CertificateWishes& wishes, const RunVerb& run) {
+  LineToCertify line;
+  line.kind = kind_of(group, name);
+  const bool across = line.kind == LineKind::straightness || line.kind == LineKind::square;
+  auto processed = laser::processed_readings(
+      set, group, {across && !group.rotary ? laser::SlopeMethod::least_squares : laser::SlopeMethod::none});
+  if (!processed) return tl::unexpected(processed.error());
+  auto answer = stats_of(name, processed->after, wishes, run);
+  if (!answer) return tl::unexpected(answer.error());
+  line.answer = std::move(*answer);
+  if (line.kind == LineKind::square)
+    if (auto square = laser::squareness_of(processed->before_curve)) line.square = std::move(*square);
+  if (across && !group.rotary) line.levelled = std::move(*processed);
+  return line;
+}
+
+/// Adds the lines of one set; what cannot be certified is said. @return whether there was one
+bool add_lines(Certificate& certificate, const Logbook& book, const LogFile& file, const Instrument& instrument,
+               const CertificateWishes& wishes, const RunVerb& run) {
+  const std::string name = std::filesystem::path(file.name).filename().string();
+  const auto refuse = [&](const std::string& why) {
+    certificate.remarks.push_back(fmt::format("{} is not certified: {}", name, why));
+  };
+  const auto content = book.original(file.sha256);
+  const auto set = content ? laser::parse_measurement_set(*content, name) : tl::unexpected(content.error());
+  if (!set) {
+    refuse(set.error().message);
+    return false;
+  }
+  const std::size_t before = certificate.lines.size(), remarks = certificate.remarks.size();
+  for (const laser::Group& group : laser::groups_of(*set)) {
+    const auto line = measured_line(name, *set, group, wishes, run);
+    if (!line) {
+      refuse(line.error().message);
+      continue;
+    }
+    CertifiedLine one = line_of(*line, file);
+    one.instrument = instrument;
+    if (!one.values.empty()) certificate.lines.push_back(std::move(one));
+  }
+  if (certificate.lines.size() > before) return true;
+  if (certificate.remarks.size() == remarks) refuse("it holds no line of ISO 230-2");
+  return false;
 }
 
 /// Of the machine, for an identifier.
@@ -187,11 +297,10 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
   for (const LogbookEntry& entry : *entries) {
     if (entry.kind != "measurement" || entry.number <= after) continue;
     const auto set = set_of(book, entry);
-    if (!set || !add_lines(certificate, book, *set, wishes, run)) continue;
-    const std::string day = day_of(book, *set, entry);
+    if (!set || !add_lines(certificate, book, *set, instrument_in_json(entry.instrument), wishes, run)) continue;
+    const std::string day = day_of(book, *set, entry, certificate);
     if (certificate.begin_date.empty() || day < certificate.begin_date) certificate.begin_date = day;
     certificate.end_date = std::max(certificate.end_date, day);
-    if (!entry.instrument.empty()) certificate.instrument = instrument_in_json(entry.instrument);
   }
   if (certificate.lines.empty()) {
     std::vector<Problem> why{{ProblemKind::refused,
@@ -208,6 +317,14 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
   if (wishes.uncertainty.empty())
     certificate.remarks.emplace_back(
         "No contributions to the uncertainty were given: the values are stated without it.");
+  else if (std::any_of(certificate.lines.begin(), certificate.lines.end(), [](const CertifiedLine& line) {
+             return std::none_of(line.values.begin(), line.values.end(),
+                                 [](const CertifiedValue& value) { return value.expanded.has_value(); });
+           }))
+    certificate.remarks.emplace_back(
+        "The contributions to the uncertainty are those of positioning: other lines are stated without it.");
+  if (wishes.country.empty())
+    certificate.remarks.emplace_back("The country was not given: the code ZZ stands for an unknown one.");
   return certificate;
 }
 

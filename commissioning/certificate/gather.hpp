@@ -13,7 +13,7 @@ namespace ecs::commissioning {
 /// What the logbook does not know.
 struct CertificateWishes {
   std::string laboratory, city, customer, person;
-  std::string country = "DE";
+  std::string country;  ///< of the laboratory, ISO 3166-1
   std::string schema_version = "3.3.0";
   std::vector<std::string> uncertainty;  ///< words of `laser stats`: "--instrument-um-per-m", "0.5"
   bool all = false;                      ///< every measurement, not only those since the last certificate

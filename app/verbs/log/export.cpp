@@ -46,7 +46,7 @@ struct ExportLogArguments : LogArguments {
   const bool& all = flag("--all", "certify every measurement, not only those since the last certificate");
   const std::string& laboratory = text("--laboratory", "who calibrates");
   const std::string& city = text("--city", "of the laboratory");
-  const std::string& country = text("--country", "of the laboratory, two letters (ISO 3166-1)", Need::optional, "DE");
+  const std::string& country = text("--country", "of the laboratory, two letters (ISO 3166-1)");
   const std::string& customer = text("--customer", "who owns the machine");
   const std::string& person = text("--person", "who answers for it; by default the operator");
   const std::string& sign = text("--sign", "private key (PEM) to sign with: needs the program xmlsec1");
@@ -108,7 +108,8 @@ Result<void> check_words(const ExportLogArguments& arguments) {
   if (arguments.entry.empty() != arguments.folder.empty())
     return problem(ProblemKind::usage, "--entry and --files go together");
   const std::string& country = arguments.country;
-  if (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
+  if (!country.empty() &&
+      (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
     return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, found {}", country));
   if (!arguments.signer.empty() && arguments.sign.empty())
     return problem(ProblemKind::usage, "--signer: give the key with --sign");
