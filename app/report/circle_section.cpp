@@ -12,17 +12,30 @@ namespace {
 constexpr int kCircleDecimals = 1;  ///< um
 constexpr const char* kCirclesTitle = "Circular tests (ISO 230-4)";
 
+Markup centre_cell(const std::array<double, 2>& centre_um) {
+  return text(
+      fmt::format("{}, {}", number_text(centre_um[0], kCircleDecimals), number_text(centre_um[1], kCircleDecimals)));
+}
+
 Markup values_table(const CircleWork& circle) {
-  TableMarkup table(
-      {{"path"}, {"run", true}, {"G", true}, {"F max", true}, {"F min", true}, {"H", true}, {"D", true}, {"unit"}});
+  TableMarkup table({{"path"},
+                     {"run", true},
+                     {"G", true},
+                     {"F max", true},
+                     {"F min", true},
+                     {"H", true},
+                     {"D", true},
+                     {"centre", true},
+                     {"unit"}});
   for (const laser::CirclePass& pass : circle.values.passes)
     table.row({text(pass.clockwise ? "clockwise" : "counter-clockwise"), text(fmt::format("{}", pass.run)),
                cell(pass.G_um, kCircleDecimals), cell(pass.F_max_um, kCircleDecimals),
-               cell(pass.F_min_um, kCircleDecimals), cell(std::nullopt, 0), cell(std::nullopt, 0), text("µm")});
+               cell(pass.F_min_um, kCircleDecimals), cell(std::nullopt, 0), cell(std::nullopt, 0),
+               centre_cell(pass.centre_um), text("µm")});
   for (const laser::CirclePair& pair : circle.values.pairs)
     table.row({text("both"), text(fmt::format("{}", pair.clockwise_run)), cell(pair.G_um, kCircleDecimals),
                cell(std::nullopt, 0), cell(std::nullopt, 0), cell(pair.H_um, kCircleDecimals),
-               cell(pair.D_um, kCircleDecimals), text("µm")});
+               cell(pair.D_um, kCircleDecimals), centre_cell(pair.centre_um), text("µm")});
   return table.markup();
 }
 
@@ -38,7 +51,7 @@ Markup causes_table(const model::CircleDiagnosis& diagnosis) {
     table.row({element("strong", fault.title) + text(decay_text(fault)),
                text(fmt::format("{:.0f} %", 100.0 * fault.share)), text(number_text(fault.value, kCircleDecimals)),
                text(number_text(2.0 * fault.sigma, kCircleDecimals)), text(unit_text(fault.unit)),
-               text(fmt::format("{}", fmt::join(fault.indistinguishable_from, ", ")))});
+               text(first_few(fault.indistinguishable_from))});
   return table.markup();
 }
 
@@ -56,7 +69,7 @@ Markup circle_markup(const CircleWork& circle) {
                                   quantity_text(diagnosis.rms_um, 2, "um"), quantity_text(diagnosis.left_um, 2, "um"),
                                   quantity_text(diagnosis.noise_um, 2, "um")),
                       "class=\"small\"") +
-         list_of(diagnosis.notes);
+         list_of(without_commands(diagnosis.notes));
 }
 
 }  // namespace

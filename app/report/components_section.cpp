@@ -105,7 +105,8 @@ std::vector<std::string> processing_of(const ReportContent& content, const Table
 
 Markup unmeasured(const ReportContent& content, const TableRow& row) {
   Markup out;
-  for (const Problem& problem : row.problems) out += paragraph_of(to_text(problem), "class=\"problem\"");
+  for (const Problem& problem : row.problems)
+    out += paragraph_of(without_commands(to_text(problem)), "class=\"problem\"");
   if (row.problems.empty() && !row.after)
     out += absence(content.has_after && content.planned ? "Measured before compensation only, as planned."
                                                         : "Measured before compensation only.");
@@ -148,7 +149,8 @@ Markup notes_of(const std::vector<TableRow>& rows) {
   if (notes.empty()) return {};
   std::vector<std::string> items;
   for (const auto& [note, names] : notes) items.push_back(fmt::format("{}: {}", note, fmt::join(names, ", ")));
-  return element("article", element("h3", "Where the conditions of ISO 230-2 are not met") + list_of(items));
+  return element("article",
+                 element("h3", "Where the conditions of ISO 230-2 are not met") + list_of(without_commands(items)));
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "app/report/model.hpp"
+#include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/logbook/recorder.hpp"
@@ -239,7 +241,7 @@ Result<ReportedVolume> reported_volume(PreparedVolume prepared) {
   const volume::UncertaintySettings settings;
   const auto uncertainty = uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places);
   if (!uncertainty) return tl::unexpected(uncertainty.error());
-  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty, {}};
+  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty, {}, 0};
 }
 
 void predict_volume(ReportContent& content) {
@@ -248,8 +250,14 @@ void predict_volume(ReportContent& content) {
   auto volume = reported_volume(prepared_volume(content.map->map, content.parameters->file.parameters, content.machine,
                                                 content.model ? &content.model->fitted : nullptr));
   if (volume) {
+    std::set<Component> components;
     for (const laser::DeclaredZero& zero : content.map->map.header.declared_zero)
       volume->declared_zero.push_back(zero.component);
+    components.insert(volume->declared_zero.begin(), volume->declared_zero.end());
+    for (const laser::MapTable& table : content.map->map.tables) components.insert(table.component);
+    for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z})
+      if (squareness_um_per_m(content.parameters->file.parameters, square) != 0.0) components.insert(square);
+    volume->components = components.size();
     content.volume = std::move(*volume);
   } else {
     content.no_volume = fmt::format("it cannot be predicted ({})", volume.error().message);
@@ -280,6 +288,22 @@ std::string latest(const ReportContent& content, std::string_view key) {
   return last;
 }
 
+/// Of all that went in; what is no date of ISO 8601 only where nothing else is stated.
+std::string last_date(const ReportContent& content) {
+  std::vector<std::string> dates;
+  for (const TableRow& row : content.rows)
+    for (const auto* phase : {&row.before, &row.after})
+      if (*phase) dates.push_back(laser::metadata_value((*phase)->readings.before, "date").value_or(""));
+  if (content.map) dates.push_back(content.map->map.header.date);
+  for (const CircleWork& circle : content.circles)
+    dates.push_back(laser::metadata_value(circle.test.metadata, "date").value_or(""));
+  if (content.status) dates.push_back(content.status->taken);
+  std::string last;
+  for (const std::string& date : dates)
+    if (is_iso_date(date)) last = std::max(last, date.substr(0, std::string_view("2026-03-12").size()));
+  return last.empty() && !dates.empty() ? *std::max_element(dates.begin(), dates.end()) : last;
+}
+
 void complete_header(const ReportArguments& arguments, ReportContent& content) {
   if (content.map) {
     const laser::MapHeader& header = content.map->map.header;
@@ -297,8 +321,7 @@ void complete_header(const ReportArguments& arguments, ReportContent& content) {
   if (content.machine) put(content, "machine", content.machine->name);
   content.date = arguments.date;
   if (content.date.empty()) content.date = header_value(content, "date");
-  if (content.date.empty()) content.date = latest(content, "date");
-  if (content.date.empty() && content.map) content.date = content.map->map.header.date;
+  if (content.date.empty()) content.date = last_date(content);
 }
 
 }  // namespace
@@ -328,6 +351,7 @@ Result<ReportContent> report_content(VerbContext& context, const ReportArguments
                                          end->path.filename().string(), end->entries),
                              end->last_hash});
   complete_header(arguments, content);
+  if (content.date.empty()) context.console.warn("the report has no date, for no file states one: give --date");
   judge_map(content);
   if (auto added = add_model(context, arguments, *files, content); !added) return tl::unexpected(added.error());
   predict_volume(content);

@@ -63,6 +63,7 @@ struct ReportedVolume {
   volume::VolumeAnswer answer;
   volume::VolumeUncertainty uncertainty;
   std::vector<Component> declared_zero;  ///< not measured: each as uncertain as UncertaintySettings says
+  std::size_t components = 0;            ///< in the map, or declared zero
   [[nodiscard]] bool from_map() const { return prepared.errors_from == "the map"; }
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostlyScatter = 0.7;  ///< of the band
 constexpr double kWorse = 0.9;          ///< ratio before over after
-constexpr double kSurprise = 2.0;       ///< achieved over predicted rms
+constexpr double kSurprise = 2.0;       ///< achieved over predicted rms; repeatability after over before
 
 double band_after(const TableRow& row) { return row.after->readings.band; }
 
@@ -35,10 +35,23 @@ const TableRow* worst_of(const std::vector<TableRow>& rows, bool by_limit) {
 
 std::string named(const TableRow& row) { return fmt::format("{} ({})", row.planned.name, row.planned.title); }
 
+/// What is left after compensation is scatter for the most part.
+bool is_scatter(const TableRow& row) {
+  return row.after->iso.R && *row.after->iso.R >= kMostlyScatter * band_after(row);
+}
+
+/// The repeatability is worse than before compensation: something changed.
+bool scatters_more(const TableRow& row) {
+  return row.before && row.before->iso.R && row.after->iso.R && *row.after->iso.R > kSurprise * *row.before->iso.R;
+}
+
 std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
-  if (*iso.R >= kMostlyScatter * band_after(row))
+  if (is_scatter(row) && scatters_more(row))
+    return fmt::format(" It is scatter for the most part: repeatability R = {}, before compensation {}.",
+                       quantity(row, *iso.R), quantity(row, *row.before->iso.R));
+  if (is_scatter(row))
     return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map removes.",
                        quantity(row, *iso.R));
   return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
@@ -90,6 +103,8 @@ void predictions_to_do(const ReportContent& content, std::vector<std::string>& n
   for (std::size_t i = 0; i < content.predicted.size(); ++i) {
     const PredictedRow& one = content.predicted[i];
     if (verdict_of(content.rows[i]) == RowVerdict::within) continue;
+    // Scatter is no change; scatter that was less before is.
+    if (content.rows[i].after && is_scatter(content.rows[i]) && !scatters_more(content.rows[i])) continue;
     if (one.rms && one.rms_after && *one.rms > 0.0 && *one.rms_after > kSurprise * *one.rms)
       next.push_back(fmt::format(
           "{}: rms {} is left where the map should leave {}; something changed between the two "

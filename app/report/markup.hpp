@@ -73,6 +73,7 @@ class TableMarkup {
   /// @pre as many cells as columns
   void row(const std::vector<Markup>& cells, std::string_view style = {});
   [[nodiscard]] bool empty() const { return rows_.empty(); }
+  [[nodiscard]] std::size_t rows() const { return count_; }
   [[nodiscard]] Markup markup() const;
 
  private:

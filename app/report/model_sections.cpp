@@ -92,7 +92,7 @@ Markup directions_table(const ReportedModel& model) {
 Markup model_prediction(const ReportedModel& model) {
   return element("h3", "By the error model") +
          paragraph_of(fmt::format("{} ({}). {}", counted(model.readings, "reading", "readings"), model.data,
-                                  unit_text(what_if_summary(model.what_if, model.model)))) +
+                                  unit_text(without_commands(what_if_summary(model.what_if, model.model))))) +
          directions_table(model);
 }
 
@@ -103,8 +103,13 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                      {"rms after [µm]", true},
                      {"explained", true},
                      {"held out before → after [µm]", true}});
+  std::size_t left_out = 0;
   for (const ReportedEffect& effect : d.effects) {
     if (effect.named != named) continue;
+    if (!named && table.rows() == kMostRivals) {
+      ++left_out;
+      continue;
+    }
     const auto held = effect.held_out_before_um && effect.held_out_after_um
                           ? fmt::format("{} → {}", number_text(*effect.held_out_before_um, 2),
                                         number_text(*effect.held_out_after_um, 2))
@@ -112,7 +117,10 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
                text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held)});
   }
-  return table.empty() ? Markup() : table.markup();
+  if (table.empty()) return {};
+  if (left_out == 0) return table.markup();
+  return table.markup() +
+         paragraph_of(fmt::format("{} not shown.", counted(left_out, "more is", "more are")), "class=\"small\"");
 }
 
 Markup details(const ReportedDiagnosis& d) {
@@ -121,21 +129,21 @@ Markup details(const ReportedDiagnosis& d) {
     if (!effect.named) continue;
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
     if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
-    if (!effect.because.empty()) body += paragraph_of(unit_text(effect.because));
+    if (!effect.because.empty()) body += paragraph_of(unit_text(without_commands(effect.because)));
     std::vector<std::string> facts;
     for (const EffectFact& fact : effect.facts) facts.push_back(fmt::format("{}: {}", fact.label, fact.text));
     if (!facts.empty()) body += list_of(facts);
     body += paragraph_of(effect.rivals.empty()
                              ? "No other effect of the library does the same on these data."
-                             : fmt::format("Cannot be distinguished from: {}.", fmt::join(effect.rivals, ", ")));
-    if (!effect.next_measurement.empty()) body += paragraph_of("Next: " + effect.next_measurement);
+                             : fmt::format("Cannot be distinguished from: {}.", first_few(effect.rivals)));
+    if (!effect.next_measurement.empty()) body += paragraph_of("Next: " + without_commands(effect.next_measurement));
     out += element("article", body);
   }
   return out;
 }
 
 Markup diagnosis_part(const ReportedDiagnosis& d) {
-  Markup body = paragraph_of(unit_text(d.headline), "class=\"lead\"");
+  Markup body = paragraph_of(unit_text(without_commands(d.headline)), "class=\"lead\"");
   std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
                                     counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
   if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")
@@ -157,7 +165,7 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
                                  "not fitted to.",
                                  d.noise_replicates),
                      "class=\"small\"");
-  if (!d.notes.empty()) body += element("div", list_of(d.notes), "class=\"small\"");
+  if (!d.notes.empty()) body += element("div", list_of(without_commands(d.notes)), "class=\"small\"");
   return body;
 }
 

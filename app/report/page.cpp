@@ -79,7 +79,8 @@ std::vector<ReportSection> without_absent(std::vector<ReportSection> all) {
   for (const ReportSection& section : all)
     if (section.body.empty()) absent.push_back(fmt::format("{}: {}.", section.title, section.absent));
   std::erase_if(all, [](const ReportSection& section) { return section.body.empty(); });
-  if (!absent.empty()) all.insert(all.end() - 1, {"absent", "Not part of this report", list_of(absent)});
+  if (!absent.empty())
+    all.insert(all.end() - 1, {"absent", "Not part of this report", list_of(without_commands(absent))});
   return all;
 }
 

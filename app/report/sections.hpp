@@ -41,6 +41,13 @@ struct ReportSection {
 [[nodiscard]] Markup paragraph_of(std::string_view plain, std::string_view attributes = {});
 /// A plain statement that something is absent.
 [[nodiscard]] Markup absence(std::string_view plain);
+/// Without the parts that name a command or an option of a program: "(--status)", ": give --machine". Who reads a
+/// report has no program. Empty where nothing else was said.
+[[nodiscard]] std::string without_commands(std::string_view plain);
+[[nodiscard]] std::vector<std::string> without_commands(const std::vector<std::string>& items);
+/// The first few of a list and how many more there are: "a, b and 3 more".
+[[nodiscard]] std::string first_few(const std::vector<std::string>& names);
+inline constexpr std::size_t kMostRivals = 5;  ///< that a page names
 /// <ul> of texts; nothing for none.
 [[nodiscard]] Markup list_of(const std::vector<std::string>& items);
 /// <dl> of name and value, in columns; long values take a line.

@@ -97,7 +97,7 @@ Markup findings_of(const std::vector<params::Finding>& findings) {
   for (const params::Finding& finding : findings)
     items.push_back(
         fmt::format("{}: {}: {}", params::name_of(finding.severity), fmt::join(finding.keys, ", "), finding.message));
-  return element("h3", "What the check of the parameters found") + list_of(items);
+  return element("h3", "What the check of the parameters found") + list_of(without_commands(items));
 }
 
 // --- map
@@ -148,8 +148,9 @@ Markup declared_zeros(const laser::MapHeader& header) {
 
 Markup against_map(const ReportedMap& map, bool judged) {
   Markup out;
-  if (!map.objections.empty()) out += element("h3", "Objections to sending it") + list_of(map.objections);
-  if (!map.remarks.empty()) out += element("h3", "Worth knowing") + list_of(map.remarks);
+  if (!map.objections.empty())
+    out += element("h3", "Objections to sending it") + list_of(without_commands(map.objections));
+  if (!map.remarks.empty()) out += element("h3", "Worth knowing") + list_of(without_commands(map.remarks));
   if (!judged) out += absence("No parameters were given: whether the map is complete for the unit was not judged.");
   return out;
 }
@@ -170,7 +171,7 @@ ReportSection map_section(const ReportContent& content) {
   Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
                           {"block check in the unit (CRC-32, with these parameters)",
                            content.map->check ? fmt::format("{:08X}", *content.map->check)
-                                              : "needs the unit's serial number: give its state (--status)"},
+                                              : "needs the unit's serial number: its state was not given"},
                           {"date of the map", header.date},
                           {"configuration", header.configuration},
                           {"squareness", squareness_text(content)}});
@@ -181,8 +182,7 @@ ReportSection map_section(const ReportContent& content) {
 }
 
 ReportSection unit_section(const ReportContent& content) {
-  if (!content.status)
-    return {"unit", "State of the unit", {}, "no state of the unit was given (ecs utility status --save FILE)"};
+  if (!content.status) return {"unit", "State of the unit", {}, "no state of the unit was given"};
   const StatusSnapshot& s = *content.status;
   const bool agrees = s.status.block_check_expected == s.status.block_check_found;
   Markup body =

@@ -1,7 +1,9 @@
 #include "commissioning/volume/figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -80,34 +82,99 @@ void for_each_wire(const Grid& grid, const Each& each) {
   }
 }
 
-/// The corners with the size of their error, and the ends of the travels.
-PlotSeries corner_labels(const Grid& grid, const VolumeError& error, double larger) {
-  PlotSeries labels{"", Mark::label, {}, {}};
+std::vector<GridIndex> corners_of(const Grid& grid) {
   const auto ends = [&](std::size_t a) {
     return grid.exists[a] ? std::vector<std::size_t>{0, grid.mm[a].size() - 1} : std::vector<std::size_t>{0};
   };
+  std::vector<GridIndex> corners;
   for (const std::size_t x : ends(0))
     for (const std::size_t y : ends(1))
-      for (const std::size_t z : ends(2)) {
-        const Vector3 error_um = mean_error(grid, error, {x, y, z});
-        labels.points.push_back(projected(displaced(grid.at({x, y, z}), error_um, larger)));
-        labels.labels.push_back(fmt::format("{:.0f}", length_of(error_um)));
-      }
-  return labels;
+      for (const std::size_t z : ends(2)) corners.push_back({x, y, z});
+  return corners;
 }
 
-PlotPanel cube_panel(const std::string& title, const Grid& grid, const VolumeError& error, double larger) {
+/// What the error at a place is below with 95 %, from either side.
+struct PlaceBound {
+  double length_um = 0.0;
+  Vector3 along_um{};  ///< each axis by itself
+};
+
+/// What is left of what is known may be nothing: what may be there is what the uncertainty of the map allows. Not where
+/// the true errors are known, nor with rotary axes, whose sizes are those over all angles.
+bool shows_bound(const VolumeWork& work) {
+  return work.prepared.errors_from != "the errors file" && !work.prepared.machine.rotary;
+}
+
+/// By the draws from which the bound of the whole volume comes.
+std::vector<PlaceBound> bounds_at(const VolumeWork& work, const Grid& grid, const VolumeError& after,
+                                  const std::vector<GridIndex>& places) {
+  constexpr double kShare = 0.95;
+  std::vector<std::array<std::vector<double>, kAxes + 1>> drawn(places.size());
+  volume::MapDraws draws(work.prepared.machine, work.budget, work.settings.seed);
+  for (std::size_t k = 0; k < work.settings.draws; ++k) {
+    draws.next();
+    const volume::Field field = draws.over(grid);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      std::array<double, kAxes + 1> most{};
+      for (std::size_t side = 0; side < volume::kSides.size(); ++side) {
+        Vector3 error_um = field.at(side, places[i]);
+        const Vector3 known_um = after.at(grid, side, places[i]);
+        for (std::size_t d = 0; d < kAxes; ++d) {
+          error_um[d] += known_um[d];
+          most[d] = std::max(most[d], std::abs(error_um[d]));
+        }
+        most[kAxes] = std::max(most[kAxes], length_of(error_um));
+      }
+      for (std::size_t d = 0; d < most.size(); ++d) drawn[i][d].push_back(most[d]);
+    }
+  }
+  std::vector<PlaceBound> bounds(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto upper = [&](std::size_t d) {
+      auto& values = drawn[i][d];
+      const auto at = static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
+      std::nth_element(values.begin(), values.begin() + at, values.end());
+      return values[static_cast<std::size_t>(at)];
+    };
+    bounds[i] = {upper(kAxes), {upper(0), upper(1), upper(2)}};
+  }
+  return bounds;
+}
+
+/// @param labels  of the corners, in the order of corners_of()
+PlotPanel cube_panel(const std::string& title, const std::string& at_corners, const Grid& grid,
+                     const VolumeError& error, double larger, std::vector<std::string> labels) {
   PlotPanel panel{title, "", "", {}, {}, true};
   PlotSeries nominal{"nominal", Mark::wire, {}},
-      bent{fmt::format("errors drawn {:.0f} times, um at the corners", larger), Mark::bent_wire, {}};
+      bent{fmt::format("errors drawn {:.0f} times, {}", larger, at_corners), Mark::bent_wire, {}};
   for_each_wire(grid, [&](const GridIndex& from, const GridIndex& to) {
     for (const GridIndex& end : {from, to}) {
       nominal.points.push_back(projected(grid.at(end)));
       bent.points.push_back(projected(displaced(grid.at(end), mean_error(grid, error, end), larger)));
     }
   });
-  panel.series = {std::move(nominal), std::move(bent), corner_labels(grid, error, larger)};
+  PlotSeries corners{"", Mark::label, {}, std::move(labels)};
+  for (const GridIndex& corner : corners_of(grid))
+    corners.points.push_back(projected(displaced(grid.at(corner), mean_error(grid, error, corner), larger)));
+  panel.series = {std::move(nominal), std::move(bent), std::move(corners)};
   return panel;
+}
+
+/// Sizes of the errors at the corners.
+std::vector<std::string> corner_sizes(const Grid& grid, const VolumeError& error) {
+  std::vector<std::string> labels;
+  for (const GridIndex& corner : corners_of(grid))
+    labels.push_back(fmt::format("{:.0f}", length_of(mean_error(grid, error, corner))));
+  return labels;
+}
+
+PlotPanel bounded_cube_panel(const VolumeWork& work, const Grid& grid, const VolumeError& after, double larger) {
+  std::vector<std::string> labels;
+  for (const PlaceBound& bound : bounds_at(work, grid, after, corners_of(grid)))
+    labels.push_back(fmt::format("{:.0f}", bound.length_um));
+  return cube_panel(fmt::format("after: at most {:.0f} um anywhere, rms at most {:.0f} um (95 %)",
+                                work.uncertainty.largest_95_um, work.uncertainty.rms_95_um),
+                    "95 % bound at the corners, um", grid, after, larger, std::move(labels));
 }
 
 PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const VolumeError& error, double larger) {
@@ -126,8 +193,43 @@ PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const 
   return panel;
 }
 
-/// Length of the error vector along every body diagonal.
-PlotPanel diagonal_panel(const std::string& title, const Grid& grid, const VolumeError& error) {
+std::vector<GridIndex> places_of(const Grid& grid) {
+  std::vector<GridIndex> places;
+  GridIndex index{};
+  for (index[0] = 0; index[0] < grid.mm[0].size(); ++index[0])
+    for (index[1] = 0; index[1] < grid.mm[1].size(); ++index[1])
+      for (index[2] = 0; index[2] < grid.mm[2].size(); ++index[2]) places.push_back(index);
+  return places;
+}
+
+/// At each place a cross as wide as the bound.
+PlotPanel bounded_slice_panel(const VolumeWork& work, const std::string& title, const VolumeSlice& slice) {
+  const Grid& grid = slice.grid;
+  const std::vector<GridIndex> places = places_of(grid);
+  const std::vector<PlaceBound> bounds = bounds_at(work, grid, slice.errors.after, places);
+  double largest_um = 0.0;
+  for (const PlaceBound& bound : bounds)
+    largest_um = std::max({largest_um, bound.along_um[slice.across], bound.along_um[slice.up]});
+  constexpr double kFiner = 4.0;  ///< the arms of one cross do not reach those of the next
+  const double larger = enlargement(kFiner * largest_um, longest_of(work.prepared.machine.travel_mm));
+  PlotPanel panel = slice_panel(title, slice, slice.errors.after, larger);
+  PlotSeries crosses{fmt::format("95 % bound of the error, drawn {:.0f} times", larger), Mark::bent_wire, {}};
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (const std::size_t axis : {slice.across, slice.up})
+      for (const double sign : {-1.0, 1.0}) {
+        Vector3 error_um{};
+        error_um[axis] = sign * bounds[i].along_um[axis];
+        const Vector3 end = displaced(grid.at(places[i]), error_um, larger);
+        crosses.points.push_back({end[slice.across], end[slice.up]});
+      }
+  panel.series.insert(panel.series.begin(), std::move(crosses));
+  return panel;
+}
+
+/// A length along every body diagonal.
+/// @param length_um  at a place, in the order of for_each_diagonal_place()
+PlotPanel diagonal_panel(const std::string& title, const Grid& grid,
+                         const std::function<double(std::size_t, const GridIndex&)>& length_um) {
   PlotPanel panel{title, "along the body diagonal, %", "um", {}};
   const std::size_t count = kPlacesAlongAWire;
   constexpr std::array<Mark, 4> kMarks{Mark::both, Mark::forward, Mark::reverse, Mark::level};
@@ -141,10 +243,24 @@ PlotPanel diagonal_panel(const std::string& title, const Grid& grid, const Volum
                               from[index_of(axis)] == grid.mm[index_of(axis)].front() ? '-' : '+');
       panel.series.push_back({name, kMarks[panel.series.size() % kMarks.size()], {}});
     }
-    panel.series.back().points.push_back({100.0 * static_cast<double>(number % count) / static_cast<double>(count - 1),
-                                          length_of(mean_error(grid, error, index))});
+    panel.series.back().points.push_back(
+        {100.0 * static_cast<double>(number % count) / static_cast<double>(count - 1), length_um(number, index)});
   });
   return panel;
+}
+
+/// Of the error vector.
+PlotPanel diagonal_panel(const std::string& title, const Grid& grid, const VolumeError& error) {
+  return diagonal_panel(title, grid,
+                        [&](std::size_t, const GridIndex& index) { return length_of(mean_error(grid, error, index)); });
+}
+
+PlotPanel bounded_diagonal_panel(const VolumeWork& work, const Grid& grid, const VolumeError& after) {
+  std::vector<GridIndex> places;
+  for_each_diagonal_place(grid, [&](std::size_t, const GridIndex& index) { places.push_back(index); });
+  const std::vector<PlaceBound> bounds = bounds_at(work, grid, after, places);
+  return diagonal_panel("after, body diagonals: 95 % bound", grid,
+                        [&](std::size_t number, const GridIndex&) { return bounds[number].length_um; });
 }
 
 std::string size_words(const volume::ErrorSize& size) {
@@ -164,14 +280,18 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
                              configuration_of(machine.parameters), travels_in_words(machine.travel_mm));
   figure.columns = 2;
   figure.same_scale = false;
-  const std::string before = "before: " + size_words(work.answer.before.all);
+  const bool bounded = shows_bound(work);
+  const auto sizes_panel = [&](const std::string& title, const VolumeError& error) {
+    return cube_panel(title, "um at the corners", wires, error, larger, corner_sizes(wires, error));
+  };
   std::string after = "after: " + size_words(work.answer.after.all);
   if (const std::string rotary = rotary_in_words(work); !rotary.empty())
     figure.title += "; " + rotary;
   else
     after += fmt::format("; at most {:.0f} um (95 %)", work.uncertainty.largest_95_um);
-  figure.panels = {cube_panel(before, wires, on_wires->before, larger),
-                   cube_panel(after, wires, on_wires->after, larger)};
+  figure.panels = {
+      sizes_panel("before: " + size_words(work.answer.before.all), on_wires->before),
+      bounded ? bounded_cube_panel(work, wires, on_wires->after, larger) : sizes_panel(after, on_wires->after)};
   if (wires.axes() < 2) return figure;
   const auto [across, up] = longest_plane(machine);
   const auto slice = slice_of(machine, work.answer.before.all.at_mm, across, up, 17, 11);
@@ -183,9 +303,11 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   figure.panels.push_back(slice_panel("before" + place, *slice, slice->errors.before, larger));
   const double left_um = work.answer.after.all.largest_um;
   const double larger_after = left_um > kDrawn_um ? enlargement(left_um, longest_of(machine.travel_mm)) : larger;
-  figure.panels.push_back(slice_panel("after" + place, *slice, slice->errors.after, larger_after));
+  figure.panels.push_back(bounded ? bounded_slice_panel(work, "after" + place, *slice)
+                                  : slice_panel("after" + place, *slice, slice->errors.after, larger_after));
   figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires->before));
-  figure.panels.push_back(diagonal_panel("after, body diagonals", wires, on_wires->after));
+  figure.panels.push_back(bounded ? bounded_diagonal_panel(work, wires, on_wires->after)
+                                  : diagonal_panel("after, body diagonals", wires, on_wires->after));
   return figure;
 }
 

@@ -100,6 +100,12 @@ std::string size_text(std::string_view name, const volume::VolumeSize& size, con
          size_text("  edges", size.edges, work) + size_text("  body diagonals", size.diagonals, work);
 }
 
+/// Below the sizes of what is left: what may be there, by the uncertainty of the map.
+std::string bound_row(const VolumeWork& work) {
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 %, with the uncertainty of the map\n", "after, at most",
+                     work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
+}
+
 Json budget_json(const VolumeWork& work) {
   Json list = Json::array();
   for (std::size_t c = 0; c < kComponents; ++c) {
@@ -311,28 +317,30 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
     return Cell{size_json(size, work), size_text(name, size, work)};
   };
-  return record_cell("{heading}{before}{after}{between}{bound}{slice}{at}{notes}{picture}{values}",
-                     {{"points", count_cell(settings * work.answer.grid.places())},
-                      {"heading", shown_cell(heading_of(work))},
-                      {"before", sizes("before", work.answer.before)},
-                      {"after", sizes("after", work.answer.after)},
-                      {"between", between_cell(work)},
-                      {"uncertainty_95_um",
-                       {{{"largest", number_or_null(work.uncertainty.largest_95_um)},
-                         {"rms", number_or_null(work.uncertainty.rms_95_um)}},
-                        {}}},
-                      {"bound", shown_cell(bound_text(work))},
-                      {"errors_from", text_cell(work.prepared.errors_from)},
-                      {"travel_mm", {travel_json(machine.travel_mm), {}}},
-                      {"reference_mm", {vector_json(work.answer.grid.reference_mm), {}}},
-                      {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
-                      {"uncertainty", {uncertainty_json(work), {}}},
-                      {"slice", slice_cell(work.slice)},
-                      {"at", at_cell(work.at, machine.rotary)},
-                      {"rotary", {rotary_json(work), {}}},
-                      {"notes", paragraphs_cell(work.notes, "note: ")},
-                      {"picture", written_cell("picture", picture)},
-                      {"values", written_cell("values", values)}});
+  return record_cell(
+      "{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
+      {{"points", count_cell(settings * work.answer.grid.places())},
+       {"heading", shown_cell(heading_of(work))},
+       {"before", sizes("before", work.answer.before)},
+       {"after", sizes(work.prepared.errors_from == "the errors file" ? "after" : "left of that", work.answer.after)},
+       {"at_most", shown_cell(bound_row(work))},
+       {"between", between_cell(work)},
+       {"uncertainty_95_um",
+        {{{"largest", number_or_null(work.uncertainty.largest_95_um)},
+          {"rms", number_or_null(work.uncertainty.rms_95_um)}},
+         {}}},
+       {"bound", shown_cell(bound_text(work))},
+       {"errors_from", text_cell(work.prepared.errors_from)},
+       {"travel_mm", {travel_json(machine.travel_mm), {}}},
+       {"reference_mm", {vector_json(work.answer.grid.reference_mm), {}}},
+       {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
+       {"uncertainty", {uncertainty_json(work), {}}},
+       {"slice", slice_cell(work.slice)},
+       {"at", at_cell(work.at, machine.rotary)},
+       {"rotary", {rotary_json(work), {}}},
+       {"notes", paragraphs_cell(work.notes, "note: ")},
+       {"picture", written_cell("picture", picture)},
+       {"values", written_cell("values", values)}});
 }
 
 std::string values_csv(const VolumeWork& work) {

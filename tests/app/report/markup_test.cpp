@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
+#include "app/report/sections.hpp"
 #include "app/report/svg.hpp"
 
 namespace ecs::app {
@@ -57,6 +58,23 @@ TEST_CASE("units are written as people write them") {
   CHECK(unit_text("counts/um") == "counts/µm");
   CHECK(unit_text("degC") == "°C");
   CHECK(unit_text("maximum rms_um") == "maximum rms_um");
+}
+
+TEST_CASE("a customer's paper names no options and no commands, and keeps the rest of what was said") {
+  CHECK(without_commands("no pitch of X is known: cyclic errors of it are not tried. Give --machine") ==
+        "no pitch of X is known: cyclic errors of it are not tried.");
+  CHECK(without_commands("EAX is not in the map (--zero EAX=reason), nor is EBX") ==
+        "EAX is not in the map, nor is EBX");
+  CHECK(without_commands("the map is not complete: `ecs map send` will refuse it") == "the map is not complete");
+  CHECK(without_commands("A stays. Give --files or `ecs log`. B stays.") == "A stays. B stays.");
+  CHECK(without_commands("`ecs params check` says more") == "");
+  CHECK(without_commands("from -4 to 3 mm -- a dash, a-b") == "from -4 to 3 mm -- a dash, a-b");
+  CHECK(without_commands(std::vector<std::string>{"give --x1 --model", "stays"}) == std::vector<std::string>{"stays"});
+}
+
+TEST_CASE("of many rivals a page names five") {
+  CHECK(first_few({"a", "b", "c", "d", "e"}) == "a, b, c, d, e");
+  CHECK(first_few({"a", "b", "c", "d", "e", "f", "g"}) == "a, b, c, d, e and 2 more");
 }
 
 TEST_CASE("ids are unique and plain, whatever the names") {

@@ -79,9 +79,37 @@ TEST_CASE("the same input makes the same page, byte for byte") {
   c.add_map();
   const auto first = c.report({"--json"}).json()["sha256"];
   CHECK(first == c.report({"--json"}).json()["sha256"]);
-  CHECK(c.report({"--json"}).json()["date"] == "2026-03-01");
+  CHECK(c.report({"--json"}).json()["date"] == "2026-03-02");
   CHECK(c.report({"--json", "--date", "2027-01-31"}).json()["date"] == "2027-01-31");
   CHECK(contains(c.html(), "<dd>2027-01-31</dd>"));
+}
+
+TEST_CASE("a measurement that repeats worse than before is one thing: something changed, not scatter for good") {
+  const Commissioning c;
+  c.add_machine();
+  c.add_map();
+  std::string after = "# machine: bench\n# serial_number: B-1\naxis,sense,x_mm,reading,approach,run,compensated\n";
+  for (const int run : {1, 2, 3})
+    for (const int approach : {1, -1})
+      for (const int x : {0, 500, 1000}) after += fmt::format("X,EX,{},{},{},{},1\n", x, 20 * run, approach, run);
+  (void)c.folder.with("after/EXX.csv", after);
+  const Ran r = c.report();
+  CHECK(contains(r.out, "something changed between the two measurements"));
+  CHECK(contains(r.out, "It is scatter for the most part: repeatability R = 80"));
+  CHECK_FALSE(contains(r.out, "which no map removes"));
+  CHECK_FALSE(contains(c.html(), "which no map removes"));
+}
+
+TEST_CASE("of thirty rivals the report shows five and counts the others") {
+  const Commissioning c;
+  std::string json = R"({"verdict": "adequate", "rms_um": 1.0, "observations": 10, "candidates": [)";
+  for (int i = 0; i < 30; ++i)
+    json += fmt::format(R"({}{{"name": "rival{}", "named": false, "rms_after_um": 0.9}})", i == 0 ? "" : ",", i);
+  REQUIRE(c.report({"--diagnosis", c.folder.with("d.json", json + "]}")}).code == 0);
+  const std::string html = c.html();
+  CHECK(contains(html, "rival4"));
+  CHECK_FALSE(contains(html, "rival5"));
+  CHECK(contains(html, "25 more are not shown."));
 }
 
 TEST_CASE("a missing file after compensation leaves its row, and the report says what is lacking") {

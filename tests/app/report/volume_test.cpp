@@ -57,9 +57,32 @@ TEST_CASE("a model that knows all that the map compensates predicts instead, and
   // Fitted: 36 um/m and a reversal of 4 um; the map takes the slope, the reversal stays: ±2 um from its mean.
   CHECK(volume["predicted_before"]["X"]["largest_um"].get<double>() == Approx(38.0).epsilon(0.01));
   CHECK(volume["predicted_after"]["X"]["largest_um"].get<double>() == Approx(2.0).epsilon(0.01));
+  // What the model does not hold is said as it is of a map, and nothing is promised in bold.
+  const std::string by_model = c.html();
+  CHECK(contains(by_model, "The unit puts out all that the error model holds but 2.0"));
+  CHECK(contains(by_model, "with the uncertainty of the map at most "));
+  CHECK_FALSE(contains(by_model, "class=\"lead\">Predicted from"));
+  CHECK_FALSE(contains(by_model, "<strong>2.0</strong>"));
   (void)c.folder.with("model.toml", fmt::format(fmt::runtime(effect), "EY", "EY"));
   CHECK(c.report({"--json"}).json()["volume"]["from"] == "the map");
   CHECK(contains(c.html(), "The error model was not used: it has no effect for EXX, which is compensated."));
+}
+
+TEST_CASE("components declared zero are counted in the sentence about the volume") {
+  const Commissioning c;
+  c.add_machine();
+  c.add_map("# machine: bench\n# date: 2026-03-02\n# configuration: TXYZ\n# declared_zero: EYX not measured\n");
+  REQUIRE(c.report().code == 0);
+  CHECK(contains(c.html(), "declared zero (1 of 2 components: EYX) is zero within a standard uncertainty of 1"));
+}
+
+TEST_CASE("the date of a report is the last one of all that went into it") {
+  const Commissioning c;
+  c.add_machine();
+  c.add_map();
+  CHECK(c.report({"--json"}).json()["date"] == "2026-03-02");
+  const Commissioning undated("");
+  CHECK(contains(undated.report().messages, "the report has no date"));
 }
 
 TEST_CASE("a report that was there is replaced, and the answer says so") {

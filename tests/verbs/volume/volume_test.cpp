@@ -58,6 +58,25 @@ TEST_CASE("with an errors file the true errors count, and what the map leaves of
   CHECK(j["errors_from"] == "the errors file");
 }
 
+TEST_CASE("what the errors file holds beyond the true errors of a cold machine at rest is named") {
+  const OneAxisFiles files;
+  const std::string plain = files.with("errors.toml", kErrors);
+  const std::string more =
+      files.with("more.toml",
+                 "[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + 0.001*m*p + 3*(1-exp(-t/600))\"\n"
+                 "[scatter]\nEYX = { reading = 0.4 }\n");
+  const auto notes = [&](const std::string& errors) {
+    const Ran r =
+        ran({"volume", files.map, "--params", files.parameters, "--errors", errors, "--points", "51", "--json"});
+    REQUIRE_MESSAGE(r.code == 0, r.all());
+    std::string text;
+    for (const auto& note : r.json()["notes"]) text += note.get<std::string>() + "\n";
+    return text;
+  };
+  CHECK(notes(plain).find("left out") == std::string::npos);
+  CHECK(notes(more).find("which is left out: scatter (EYX); time and heat (EXX); load (EXX)\n") != std::string::npos);
+}
+
 TEST_CASE("what falls between the places is found on lines through the largest, where that is asked for") {
   const OneAxisFiles files;
   const std::string errors = files.with(
@@ -186,6 +205,17 @@ TEST_CASE("an error that depends on two axes is refused by its name") {
   const Ran r = ran({"volume", map, "--params", "samples/machining_centre/parameters.toml", "--errors", errors});
   CHECK(r.code == 3);
   CHECK(r.messages.find("EYX depends on where another axis") != std::string::npos);
+}
+
+TEST_CASE("where nothing is left of what is known, text and picture show the bound") {
+  const OneAxisFiles files;
+  const std::string picture = files / "v.svg";
+  const Ran r = ran({"volume", files.map, "--params", files.parameters, "-o", picture, "--points", "101"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  CHECK(r.out.find("\nleft of that          0.0") != std::string::npos);
+  CHECK(r.out.find("\nafter, at most ") != std::string::npos);
+  CHECK(content_of(picture).find("95 % bound") != std::string::npos);
+  CHECK(content_of(picture).find("largest 0 um") == std::string::npos);
 }
 
 TEST_CASE("a picture is drawn") {
