@@ -58,7 +58,7 @@ void add_components(const ComponentValues& values, std::set<Component>& into) {
     if (std::abs(values[c]) > kSame) into.insert(static_cast<Component>(c));
 }
 
-/// Two hours of work: every axis to and fro over its travel, the spindle turning.
+/// Two hours of work: every axis there and back over its travel, the spindle turning.
 Heat after_work(const Simulation& simulation) {
   constexpr double kHours = 2.0, kSpeed_mm_s = 150.0, kSpeed_rpm = 3000.0;
   const auto& travel_mm = simulation.machine().travel_mm();

@@ -92,6 +92,23 @@ TEST_CASE("test circle: what the machine of the sample hides comes back with its
   }
 }
 
+TEST_CASE("test circle: centres that lie apart by the direction are in G(b), in H and in the plot") {
+  const Folder folder;
+  std::string text = "# plane: XY\n# radius_mm: 100\nangle_deg,deviation_um,direction\n";
+  for (const double sign : {1.0, -1.0})
+    for (int angle = 0; angle < 360; angle += 2)
+      text += fmt::format("{},{:.6f},{}\n", angle, sign * 5.0 * std::cos(angle * std::numbers::pi / 180.0),
+                          sign > 0.0 ? "ccw" : "cw");
+  const Ran r = ran({"test", "circle", folder.with("shifted.csv", text), "--json"});
+  REQUIRE_MESSAGE(r.code == 0, r.all());
+  const auto pair = r.json()["pairs"][0];
+  CHECK(pair["G_um"].get<double>() == Approx(10.0).epsilon(1e-3));
+  CHECK(pair["H_um"].get<double>() == Approx(10.0).epsilon(1e-3));
+  CHECK(std::abs(pair["centre_um"][0].get<double>()) < 1e-6);
+  // 5 um reach from the circle of both to the edge of the plot, five rows away.
+  CHECK(contains(ran({"test", "circle", folder / "shifted.csv", "--draw"}).out, "a row is 1 um"));
+}
+
 TEST_CASE("test circle: one direction makes a group; an open circle is refused") {
   const Folder folder;
   const auto json = ran({"test", "circle", folder.with("one.csv", circle_text(false)), "--json"}).json();

@@ -69,8 +69,9 @@ TEST_CASE("what the errors file holds beyond the true errors of a cold machine a
     const Ran r =
         ran({"volume", files.map, "--params", files.parameters, "--errors", errors, "--points", "51", "--json"});
     REQUIRE_MESSAGE(r.code == 0, r.all());
+    const auto answer = r.json();
     std::string text;
-    for (const auto& note : r.json()["notes"]) text += note.get<std::string>() + "\n";
+    for (const auto& note : answer["notes"]) text += note.get<std::string>() + "\n";
     return text;
   };
   CHECK(notes(plain).find("left out") == std::string::npos);
