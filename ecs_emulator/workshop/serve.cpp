@@ -42,6 +42,7 @@ Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
 class Socket final : public protocol::RegisterHandler {
  public:
   Socket(Unit& unit, std::string arm_code) : unit_(unit), face_(unit, std::move(arm_code)) {}
+  void arrives_on(std::uint64_t connection) override { face_.arrives_on(connection); }
   tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
     return face_.read(first, count);

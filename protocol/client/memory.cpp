@@ -92,6 +92,12 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
   window_refusal_ = ack->error;
   if (ack->error == UnitError::session_unknown) session_ = 0;
   if (ack->error == UnitError::not_armed) wants_code_ = true;
+  if (ack->error == UnitError::check_mismatch)
+    return problem(ProblemKind::link,
+                   fmt::format("memory at {:06X}: the unit takes no more blocks here, since several came with a wrong "
+                               "check: another program writes on this link, or the line changes what it carries. Look "
+                               "for both, then send again",
+                               window.address));
   if (ack->error != UnitError::none)
     return problem(ProblemKind::refused, fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address,
                                                      reason_of(ack->error)));

@@ -24,6 +24,9 @@ enum class ModbusException : std::uint8_t {
 class RegisterHandler {
  public:
   virtual ~RegisterHandler() = default;
+  /// The connection that the requests to come arrive on. A TCP connection has a number that no other one ever has; a
+  /// serial line is one connection, whoever writes on it.
+  virtual void arrives_on(std::uint64_t /*connection*/) {}
   /// `count` registers from `first` on, or the exception to answer with.
   [[nodiscard]] virtual tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) = 0;
   /// All of the values or none. Never called for a broadcast.

@@ -24,6 +24,7 @@ bool MemoryWindow::open(const WindowOpen& window) {
   if (window == window_) return false;
   window_ = window;
   received_ = 0;
+  wrong_checks_ = 0;
   const bool possible = window.length > 0 && window.length <= kWindowBlocks * window.block_bytes();
   if (window.tag == 0 || !possible || (window.coded && !in_axis_memory(window.address)))
     error_ = UnitError::bad_argument;
@@ -54,7 +55,10 @@ bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
   const std::size_t bytes = window_.coded ? 2 * payload.size() : bytes_in_block(window_.length, number);
   if (bytes == 0 || payload.size() != (bytes + 1) / 2) return false;
   const auto content = unpacked(payload, bytes);
-  if (block_check(window_, number, content) != registers[2]) return false;
+  if (block_check(window_, number, content) != registers[2]) {
+    if (++wrong_checks_ >= kMostWrongChecks) refuse(UnitError::check_mismatch);
+    return false;
+  }
   if (window_.coded) return take_coded(number, content);
   if (!put(number * kBlockBytes, content)) return false;
   received_ |= std::uint64_t{1} << number;

@@ -12,6 +12,11 @@ namespace ecs::protocol {
 
 class UnitPort;
 
+/// Wrong checks of blocks that close a window. The CRC of the line keeps out all but 1 in 65,536 spoilt frames, so a
+/// block that is wrong within a right frame is rare and three in one window are no noise; a stranger finds the check of
+/// a block with a chance of 1 in 65,536 a try.
+inline constexpr unsigned kMostWrongChecks = 3;
+
 /// Assembles blocks into the memory of a unit. Blocks may come twice or out of order; one that is not intact, not of
 /// this window or beyond its end is not taken. Memory is only written inside the stretch that the unit agreed to.
 class MemoryWindow {
@@ -23,6 +28,7 @@ class MemoryWindow {
   void stage_under(std::uint32_t token);
   [[nodiscard]] std::uint32_t token() const { return token_; }
   [[nodiscard]] std::uint32_t session() const { return window_.session; }
+  [[nodiscard]] const WindowOpen& window() const { return window_; }
   [[nodiscard]] UnitError error() const { return error_; }
 
   /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written, or not under
@@ -33,7 +39,8 @@ class MemoryWindow {
   void refuse(UnitError why);
 
   /// One frame: tag, number, check, payload. In a coded window it brings several blocks, taken all or not at all, and
-  /// none before those below them. False: not taken.
+  /// none before those below them. False: not taken. The kMostWrongChecks-th wrong check closes the window,
+  /// acknowledged as `check_mismatch`; what it has brought stays in memory.
   [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
 
   [[nodiscard]] WindowAck ack() const;
@@ -48,6 +55,7 @@ class MemoryWindow {
   WindowOpen window_;
   UnitError error_ = UnitError::none;
   std::uint64_t received_ = 0;
+  unsigned wrong_checks_ = 0;  ///< of blocks of this window
   std::array<std::uint8_t, block_code::kHistoryBytes + kCodedBlocksInFrame * kCodedBlockBytes> decoded_{};
 };
 

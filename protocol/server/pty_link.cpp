@@ -110,7 +110,7 @@ class PtyLink : public ServerLink {
     listen();
     std::size_t answered = 0;
     while (cut_request() && Clock::now() >= request_due_) {
-      carry_out(request_, handler, channel_, request_due_, pace_);
+      carry_out(request_, handler, connection_, channel_, request_due_, pace_);
       request_.clear();
       ++answered;
     }
@@ -164,6 +164,7 @@ class PtyLink : public ServerLink {
   Descriptor keeper_;  ///< a slave side of our own: without it the master reads errors while no client has it open
   std::string slave_;
   bool link_made_ = false;
+  std::uint64_t connection_ = next_connection();
   WirePace pace_;
   std::vector<std::uint8_t> heard_;
   Clock::time_point first_heard_{};

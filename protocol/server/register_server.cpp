@@ -126,9 +126,7 @@ tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
 
 tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
-    forget_hosts_of_another_start();
-    if (!may_write(window_.session())) window_.refuse(UnitError::not_armed);
-    if (!window_.take(values)) return tl::unexpected(ModbusException::illegal_value);
+    if (!take_block(values)) return tl::unexpected(ModbusException::illegal_value);
     return {};
   }
   const auto block = request_block(first, values.size());
@@ -140,6 +138,20 @@ tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, s
   if (first == block->first) echo_ = requests_[block->first] = values.front();
   if (whole) act_on(*block, values);
   return {};
+}
+
+/// A block that comes on another connection than the window is not looked at: who could open the window there, knowing
+/// its session and token, has not.
+bool RegisterServer::take_block(std::span<const std::uint16_t> block) {
+  forget_hosts_of_another_start();
+  if (connection_ != window_connection_) return false;
+  if (!may_write(window_.session())) window_.refuse(UnitError::not_armed);
+  const bool was_open = window_.error() == UnitError::none;
+  if (window_.take(block)) return true;
+  if (was_open && window_.error() == UnitError::check_mismatch)
+    if (const HostSession* session = sessions_.find(window_.session()))
+      note_window(*session, window_.window(), UnitError::check_mismatch);
+  return false;
 }
 
 /// After a start of the unit nothing of before counts: sessions, tokens, results.
@@ -204,19 +216,24 @@ void RegisterServer::open_window(const WindowOpen& window) {
                     : may_write(window.session) ? UnitError::none
                                                 : UnitError::not_armed;
   refused_window_.reset();
-  if (error != UnitError::none)
+  if (error != UnitError::none) {
     refused_window_ = WindowAck{window.tag, error, window.address, window.length, 0, 0};
-  else if (window_.open(window))
+  } else {
+    window_connection_ = connection_;
+    if (!window_.open(window)) return;
     error = window_.error();
-  else
-    return;
+  }
   if (session == nullptr) return;
   if (in_axis_memory(window.address) && error == UnitError::none) return;  // the commit is what counts there
+  note_window(*session, window, error);
+}
+
+void RegisterServer::note_window(const HostSession& session, const WindowOpen& window, UnitError error) {
   HostEvent written;
   written.state = error == UnitError::none ? CommandState::done : CommandState::refused;
   written.error = error;
   written.text = stretch_in_words(window.address, window.length);
-  note(session->host, unit_->clock().ms, std::move(written));
+  note(session.host, unit_->clock().ms, std::move(written));
 }
 
 bool RegisterServer::may_write(std::uint32_t session_id) {

@@ -54,6 +54,7 @@ class RegisterServer : public RegisterHandler {
   explicit RegisterServer(UnitPort& unit, std::string arm_code = {})
       : unit_(&unit), window_(unit), arming_(std::move(arm_code)) {}
 
+  void arrives_on(std::uint64_t connection) override { connection_ = connection; }
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override;
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,
                                                           std::span<const std::uint16_t> values) override;
@@ -66,6 +67,8 @@ class RegisterServer : public RegisterHandler {
   void forget_hosts_of_another_start();
   void open_session(const SessionOpen& host);
   void open_window(const WindowOpen& window);
+  [[nodiscard]] bool take_block(std::span<const std::uint16_t> block);
+  void note_window(const HostSession& session, const WindowOpen& window, UnitError error);
   void take_command(const Command& command);
   [[nodiscard]] CommandResult outcome_of(const Command& command, const HostSession& session);
   [[nodiscard]] UnitError refusal_of(const Command& command, const HostSession& session) const;
@@ -81,6 +84,8 @@ class RegisterServer : public RegisterHandler {
 
   UnitPort* unit_;
   MemoryWindow window_;
+  std::uint64_t connection_ = 0;         ///< of the request at hand
+  std::uint64_t window_connection_ = 0;  ///< that has opened the window, or found it open: no other one fills it
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written; of a session only the echo
   HostSessions sessions_;

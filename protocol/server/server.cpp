@@ -2,6 +2,7 @@
 #include "protocol/server/server.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include <unistd.h>
 
@@ -36,13 +37,19 @@ Descriptor::~Descriptor() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
-                           Clock::time_point request_end, const WirePace& pace) {
+std::uint64_t ServerLink::next_connection() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, std::uint64_t connection,
+                           ReplyChannel& channel, Clock::time_point request_end, const WirePace& pace) {
   if (framing_ == Framing::rtu && !codec_.is_for_unit(frame)) return;
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
   if (spoils && *drawn == LinkFault::lost_request) return;
   if (codec_.is_for_unit(frame)) last_request = Clock::now();
+  handler.arrives_on(connection);
   auto reply = codec_.answer(frame, handler);
   if (reply.empty() || handler.silent()) return;
   const auto start = std::max(Clock::now(), request_end + pace.gap);

@@ -49,8 +49,11 @@ class ServerLink {
   ServerLink(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
   /// Carries out one request and puts its reply, spoilt or not, into the channel. The reply begins one gap after
   /// `request_end`, when the request's last byte had passed the wire, or now if that is over.
-  void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
-                 Clock::time_point request_end, const WirePace& pace);
+  /// @param connection  that it came on, from next_connection()
+  void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, std::uint64_t connection,
+                 ReplyChannel& channel, Clock::time_point request_end, const WirePace& pace);
+  /// A number that no other connection of this program has, on whichever link.
+  [[nodiscard]] static std::uint64_t next_connection();
 
  private:
   FrameCodec codec_;

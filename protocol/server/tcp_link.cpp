@@ -27,6 +27,7 @@ struct Connection {
   std::chrono::steady_clock::time_point asked;  ///< when it was made, or asked last
   bool admitted = false;                        ///< has shown the token, or needs none
   bool ended = false;
+  std::uint64_t number = 0;
 };
 
 class TcpLink : public ServerLink {
@@ -76,7 +77,7 @@ class TcpLink : public ServerLink {
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       if (connections_.size() >= options_.most_connections) drop_idle();
       if (connections_.size() < options_.most_connections)
-        connections_.push_back({std::move(socket), {}, {}, Clock::now(), token_.empty(), false});
+        connections_.push_back({std::move(socket), {}, {}, Clock::now(), token_.empty(), false, next_connection()});
     }
   }
   void drop_idle() {
@@ -100,7 +101,7 @@ class TcpLink : public ServerLink {
       if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
       const auto frame = std::span<const std::uint8_t>(connection.heard).first(cut.length);
       if (connection.admitted)
-        carry_out(frame, handler, connection.channel, Clock::now(), {});
+        carry_out(frame, handler, connection.number, connection.channel, Clock::now(), {});
       else
         admit(connection, frame);
       connection.asked = Clock::now();

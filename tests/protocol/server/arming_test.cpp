@@ -243,6 +243,25 @@ TEST_CASE("an arming that ends by itself and an output that ends without its hos
   CHECK(events_of(server, 7).empty());  // who ends it itself
 }
 
+TEST_CASE("a window that is closed for wrong checks is an event of the host that had opened it") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server, 7);
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  CHECK(opened(server, {5, kBankA.first, 480, token, false, host.session()}) == UnitError::none);
+  const Registers wrong(kBlockHeaderRegisters + kBlockBytes / 2, 5);
+  for (int k = 0; k < 3; ++k) {
+    Registers block = wrong;
+    block[1] = 0;
+    CHECK_FALSE(server.write(kBlockWrite.first, block).has_value());
+  }
+  const auto events = events_of(server, 2);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].host == "host 7");
+  CHECK(events[0].error == UnitError::check_mismatch);
+  CHECK(events[0].state == CommandState::refused);
+}
+
 TEST_CASE("nobody is armed for more than a day") {
   UnitModel model;
   RegisterServer server(model, kShownCode);

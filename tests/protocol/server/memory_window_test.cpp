@@ -104,6 +104,65 @@ TEST_CASE("a window onto memory that may not be written stays closed and says wh
   CHECK(window.ack().error == UnitError::bad_argument);
 }
 
+TEST_CASE("the third wrong check of a block closes the window, and what came before stays in memory") {
+  UnitModel model;
+  MemoryWindow window(model);
+  window.stage_under(kStagingToken);
+  const auto image = noise_image(1000);
+  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
+  window.open(open);
+  auto wrong = block_of(open, 1, image);
+  wrong[2] ^= 1;
+  CHECK_FALSE(window.take(wrong));
+  CHECK(window.take(block_of(open, 0, image)));
+  CHECK_FALSE(window.take(wrong));
+  CHECK(window.ack().error == UnitError::none);
+  CHECK_FALSE(window.take(wrong));
+  CHECK(window.ack().error == UnitError::check_mismatch);
+  CHECK(window.ack().received == 0);
+  CHECK_FALSE(window.take(block_of(open, 1, image)));
+  window.open(open);  // the same window again changes nothing
+  CHECK(window.ack().error == UnitError::check_mismatch);
+  const WindowOpen next{6, kBankA.first, 1000, kStagingToken};
+  window.open(next);
+  CHECK(window.take(block_of(next, 1, image)));
+  CHECK(std::equal(image.begin(), image.begin() + 2 * kBlockBytes, model.bank_a.begin()));
+}
+
+TEST_CASE("only the connection that opened a window fills it, and a host that connects again goes on where it was") {
+  UnitModel model;
+  RegisterServer server(model);
+  server.arrives_on(1);
+  RegisterHost host(server);
+  const auto token = host.give({.code = CommandCode::begin_staging}).token;
+  const auto image = noise_image(1000);
+  const WindowOpen open{5, kBankA.first, 1000, token, false, host.session()};
+  const auto opened = [&](std::uint64_t connection) {
+    server.arrives_on(connection);
+    REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
+    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value();
+  };
+  const auto taken = [&](std::uint64_t connection, std::uint16_t number) {
+    server.arrives_on(connection);
+    return server.write(kBlockWrite.first, block_of(open, number, image)).has_value();
+  };
+  CHECK(opened(1).error == UnitError::none);
+  CHECK(taken(1, 0));
+  CHECK_FALSE(taken(2, 1));  // its check is right: somebody has found it
+  server.arrives_on(2);
+  for (std::uint16_t check = 0; check < 100; ++check) {
+    auto guessed = block_of(open, 1, image);
+    guessed[2] = check;
+    CHECK_FALSE(server.write(kBlockWrite.first, guessed).has_value());
+  }
+  CHECK(taken(1, 1));  // what came elsewhere closes nothing
+  const WindowAck again = opened(3);
+  CHECK(again.error == UnitError::none);
+  CHECK(again.received == 0b11);
+  CHECK_FALSE(taken(1, 2));
+  CHECK(taken(3, 2));
+}
+
 TEST_CASE("axis memory takes a block only under the token of the staging that goes on") {
   UnitModel model;
   MemoryWindow window(model);
