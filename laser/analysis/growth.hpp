@@ -10,7 +10,8 @@
 
 namespace ecs::laser {
 
-/// error = constant + coefficient × temperature, one of them delayed by a lag of the first order.
+/// error = constant + coefficient × temperature, one of them delayed by a lag of the first order, which begins with
+/// each stretch of time.
 struct SensorGrowth {
   std::string sensor;      ///< column
   double per_degC = 0.0;   ///< um/degC, or um/m per degC
@@ -20,9 +21,10 @@ struct SensorGrowth {
 };
 
 struct Growth {
-  double hours = 0.0;                 ///< from the first reading to the last
+  double hours = 0.0;                 ///< from the first reading to the last, of the longest stretch
   double range = 0.0;                 ///< largest minus smallest
-  double range_last_hour = 0.0;       ///< over the last hour: what had not settled
+  double range_last_hour = 0.0;       ///< over the last hour: what had not settled; the largest of the stretches
+  std::size_t stretches = 1;          ///< how often the time begins: each run has a clock of its own where they overlap
   std::vector<SensorGrowth> sensors;  ///< those that explain more first
 };
 

@@ -1,6 +1,7 @@
 // Growth at one target against temperatures: its coefficient and the lag, whichever of the two is late.
 #include "laser/analysis/growth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -57,6 +58,48 @@ TEST_CASE("a sensor that lags behind the growth has a negative lag") {
   const Growth growth = growth_in(warmed(0.0, 400.0));
   CHECK(growth.sensors[0].lag_s == Approx(-400.0).epsilon(0.1));
   CHECK(growth.sensors[0].per_degC == Approx(6.0).epsilon(0.02));
+}
+
+TEST_CASE("runs whose time begins again are no mixture: the lag is sought inside each") {
+  for (const bool numbered : {true, false}) {
+    MeasurementSet set;
+    for (int run = 1; run <= 3; ++run)
+      for (Reading reading : warmed(600.0, 0.0).readings) {
+        if (numbered) reading.run = run;
+        reading.error += 0.1 * run;
+        set.readings.push_back(reading);
+      }
+    const Growth growth = growth_in(set);
+    CHECK(growth.stretches == 3);
+    CHECK(growth.hours == Approx(2.0));
+    CHECK(growth.sensors[0].per_degC == Approx(6.0).epsilon(0.02));
+    CHECK(growth.sensors[0].lag_s == Approx(600.0).epsilon(0.1));
+    CHECK(growth.sensors[0].rms_left < 0.5);
+  }
+}
+
+TEST_CASE("runs that follow each other in time are one stretch, in whatever order their rows are") {
+  MeasurementSet set = warmed(600.0, 0.0);
+  for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].run = i < 100 ? 1 : 2;
+  const Growth growth = growth_in(set);
+  CHECK(growth.stretches == 1);
+  CHECK(growth.sensors[0].lag_s == Approx(600.0).epsilon(0.1));
+  std::mt19937 random(3);
+  std::shuffle(set.readings.begin(), set.readings.end(), random);
+  for (Reading& reading : set.readings) reading.run = 1;
+  CHECK(growth_in(set).stretches == 1);
+  CHECK(growth_in(set).sensors[0].lag_s == Approx(growth.sensors[0].lag_s));
+}
+
+TEST_CASE("two readings at one time do not add up in a lag") {
+  MeasurementSet set;
+  for (const Reading& reading : warmed(600.0, 0.0).readings)
+    for (const double off : {3.0, -3.0}) {
+      set.readings.push_back(reading);
+      set.readings.back().error += off;
+      set.readings.back().sensors_degC["t_spindle_degC"] += off;
+    }
+  for (const SensorGrowth& sensor : growth_in(set).sensors) CHECK(sensor.rms_left < 30.0);
 }
 
 TEST_CASE("several targets, or readings without times, are no growth at one target") {
