@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "laser/column_words.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::laser {
@@ -54,8 +55,9 @@ std::string set_error(Reading& reading, std::string_view cell) {
 }
 
 std::string set_approach(Reading& reading, std::string_view cell) {
-  const auto value = cell.empty() ? std::optional<int>(0) : integer_cell(cell);
-  if (!value || std::abs(*value) > 1) return expected("approach", "1, -1 or 0", cell);
+  const auto named = approach_named(cell);
+  const auto value = named ? std::optional(static_cast<int>(*named)) : integer_cell(cell);
+  if (!value || std::abs(*value) > 1) return expected("approach", "1, -1, 0, forward or reverse", cell);
   reading.approach = static_cast<Approach>(*value);
   return {};
 }

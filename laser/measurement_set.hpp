@@ -82,8 +82,8 @@ struct MeasurementSet {
 [[nodiscard]] bool is_sensor_column(std::string_view name);
 
 /// Reads the CSV form: `# key: value` lines, a header row, one row per reading. Columns by name in any order:
-/// axis, sense, reading are needed; x_mm y_mm z_mm a_deg b_deg c_deg (absent = 0), approach (absent or empty =
-/// unknown), run (= 1), time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct,
+/// axis, sense, reading are needed; x_mm y_mm z_mm a_deg b_deg c_deg (absent = 0), approach (empty = unknown, absent =
+/// by row order), run (= 1), time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct,
 /// t_<sensor>_degC, compensated are known; others are kept. CRLF, a byte order mark, blanks round fields and quoted
 /// fields are taken as they come, and semicolons or tabs between the fields, with decimal commas then. Refuses, every
 /// bad row at once with line and column: unknown axis or sense, text or NaN where a number belongs, approach other than

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "laser/column_words.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/time.hpp"
@@ -24,19 +24,6 @@ std::optional<UnitKind> kind_of(const Field& field) {
   if (field.rule.field == "pressure_hPa") return UnitKind::pressure;
   if (field.rule.field == "time_s") return UnitKind::time;
   return std::nullopt;
-}
-
-std::optional<Approach> approach_in(std::string_view cell) {
-  static const std::map<std::string, Approach, std::less<>> kWords{
-      {"1", Approach::forward},        {"+1", Approach::forward},      {"+", Approach::forward},
-      {"f", Approach::forward},        {"fwd", Approach::forward},     {"forward", Approach::forward},
-      {"up", Approach::forward},       {"pos", Approach::forward},     {"-1", Approach::reverse},
-      {"-", Approach::reverse},        {"r", Approach::reverse},       {"b", Approach::reverse},
-      {"rev", Approach::reverse},      {"reverse", Approach::reverse}, {"bwd", Approach::reverse},
-      {"backward", Approach::reverse}, {"down", Approach::reverse},    {"neg", Approach::reverse},
-      {"0", Approach::unknown},        {"", Approach::unknown}};
-  const auto found = kWords.find(lower(cell));
-  return found == kWords.end() ? std::nullopt : std::optional(found->second);
 }
 
 /// The cell in the unit used inside, before the rule's own factor and offset.
@@ -171,7 +158,7 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
     return {};
   }
   if (field.role == Role::approach) {
-    const auto approach = approach_in(cell);
+    const auto approach = approach_named(cell);
     if (!approach) return expected("1, -1, 0, forward or reverse");
     reading.approach = *approach;
     return {};

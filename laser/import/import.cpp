@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/units.hpp"
 #include "laser/import/at_rest.hpp"
 #include "laser/import/fields.hpp"
@@ -12,6 +13,7 @@
 #include "laser/import/registry.hpp"
 #include "laser/import/renishaw_file.hpp"
 #include "laser/import/set_up.hpp"
+#include "laser/measurement_checks.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -124,6 +126,8 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
     if (imported->set.readings.empty())
       return problem_at(file_name, 0, 0, "expected readings at rest, found none: give a greater --at-rest");
   }
+  if (imported)
+    if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
   if (imported && text->encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));
@@ -133,6 +137,9 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
 Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options) {
   const auto bytes = read_file(path);
   if (!bytes) return tl::unexpected(bytes.error());
+  if (!options.mapping && !options.matrix)
+    if (auto wrong = wrong_kind(FileKind::measurements, *bytes, path.string()))
+      return tl::unexpected(std::move(*wrong));
   return parse_any(*bytes, path.string(), options);
 }
 

@@ -53,8 +53,9 @@ struct ImportOptions {
   std::optional<double> at_rest_mm;      ///< only readings whose position stays within this while others are taken
   bool average = false;                  ///< readings taken at rest become one, their mean
   bool keep_set_up = false;              ///< of measured positions: shift and rotation stay in the errors
-  std::string note;                      ///< about the file, kept with what had to be assumed
-  std::size_t most_samples = 200'000;    ///< .rtx: longer captures are thinned to every n-th sample; at least 1
+  bool approach_unknown = false;  ///< of a measurement CSV without that column; false: from the order of its targets
+  std::string note;               ///< about the file, kept with what had to be assumed
+  std::size_t most_samples = 200'000;  ///< .rtx: longer captures are thinned to every n-th sample; at least 1
 };
 
 struct Imported {

@@ -5,6 +5,7 @@
 #include "base/text.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
+#include "laser/measurement_checks.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::laser {
@@ -34,8 +35,11 @@ extern const FileFormat kMeasurementCsv{
     .title = "measurement CSV",
     .sample = "x_axis.csv",
     .recognises = recognises_csv,
-    .read = [](std::string_view text, const std::string& file_name,
-               const ImportOptions&) { return parse_measurement_set(text, file_name); },
+    .read =
+        [](std::string_view text, const std::string& file_name, const ImportOptions& options) {
+          return options.approach_unknown ? parse_with_approach_open(text, file_name)
+                                          : parse_measurement_set(text, file_name);
+        },
     .written_extensions = {".csv"},
     .write = [](const MeasurementSet& set, const std::string&) -> Result<std::string> { return to_csv(set); },
     .units = ErrorUnits::fixed,

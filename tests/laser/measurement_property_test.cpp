@@ -11,7 +11,7 @@ using namespace ecs::laser;
 namespace {
 
 double number() {
-  return *rc::gen::map(rc::gen::arbitrary<int>(), [](int i) { return i / 997.0; });
+  return *rc::gen::map(rc::gen::arbitrary<int>(), [](int i) { return i / 9970.0; });  // within what a machine can have
 }
 
 std::optional<double> maybe_number() { return *rc::gen::arbitrary<bool>() ? std::optional(number()) : std::nullopt; }

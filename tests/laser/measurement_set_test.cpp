@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
+#include "laser/measurement_checks.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
@@ -98,7 +99,7 @@ TEST_CASE("every bad row is reported at once with line, column, expectation and 
   const std::vector<Expected> expected{{3, 1, "axis: expected X, Y, Z, A, B or C, found \"W\""},
                                        {4, 5, "sense: expected EX, EY, EZ (um) or EA, EB, EC (um/m), found \"EQ\""},
                                        {5, 8, "reading: expected a finite number, found \"nan\""},
-                                       {6, 12, "approach: expected 1, -1 or 0, found \"2\""},
+                                       {6, 12, "approach: expected 1, -1, 0, forward or reverse, found \"2\""},
                                        {7, 14, "run: expected an integer, found \"1.5\""},
                                        {8, 3, "x_mm: expected the target position of the moving axis, found nothing"},
                                        {9, 8, "decimal comma"}};
@@ -213,4 +214,107 @@ TEST_CASE("a set made in memory is written with the columns it needs") {
         "# machine: mill\n"
         "axis,x_mm,y_mm,z_mm,sense,reading,approach,run,load_kg,compensated,t_spindle_degC\n"
         "Y,0,-0.1,0,EC,2.5,1,3,120,1,31.5\n");
+}
+
+namespace {
+
+/// Approaches in the order of the file.
+std::vector<int> approaches_in(const std::string& text, bool order_gives_approach = true) {
+  const auto set =
+      order_gives_approach ? parse_measurement_set(text, "m.csv") : parse_with_approach_open(text, "m.csv");
+  REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
+  std::vector<int> approaches;
+  for (const Reading& reading : set->readings) approaches.push_back(static_cast<int>(reading.approach));
+  return approaches;
+}
+
+/// X to these targets in EX, without a column approach.
+std::string to_targets(const std::vector<double>& targets_mm, const std::string& more = "") {
+  std::string text = "axis,sense,reading,run,x_mm\n";
+  for (const double target_mm : targets_mm) text += "X,EX,5,1," + shortest(target_mm) + "\n";
+  return text + more;
+}
+
+}  // namespace
+
+TEST_CASE("without a column approach a run that goes both ways has it from the order of its targets, but the first") {
+  const std::string text = to_targets({0, 100, 200, 200, 100, 0});
+  CHECK(approaches_in(text) == std::vector<int>{0, 1, 1, -1, -1, -1});
+  const auto set = parse_measurement_set(text, "m.csv");
+  REQUIRE(set.has_value());
+  CHECK(contains(set->notes.front(), "no column approach: it is taken from the order of the targets, for 5 of 6"));
+  CHECK(contains(to_csv(*set), "approach"));
+}
+
+TEST_CASE("a next run begins with an unknown approach again") {
+  CHECK(approaches_in(to_targets({0, 100, 200, 100, 0}, "X,EX,5,2,0\nX,EX,5,2,100\nX,EX,5,2,0\n")) ==
+        std::vector<int>{0, 1, 1, -1, -1, 0, 1, -1});
+}
+
+TEST_CASE("passes one way, positions in no order and a place that trembles leave the approach unknown") {
+  CHECK(approaches_in(to_targets({0, 100, 200, 300})) == std::vector<int>(4, 0));
+  CHECK(approaches_in(to_targets({0, 100, 200, 300, 0, 100, 200, 300})) == std::vector<int>(8, 0));
+  CHECK(approaches_in(to_targets({0, 300, 100, 200, 50, 250})) == std::vector<int>(6, 0));
+  CHECK(approaches_in(to_targets({100, 100.0002, 99.9999, 100.0001, 99.9998})) == std::vector<int>(5, 0));
+}
+
+TEST_CASE("what an encoder reads at a stop again is no motion, and repeats at the turn are parted in two") {
+  CHECK(approaches_in(to_targets({0, 0.0001, 100, 99.9999, 200, 200.0001, 200, 199.9999, 100, 100.0001, 0, 0})) ==
+        std::vector<int>{0, 0, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1});
+  CHECK(approaches_in(to_targets({0, 0, 100, 100, 200, 200, 100, 100, 0, 0})) ==
+        std::vector<int>{0, 0, 1, 1, 1, 1, -1, -1, -1, -1});
+}
+
+TEST_CASE("an approach that the file states stays, 0 too, and it can be left unknown") {
+  CHECK(approaches_in("axis,sense,reading,x_mm,approach\nX,EX,5,0,0\nX,EX,5,9,0\nX,EX,5,0,\n") ==
+        std::vector<int>(3, 0));
+  const std::string text = to_targets({0, 100, 200, 100, 0});
+  CHECK(approaches_in(text, false) == std::vector<int>(5, 0));
+  const auto set = parse_with_approach_open(text, "m.csv");
+  REQUIRE(set.has_value());
+  CHECK(approaches_in(to_csv(*set)) == std::vector<int>(5, 0));  // written as said
+}
+
+TEST_CASE("a measurement CSV knows the words for the approach") {
+  const std::vector<std::pair<std::string, int>> words{{"forward", 1}, {"Reverse", -1}, {"fwd", 1}, {"rev", -1},
+                                                       {"+", 1},       {"-", -1},       {"up", 1},  {"down", -1}};
+  for (const auto& [word, approach] : words)
+    CHECK(approaches_in("axis,sense,reading,x_mm,approach\nX,EX,5,0," + word + "\n") == std::vector<int>{approach});
+}
+
+TEST_CASE("a circle states its own direction") {
+  std::string text = "axis,sense,reading,x_mm,y_mm,path\n";
+  for (const char* x : {"0", "50", "100", "50", "0"})
+    text += std::string("X,EX,5,") + x + ",0,circle XY radius 50 centre 50 0 0\n";
+  CHECK(approaches_in(text) == std::vector<int>(5, 0));
+}
+
+TEST_CASE("a target under another name is asked about in place of 0 everywhere") {
+  for (const std::string name : {"target_mm", "position_mm", "x", "X_mm", "Soll [mm]", "x_um"}) {
+    const Problem refused = refusal_of("axis,sense,reading," + name + "\nX,EX,5,0\nX,EX,6,100\n");
+    CHECK(refused.line == 1);
+    CHECK_MESSAGE(contains(refused.message, "expected a column x_mm"), refused.message);
+    CHECK_MESSAGE(contains(refused.message, "is \"" + name + "\" meant to be it?"), refused.message);
+  }
+  // an axis that stood still, and columns of another meaning
+  CHECK(parse_measurement_set("axis,sense,reading,target_mm\nX,EX,5,100\nX,EX,6,100\n", "m.csv").has_value());
+  CHECK(parse_measurement_set("axis,sense,reading,probe\nX,EX,5,1\nX,EX,6,2\n", "m.csv").has_value());
+  CHECK(parse_measurement_set("axis,sense,reading,x_mm,target\nX,EX,5,1,7\nX,EX,6,2,8\n", "m.csv").has_value());
+}
+
+TEST_CASE("readings and positions that no machine has are refused with line and limit") {
+  const Problem refused = refusal_of("axis,sense,reading,x_mm\nX,EX,1e300,0\nX,EX,1,4e9\nX,EA,9e7,1\nX,EX,9e6,-9e5\n");
+  CHECK(refused.line == 2);
+  CHECK(contains(refused.message, "reading: expected at most 1e+07 um either way, found 1e+300"));
+  REQUIRE(refused.also.size() == 2);
+  CHECK(refused.also[0].line == 3);
+  CHECK(contains(refused.also[0].message, "x_mm: expected at most 1e+06 mm either way, found 4e+09"));
+  CHECK(contains(refused.also[1].message, "um/m"));
+}
+
+TEST_CASE("readings that are all below 0.1 um are noted as perhaps mm") {
+  const auto set =
+      parse_measurement_set("axis,sense,reading,x_mm\nX,EX,0.025,0\nX,EX,-0.01,50\nX,EX,0.02,99\n", "m.csv");
+  REQUIRE(set.has_value());
+  CHECK(says(set->notes, "all readings are below 0.1 um, the largest is 0.025: are they in mm?"));
 }
