@@ -212,6 +212,10 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   options.target_unit = *target_unit;
   options.reading_unit = *reading_unit;
   options.mapping = std::move(*mapping);
+  if (options.mapping && options.mapping->rules.empty() && options.mapping->no_approach) {
+    options.approach_unknown = true;
+    options.mapping.reset();
+  }
   options.matrix = std::move(*matrix);
   if (!arguments.channels.empty()) {
     auto channels = laser::column_mapping(arguments.channels);

@@ -43,6 +43,7 @@ std::string take_unit(ColumnRule& rule, std::string_view& rest) {
 /// Takes "*factor" and "+offset" or "-offset".
 std::string take_scale(ColumnRule& rule, std::string_view rest) {
   const std::string found = std::string(rest);
+  rule.is_scaled = !rest.empty();
   if (rest.starts_with('*')) {
     rest = trimmed(rest.substr(1));
     std::size_t end = rest.find_first_of("+-", 1);
@@ -110,8 +111,8 @@ std::string rule_fault(ColumnRule& rule, std::string_view part) {
   return take_scale(rule, rest);
 }
 
-bool is_motion(const ColumnRule& rule, std::string_view field) {
-  return rule.field == field && rule.column == 0 && rule.heading == "motion";
+bool is_word(const ColumnRule& rule, std::string_view field, std::string_view word) {
+  return rule.field == field && rule.column == 0 && rule.heading == word;
 }
 
 }  // namespace
@@ -144,9 +145,11 @@ Result<ColumnMapping> column_mapping(std::string_view text) {
   if (!rules) return tl::unexpected(rules.error());
   ColumnMapping mapping;
   for (ColumnRule& rule : *rules) {
-    if (is_motion(rule, "approach"))
+    if (is_word(rule, "approach", "motion"))
       mapping.motion_approach = true;
-    else if (is_motion(rule, "run"))
+    else if (is_word(rule, "approach", "none"))
+      mapping.no_approach = true;
+    else if (is_word(rule, "run", "motion"))
       mapping.motion_run = true;
     else
       mapping.rules.push_back(std::move(rule));

@@ -22,6 +22,7 @@ struct ColumnRule {
   std::optional<Unit> unit;
   double factor = 1.0;  ///< after the unit
   double offset = 0.0;
+  bool is_scaled = false;  ///< a factor or an offset was given, be it *1: how the cells are converted is known
   friend bool operator==(const ColumnRule& a, const ColumnRule& b) {
     return a.field == b.field && a.column == b.column && a.columns == b.columns && a.heading == b.heading &&
            a.factor == b.factor && a.offset == b.offset;
@@ -47,6 +48,7 @@ enum class CellKind {
 struct ColumnMapping {
   std::vector<ColumnRule> rules;
   bool motion_approach = false;  ///< `approach=motion`: from the order of the targets
+  bool no_approach = false;      ///< `approach=none`: it stays unknown
   bool motion_run = false;       ///< `run=motion`: there and back is one run
   int skip_lines = 0;            ///< before the heading row, or the first row if there is no heading
   int most_rows = 0;             ///< 0: all
@@ -64,7 +66,7 @@ struct ColumnMapping {
 /// brackets stands in double quotes. Every wrong rule is named.
 [[nodiscard]] Result<std::vector<ColumnRule>> column_rules(std::string_view text);
 
-/// The rules of a mapping with `approach=motion` and `run=motion` set apart.
+/// The rules of a mapping with `approach=motion`, `approach=none` and `run=motion` set apart.
 [[nodiscard]] Result<ColumnMapping> column_mapping(std::string_view text);
 
 /// Reads "word date time any".
@@ -82,17 +84,24 @@ struct TableShape {
   std::size_t rows = 0;         ///< rows of numbers
   int first_row_line = 0;       ///< from 1
   int last_row_line = 0;
-  std::size_t lines_between = 0;      ///< lines among the rows that are neither rows nor comments nor empty
-  bool is_mixed = false;              ///< lines below the first row hold other numbers: tables of several kinds
-  int stretch_line = 0;               ///< where the longest stretch of rows begins
-  std::size_t stretch_rows = 0;       ///< how many rows it has
-  std::vector<std::string> headings;  ///< of the line above the first row, if it has as many words
+  std::size_t lines_between = 0;  ///< lines among the rows that are neither rows nor comments nor empty
+  bool is_mixed = false;          ///< lines below the first row hold other numbers: tables of several kinds
+  int stretch_line = 0;           ///< where the longest stretch of rows begins
+  std::size_t stretch_rows = 0;   ///< how many rows it has
+  std::vector<std::string>
+      headings;  ///< of the line above the first row, if it has as many words, with a line of units
   std::string first_row;
 };
 
 /// The rows like those of the longest stretch of rows: as many cells, at least half of them numbers. Comments and
 /// other lines between them do not end the table. Nothing if there is none.
 [[nodiscard]] std::optional<TableShape> table_shape(std::string_view text);
+
+/// The headings above a row: the line before it, a comment as well, if it has a word for each column; where these are
+/// nothing but units, each behind the heading above it, "Pos [mm]". Empty: there are none.
+/// @param first  index of the line of the row
+[[nodiscard]] std::vector<std::string> headings_above(const std::vector<std::string_view>& lines, std::size_t first,
+                                                      char delimiter, std::size_t columns);
 
 /// A line that begins with '#', '!' or '%', or holds nothing.
 [[nodiscard]] bool is_comment(std::string_view line);

@@ -16,8 +16,8 @@
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
+#include "laser/import/heading_units.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/motion.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/row_readings.hpp"
 #include "laser/import/rows.hpp"
@@ -189,6 +189,72 @@ void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLin
   if (left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", left_out));
 }
 
+/// The unit in which a field's cells are taken where its rule has none.
+std::optional<Unit> unit_taken(const Plan& plan, const Field& field) {
+  if (field.rule.unit) return field.rule.unit;
+  const bool positions = plan.values == TableValues::actual_positions;
+  if (field.role == Role::position || field.role == Role::measured) return unit_named("mm");
+  if (field.role == Role::angle) return unit_named("deg");
+  if (is_value(field.role)) {
+    const Sense own = plan.rotary ? Sense::EA : Sense::EX;
+    const bool turns = is_rotation(sense_named(field.rule.field).value_or(plan.sense.value_or(own)));
+    return unit_named(turns ? (positions ? "deg" : "um/m") : positions ? "mm" : "um");
+  }
+  if (is_sensor_column(field.rule.field)) return unit_named("degC");
+  if (field.rule.field == "pressure_hPa") return unit_named("hPa");
+  return field.rule.field == "time_s" ? unit_named("s") : std::nullopt;
+}
+
+bool is_same(const Unit& a, const Unit& b) { return a.kind == b.kind && a.factor == b.factor && a.offset == b.offset; }
+
+std::string column_text(const Field& field) {
+  return field.rule.column > 0 ? std::to_string(field.rule.column) : fmt::format("\"{}\"", field.rule.heading);
+}
+
+/// A mapping whose unit is another than that of the column's heading; a factor says that this is meant.
+void refuse_other_units(const Plan& plan, const std::vector<std::string>& headings, int line, Findings& findings) {
+  for (const Field& field : plan.fields) {
+    if (field.rule.is_scaled || field.index >= headings.size()) continue;
+    const auto stated = unit_in_heading(headings[field.index]);
+    const auto taken = unit_taken(plan, field);
+    if (!stated || !taken || is_same(*stated, *taken)) continue;
+    const bool could_be = stated->kind == taken->kind || is_value(field.role);
+    findings.add(
+        line, 1,
+        fmt::format("{}: the heading of column {}, {}, says {}, and the mapping takes {}: {}{}={}[{}]*1 if the "
+                    "heading is wrong",
+                    field.rule.field, field.index + 1, in_quotes(headings[field.index]), stated->name, taken->name,
+                    could_be ? fmt::format("give {}={}[{}], or ", field.rule.field, column_text(field), stated->name)
+                             : "give another column, or ",
+                    field.rule.field, column_text(field), taken->name));
+  }
+}
+
+/// Errors so small that they are rather mm than um, where neither the heading nor a factor says what they are.
+void refuse_tiny(const MeasurementSet& set, const Plan& plan, const std::vector<std::string>& headings, int line,
+                 Findings& findings) {
+  constexpr double kLeastLargest_um = 0.1;  // no machine tool is so good at every target
+  constexpr std::size_t kLeast = 3;
+  double largest = 0.0;
+  for (const Reading& reading : set.readings)
+    largest = std::max(largest, is_rotation(reading.sense) ? kLeastLargest_um : std::abs(reading.error));
+  if (plan.values == TableValues::actual_positions || set.readings.size() < kLeast || largest == 0.0 ||
+      largest >= kLeastLargest_um)
+    return;
+  const auto um = unit_named("um");
+  for (const Field& field : plan.fields) {
+    if (!is_value(field.role) || field.role == Role::measured) continue;
+    const auto taken = unit_taken(plan, field);
+    const bool stated = field.index < headings.size() && unit_in_heading(headings[field.index]);
+    if (field.rule.is_scaled || stated || !taken || !is_same(*taken, *um)) return;
+    findings.add(line, 1,
+                 fmt::format("{0}: all readings are below {1:g} um, the largest is {2:.3g}: are they in mm? Give "
+                             "{0}={3}[mm], or {0}={3}[um]*1 if they are um",
+                             field.rule.field, kLeastLargest_um, largest, column_text(field)));
+    return;
+  }
+}
+
 /// The rows of a log by channel.
 ChannelLog channels_in(const Plan& plan, const ColumnMapping& mapping, const TableLines& table, Findings& findings) {
   ChannelLog log;
@@ -245,6 +311,12 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
   std::string fault = take_units(plan, options);
   if (fault.empty()) fault = plan_fault(plan);
   if (!fault.empty()) return tl::unexpected(usage(file_name, fault));
+  std::vector<std::string> headings;
+  if (!table.rows.empty() && mapping.row_begins.empty())
+    headings = headings_above(lines_of(text), static_cast<std::size_t>(table.rows.front().number - 1),
+                              delimiter_of(mapping, text), table.rows.front().cells.size());
+  const int heading_line = table.rows.empty() ? 0 : std::max(1, table.rows.front().number - 1);
+  refuse_other_units(plan, headings, heading_line, findings);
   MeasurementSet set;
   set.source = file_name;
   int run = 1, block = 0, left_out = 0;
@@ -260,6 +332,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
                  left_out > 0
                      ? "expected numbers, found none"
                      : fmt::format("expected rows after line {}, found none", std::max(0, mapping.skip_lines)));
+  if (findings.empty()) refuse_tiny(set, plan, headings, table.rows.front().number, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   if (!channel->empty()) set.metadata.push_back({"channel", *channel});
   note_rows(set, options, table, left_out);

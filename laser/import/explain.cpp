@@ -26,7 +26,7 @@ struct Known {
   std::string_view is;
 };
 
-constexpr std::array<Known, 27> kKnown{{
+constexpr std::array<Known, 24> kKnown{{
     {":start2d",
      "an Aerotech two-axis correction table: what a control adds, not what was measured (`ecs export read` makes a map "
      "of it)"},
@@ -54,10 +54,7 @@ constexpr std::array<Known, 27> kKnown{{
     {"roundness deviation", "the Lissajous figure of an interferometer: radius over phase, no positions"},
     {"refractive", "a table about the refractive index: no readings of an axis are in it"},
     {"vacuum_wavelength_nm", "a table of the refractive index of air: no readings of an axis are in it"},
-    {"line,station_mm,reading", "readings along the lines of a surface: `ecs test flatness` reads them"},
     {"line,station,height_um", "heights of a surface: no readings of an axis are in it"},
-    {"angle_deg,deviation_um,direction", "a circular test: `ecs test circle` reads it"},
-    {"diagonal,position_mm,deviation_um", "a diagonal test: `ecs test diagonals` reads it"},
     {"nist/itl strd", "a reference problem of regression (NIST StRD): no readings of an axis are in it"},
     {"# source", "a description"},
     {"<html", "a web page"},

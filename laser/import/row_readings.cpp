@@ -10,8 +10,8 @@
 
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
-#include "laser/import/motion.hpp"
 #include "laser/import/time.hpp"
+#include "laser/motion.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -32,8 +32,14 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
   set.notes.push_back("approach and run from the order of the targets, as asked");
 }
 
-/// Readings of the same line, target and approach are runs one after the other.
+/// Readings of the same line, target and approach are runs one after the other. Where the axis never moves, readings
+/// one after the other are no runs.
 void number_runs(MeasurementSet& set) {
+  const auto elsewhere = std::find_if(set.readings.begin(), set.readings.end(), [&](const Reading& reading) {
+    return reading.position_mm != set.readings.front().position_mm ||
+           reading.angle_deg != set.readings.front().angle_deg;
+  });
+  if (elsewhere == set.readings.end()) return;
   std::map<std::tuple<Axis, Sense, Vector3, Vector3, Approach>, int> seen;
   bool repeated = false;
   for (Reading& reading : set.readings) {

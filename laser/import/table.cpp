@@ -3,8 +3,11 @@
 #include <array>
 #include <span>
 
+#include <fmt/format.h>
+
 #include "base/text.hpp"
 #include "laser/import/columns.hpp"
+#include "laser/import/heading_units.hpp"
 #include "laser/import/renishaw_file.hpp"
 #include "laser/units.hpp"
 
@@ -68,17 +71,12 @@ bool is_like(const std::vector<std::string_view>& cells, const std::vector<std::
   return true;
 }
 
-/// The line above the first row, a comment as well, if it has a word for each column.
-std::vector<std::string> headings_above(const std::vector<std::string_view>& lines, std::size_t first, char delimiter,
-                                        std::size_t columns) {
-  while (first-- > 0) {
-    std::string_view line = trimmed(lines[first]);
-    if (line.empty()) continue;
-    if (is_comment(line)) line.remove_prefix(std::min(line.find_first_not_of("#!%"), line.size()));
-    const auto cells = cells_of(line, delimiter);
-    if (cells.size() != columns || numbers_among(cells) > 0) return {};
-    return {cells.begin(), cells.end()};
-  }
+/// A cell of a line of units, "[mm]" or "mm"; the unit without brackets, or nothing.
+std::string_view bare_unit(std::string_view cell) {
+  const auto unit = unit_in_heading("in [" + std::string(cell) + "]");
+  if (unit) return cell;
+  if (cell.size() > 2 && (cell.front() == '[' || cell.front() == '(') && unit_in_heading("in " + std::string(cell)))
+    return trimmed(cell.substr(1, cell.size() - 2));
   return {};
 }
 
@@ -136,6 +134,34 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
     start = i + 1;
   }
   return cells;
+}
+
+std::vector<std::string> headings_above(const std::vector<std::string_view>& lines, std::size_t first, char delimiter,
+                                        std::size_t columns) {
+  std::vector<std::string_view> units;
+  while (first-- > 0) {
+    std::string_view line = trimmed(lines[first]);
+    if (line.empty()) continue;
+    if (is_comment(line)) line.remove_prefix(std::min(line.find_first_not_of("#!%"), line.size()));
+    const auto cells = cells_of(line, delimiter);
+    const bool fits = cells.size() == columns && numbers_among(cells) == 0;
+    const bool is_units = fits && std::any_of(cells.begin(), cells.end(), [](auto cell) { return !cell.empty(); }) &&
+                          std::all_of(cells.begin(), cells.end(), [](auto cell) {
+                            return cell.empty() || cell == "-" || !bare_unit(cell).empty();
+                          });
+    if (units.empty() && is_units) {
+      units = cells;
+      continue;
+    }
+    std::vector<std::string> headings;
+    if (fits) headings.assign(cells.begin(), cells.end());
+    if (headings.empty()) headings.assign(units.size(), "");
+    for (std::size_t i = 0; i < units.size(); ++i)
+      if (const auto unit = bare_unit(units[i]); !unit.empty())
+        headings[i] += fmt::format("{}[{}]", headings[i].empty() ? "" : " ", unit);
+    return headings;
+  }
+  return {units.begin(), units.end()};
 }
 
 std::optional<TableShape> table_shape(std::string_view text) {

@@ -10,9 +10,9 @@
 
 #include "base/text.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/motion.hpp"
 #include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
+#include "laser/motion.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
@@ -151,9 +151,54 @@ TEST_CASE("repeats without a run column are numbered, dates become seconds") {
   const auto set =
       read_table("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12.5,0,2\n", by_columns("date_time=1,x_mm=2,reading=3"));
   CHECK(*set.readings[1].time_s == Approx(1.5));
-  CHECK(read_table("0 1\n0 2\n", by_columns("x_mm=1,reading=2")).readings[1].run == 2);
+  CHECK(read_table("0 1\n5 3\n0 2\n", by_columns("x_mm=1,reading=2")).readings[2].run == 2);
   CHECK(*seconds_in("08.11.2022 14:07:19") - *seconds_in("2022-11-07T14:07:19Z") == Approx(86400.0));
   CHECK_FALSE(seconds_in("2022-13-07 14:07:19").has_value());
+}
+
+TEST_CASE("readings at the one place of a table are no runs") {
+  ImportOptions options = by_columns("reading=1");
+  options.axis = Axis::Z;
+  options.parked_stated[index_of(Axis::Z)] = true;
+  const auto set = read_table("1\n2\n3\n", options);
+  REQUIRE(set.readings.size() == 3);
+  for (const Reading& reading : set.readings) CHECK(reading.run == 1);
+  CHECK_FALSE(says(set.notes, "repeats at a target are numbered"));
+}
+
+TEST_CASE("a mapping with another unit than the heading is refused with what to give, and taken with a factor") {
+  const std::string text =
+      "Position [mm];Abweichung [mm];T (\xC2\xB0"
+      "C)\n0;0,0249;20\n100;-0,0102;20\n200;0,0040;20\n";
+  const std::string refused = refused_table(text, by_columns("x_mm=1[mm],reading=2[um],t_air_degC=3", 1));
+  CHECK(contains(refused,
+                 "table.txt:1:1: reading: the heading of column 2, \"Abweichung [mm]\", says mm, and the mapping "
+                 "takes um: give reading=2[mm], or reading=2[um]*1 if the heading is wrong"));
+  CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=\"Abweichung [mm]\"")),
+                 "give reading=\"Abweichung [mm]\"[mm], or"));
+  CHECK(contains(refused_table(text, by_columns("x_mm=3,reading=2[mm]", 1)), "give another column, or x_mm=3[mm]*1"));
+  CHECK(read_table(text, by_columns("x_mm=1,reading=2[mm]", 1)).readings[0].error == Approx(24.9));
+  CHECK(read_table(text, by_columns("x_mm=1,reading=2*1000", 1)).readings[0].error == Approx(24.9));
+  CHECK(read_table(text, by_columns("x_mm=1,reading=2[um]*1", 1)).readings[0].error == Approx(0.0249));
+}
+
+TEST_CASE("a line of units below the headings counts as theirs") {
+  const std::string text = "Position;Abweichung\nmm;mm\n0;0,1\n100;0,2\n200;0,3\n";
+  CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=2[um]", 2)), "\"Abweichung [mm]\", says mm"));
+}
+
+TEST_CASE("readings of a table that are all below 0.1 um are asked about where nothing says their unit") {
+  const std::string text = "0 0.025\n100 -0.01\n200 0.004\n";
+  CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=2")),
+                 "are they in mm? Give reading=2[mm], or reading=2[um]*1 if they are um"));
+  CHECK(read_table(text, by_columns("x_mm=1,reading=2[mm]")).readings[0].error == Approx(25.0));
+  CHECK(read_table(text, by_columns("x_mm=1,reading=2[um]*1")).readings[0].error == Approx(0.025));
+  CHECK(read_table("Weg [mm];Abw [um]\n0;0.025\n9;0\n99;0\n", by_columns("x_mm=1,reading=2", 1)).readings.size() == 3);
+}
+
+TEST_CASE("a table of no approach says so with none") {
+  const auto set = read_table("0 1\n100 2\n0 3\n", by_columns("x_mm=1,reading=2,approach=none"));
+  for (const Reading& reading : set.readings) CHECK(reading.approach == Approach::unknown);
 }
 
 TEST_CASE("rows of one channel: lines between them state the targets, other lines and words are counted") {

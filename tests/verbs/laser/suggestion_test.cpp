@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/catalogue.hpp"
+#include "laser/measurement_set.hpp"
 #include "tests/support/real_data.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -121,4 +122,55 @@ TEST_CASE("so does every further real file") {
   const Tried further = tried(root);
   CHECK(further.read + further.by_suggestion >= 35);
   CHECK(further.bad_cells == 0);
+}
+
+TEST_CASE("the unit of a heading is the unit of the suggestion, and what it reads is right when pasted") {
+  struct Table {
+    std::string text;
+    std::string suggested;  ///< the rules
+    double at_mm, error;    ///< of the second reading
+  };
+  const std::vector<Table> tables{
+      {"Lauf;Position [mm];Abweichung [mm]\n1;0;0,01\n1;100;0,02495\n2;0;0,012\n2;100;0,025\n1;200;0,01\n2;200;0,02\n",
+       "x_mm=2[mm],reading=3[mm],approach=motion,run=1", 100.0, 24.95},
+      {"Target (m)\tError (\xC2\xB5m)\n0.0\t1.5\n0.1\t-0.5\n0.2\t3\n", "x_mm=1[m],reading=2[um],approach=motion", 100.0,
+       -0.5},
+      {"Nr;Position_in;Fehler Zoll\n1;0,0;0,0001\n2;10,0;0,0002\n3;20,0;-0,0001\n",
+       "x_mm=2[in],reading=3[in],approach=motion", 254.0, 5.08},
+      {"Date;Heure;Cible [mm];\xC3\x89"
+       "cart [\xC2\xB5m];Temp. air [\xC2\xB0"
+       "C]\n2026-03-12;09:00:10;0;1,5;20,1\n"
+       "2026-03-12;09:01:10;100;2,5;20,2\n2026-03-12;09:02:10;200;3,5;20,3\n",
+       "x_mm=3[mm],reading=4[um],date_time=1..2,t_air_degC=5[degC]", 100.0, 2.5},
+      {"Y-Achse;Abw.\nmm;\xC2\xB5m\n0;1\n100;2\n200;3\n", "y_mm=1[mm],reading=2[um],approach=motion", 100.0, 2.0},
+      {"pos;dev\n0;0,01\n100;0,02\n200;0,03\n", "x_mm=1[mm],reading=2[mm],approach=motion", 100.0, 20.0},
+      {"Target mm|F1 (um)|B1 (um)\n0|1|4\n100|2|5\n200|3|6\n", "x_mm=1[mm],forward1=2[um],reverse1=3[um]", 0.0, 4.0},
+      {"run,sample,spindle_C,disp_um\n1,0,20.1,1\n1,1,21.5,2\n2,0,20.2,1\n2,1,21.7,2\n",
+       "reading=4[um],run=1,t_spindle_degC=3[degC]", 0.0, 2.0},
+  };
+  for (const Table& table : tables) {
+    const Folder folder;
+    const std::string file = folder.with("table.txt", table.text);
+    const std::string message = ran({"laser", "import", file}).messages;
+    CHECK_MESSAGE(contains(message, "--columns \"" + table.suggested + "\""), message);
+    std::vector<std::string> words{"laser", "import", file, "-o", folder / "out.csv"};
+    for (const std::string& word : suggested_options(message)) words.push_back(word);
+    const Ran imported = ran(words);
+    REQUIRE_MESSAGE(imported.code == 0, imported.messages);
+    const auto set = laser::read_measurement_set(folder / "out.csv");
+    REQUIRE(set.has_value());
+    CHECK(laser::target_mm(set->readings[1]) == doctest::Approx(table.at_mm));
+    CHECK(set->readings[1].error == doctest::Approx(table.error));
+  }
+}
+
+TEST_CASE("an angle against a linear axis is suggested as one, a turned axis in degrees by its letter") {
+  const Folder folder;
+  const auto advice = [&](const std::string& text) {
+    return ran({"laser", "import", folder.with("table.txt", text)}).messages;
+  };
+  CHECK(contains(advice("Position [mm];Nick [\xC2\xB5rad]\n0;1\n100;2\n200;4\n"),
+                 "--columns \"x_mm=1[mm],EB=2[urad],approach=motion\""));
+  CHECK(contains(advice("B-Achse [deg];Abweichung [arcsec]\n0;1\n90;2\n180;-1\n"),
+                 "--columns \"b_deg=1[deg],reading=2[arcsec],approach=motion\""));
 }
