@@ -1,14 +1,17 @@
 #include "base/file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nettle/sha2.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -39,13 +42,31 @@ bool write_all(int handle, std::string_view content) {
   return true;
 }
 
+/// "; it holds a.csv, b.csv and 3 more: give a file, as in DIR/a.csv", in the order of the names; empty: no files.
+std::string files_in_words(const std::filesystem::path& folder) {
+  constexpr std::size_t kShown = 6;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (const std::string name = entry.path().filename().string(); entry.is_regular_file(error) && name[0] != '.')
+      names.push_back(name);
+  std::sort(names.begin(), names.end());
+  if (names.empty()) return {};
+  const std::string first = (folder / names.front()).string();
+  const std::size_t more = names.size() - std::min(names.size(), kShown);
+  names.resize(names.size() - more);
+  return fmt::format("; it holds {}{}: give a file, as in {}", fmt::join(names, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "", first);
+}
+
 Result<std::string> read_from_disc(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status))
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "no such file"));
   if (std::filesystem::is_directory(status))
-    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "expected a file, found a directory"));
+    return tl::unexpected(
+        file_problem(ProblemKind::bad_input, path, "expected a file, found a directory" + files_in_words(path)));
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > kLargest)
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
   std::ifstream in(path, std::ios::binary);

@@ -11,7 +11,7 @@
 
 namespace ecs {
 
-/// The whole file. A directory, a missing or an unreadable file is a `bad_input` problem; above 256 MiB too.
+/// The whole file. A directory, of which files are named, a missing or unreadable file, above 256 MiB: `bad_input`.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path);
 
 /// Where a name leads: the target of a symbolic link, also one that does not exist yet; any other name, and a link that

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/plain_text.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 
 namespace ecs {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
@@ -355,7 +355,7 @@ Result<MachineFile> parse_machine(std::string_view text, const std::string& name
 }
 
 Result<MachineFile> read_machine(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::machine, path);
   if (!text) return tl::unexpected(text.error());
   return parse_machine(*text, path.string());
 }
@@ -381,7 +381,7 @@ Result<RotaryMachine> parse_rotary_machine(std::string_view text, const std::str
 }
 
 Result<RotaryMachine> read_rotary_machine(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::machine, path);
   if (!text) return tl::unexpected(text.error());
   return parse_rotary_machine(*text, path.string());
 }

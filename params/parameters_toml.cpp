@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
@@ -227,7 +228,7 @@ Result<ParametersFile> parse_parameters(std::string_view text, const std::string
 }
 
 Result<ParametersFile> read_parameters(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::parameters, path);
   if (!text) return tl::unexpected(text.error());
   return parse_parameters(*text, path.string());
 }

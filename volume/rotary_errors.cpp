@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/numbers.hpp"
 #include "base/text.hpp"
 #include "laser/csv_table.hpp"
@@ -217,7 +217,7 @@ Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::strin
 }
 
 Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file, const JointChain& chain) {
-  const auto text = read_file(file);
+  const auto text = read_file_of(FileKind::rotary_errors, file);
   if (!text) return tl::unexpected(text.error());
   return parse_rotary_errors(*text, file.string(), chain);
 }

@@ -1,6 +1,5 @@
 #include "commissioning/files/kind.hpp"
 
-#include <array>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -24,27 +23,14 @@ std::string beginning_of(const fs::path& path) {
   return text;
 }
 
-/// A line of the text begins with it.
-bool has_line(std::string_view text, std::string_view begin) {
-  return text.starts_with(begin) || text.find("\n" + std::string(begin)) != std::string_view::npos;
-}
-
-FileKind kind_of_toml(std::string_view text) {
-  if (has_line(text, "[[effect]]")) return FileKind::model;
-  if (has_line(text, "[configuration]")) return FileKind::parameters;
-  if (has_line(text, "configuration =") && has_line(text, "[axis.")) return FileKind::machine;
-  return FileKind::other;
-}
-
 /// What the beginning alone decides.
 FileKind kind_of_beginning(const fs::path& path, std::string_view text) {
-  if (text.starts_with("ECSDUMP ")) return FileKind::memory;
-  if (path.extension() == ".toml") return kind_of_toml(text);
   if (path.extension() == ".nc") return FileKind::part_program;
-  if (text.starts_with("{") && text.find("\"ecs_status\"") != std::string_view::npos) return FileKind::status;
-  if (has_line(text, "# sample_period_us:") && has_line(text, "# um_per_count:")) return FileKind::datum_record;
-  if (has_line(text, "# set_up: ") && has_line(text, "# tool: ")) return FileKind::lengths;
-  return FileKind::other;
+  const FileKind kind = kind_of_content(text);
+  const bool is_whole = kind == FileKind::model || kind == FileKind::parameters || kind == FileKind::machine ||
+                        kind == FileKind::status || kind == FileKind::datum_record || kind == FileKind::lengths ||
+                        (kind == FileKind::memory && text.find('\0') == std::string_view::npos);
+  return is_whole ? kind : FileKind::other;
 }
 
 FileLook look_at_measurements(const fs::path& path) {
@@ -64,13 +50,6 @@ FileLook look_at_measurements(const fs::path& path) {
 }
 
 }  // namespace
-
-std::string_view name_of(FileKind kind) {
-  static constexpr std::array<std::string_view, 11> kNames{
-      "measurements",   "model",           "error map",    "parameters", "machine", "memory of a unit",
-      "datum sequence", "state of a unit", "part program", "lengths",    "file"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
 
 FileLook looked_at(const fs::path& path) {
   const std::string beginning = beginning_of(path);

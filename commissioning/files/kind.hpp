@@ -1,29 +1,12 @@
 // What a file is, by what is in it: for choosing among files, and for opening whatever is given.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
-#include <vector>
+
+#include "base/file_kind.hpp"
 
 namespace ecs::commissioning {
-
-enum class FileKind : std::uint8_t {
-  measurements,  ///< of any instrument
-  model,
-  map,
-  parameters,
-  machine,
-  memory,        ///< a dump of a unit, or a memory image
-  datum_record,  ///< a datum sequence
-  status,        ///< the saved state of a unit
-  part_program,
-  lengths,  ///< measured, or a plan of them (docs/identification.md)
-  other,
-};
-/// "measurements", "model", "error map", …
-[[nodiscard]] std::string_view name_of(FileKind kind);
 
 /// What is known of a file after a look into it.
 struct FileLook {

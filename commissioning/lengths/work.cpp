@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "laser/measured_machine.hpp"
@@ -123,7 +124,7 @@ Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
     settings.zero[index_of(zero->component)] = true;
     work.zero.push_back(*zero);
   }
-  const auto text = read_file(arguments.file);
+  const auto text = read_file_of(FileKind::lengths, arguments.file);
   if (!text) return tl::unexpected(text.error());
   auto test = model::parse_lengths(*text, arguments.file);
   if (!test) return tl::unexpected(test.error());

@@ -10,9 +10,9 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/file_watch.hpp"
 #include "base/overwriting.hpp"
-#include "base/plain_text.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/map/recipe.hpp"
@@ -92,7 +92,7 @@ Result<std::vector<PlannedMeasurement>> parse_plan(std::string_view text, const 
 }
 
 Result<std::vector<PlannedMeasurement>> read_plan(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::plan, path);
   if (!text) return tl::unexpected(text.error());
   return parse_plan(*text, path.string());
 }

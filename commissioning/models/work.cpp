@@ -8,7 +8,9 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/file_watch.hpp"
+#include "commissioning/measurements/given_files.hpp"
 #include "commissioning/models/path_files.hpp"
 #include "laser/measured_machine.hpp"
 #include "model/regression/candidates.hpp"
@@ -68,6 +70,14 @@ Result<laser::MeasurementSet> read_lines(const std::string& file, const ImportAr
   return std::move(read->set);
 }
 
+/// The first of the files that is a model; empty: none is.
+std::string model_among(const std::vector<std::string>& files) {
+  constexpr std::size_t kBeginning = 64U << 10;
+  for (const std::string& file : files)
+    if (kind_of_content(head_of(file, kBeginning)) == FileKind::model) return file;
+  return {};
+}
+
 /// A path along an axis that the machine does not have.
 std::optional<Problem> of_other_machine(const model::Observations& data, const std::vector<std::string>& files) {
   for (const model::Path& path : data.paths)
@@ -106,8 +116,12 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
 
 }  // namespace
 
-Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
+Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& words,
                                           const ImportArguments& import) {
+  const auto given = given_files(words, true);
+  if (!given) return tl::unexpected(given.error());
+  for (const std::string& note : given->notes) messages.note(note);
+  const std::vector<std::string>& files = given->files;
   std::vector<laser::MeasurementSet> sets, paths;
   int rows = 0;
   ImportArguments any_axis = import;
@@ -144,6 +158,10 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
 
 Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& arguments) {
   auto model = model::read_model(arguments.model);
+  if (!model && !model_among(arguments.data).empty())
+    return problem(ProblemKind::usage, fmt::format("MODEL and DATA are swapped: {} is a model and {} is none; give the "
+                                                   "model first, then the measurements",
+                                                   model_among(arguments.data), arguments.model));
   if (!model) return tl::unexpected(model.error());
   auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "laser/standards/circle_file.hpp"
 
 namespace ecs::commissioning {
@@ -24,7 +24,7 @@ Result<std::array<std::vector<double>, 2>> pitches_of(const params::Machine& mac
 }  // namespace
 
 Result<CircleWork> circle_work(const std::filesystem::path& file, const params::Machine* machine) {
-  const auto text = read_file(file);
+  const auto text = read_file_of(FileKind::circle_test, file);
   if (!text) return tl::unexpected(text.error());
   auto test = laser::parse_circle_test(*text, file.string());
   if (!test) return tl::unexpected(test.error());

@@ -5,7 +5,7 @@
 #include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/plain_text.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"

@@ -8,8 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-#include "base/plain_text.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "laser/csv_line.hpp"
 #include "laser/findings.hpp"
@@ -217,7 +216,7 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
 }
 
 Result<ErrorMap> read_map_csv(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::map, path);
   if (!text) return tl::unexpected(text.error());
   return parse_map_csv(*text, path.string());
 }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/date.hpp"
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/findings.hpp"
 
@@ -166,7 +166,7 @@ Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& fil
 }
 
 Result<MapRecipe> read_map_recipe(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::recipe, path);
   if (!text) return tl::unexpected(text.error());
   return parse_map_recipe(*text, path.string(), path.parent_path());
 }

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/plain_text.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "laser/csv_line.hpp"
 #include "model/fit/statistics.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/csv_columns.hpp"
@@ -447,7 +447,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
 }
 
 Result<Model> read_model(const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_file_of(FileKind::model, path);
   if (!text) return tl::unexpected(text.error());
   return parse_model(*text, path.string(), path.parent_path());
 }

@@ -109,6 +109,10 @@ TEST_CASE("a path that is not a file is a bad input with the file's name") {
   CHECK(missing.error().kind == ProblemKind::bad_input);
   CHECK(to_text(missing.error()) == (folder.path / "missing").string() + ": no such file");
   CHECK(read_file(folder.path).error().message == "expected a file, found a directory");
+  for (const char* name : {"b.csv", "a.csv", ".hidden"}) CHECK(write_file(folder.path / name, "1").has_value());
+  CHECK(read_file(folder.path).error().message ==
+        "expected a file, found a directory; it holds a.csv, b.csv: give a file, as in " +
+            (folder.path / "a.csv").string());
 }
 
 TEST_CASE("a file above 256 MiB is not read, nor one that never ends") {

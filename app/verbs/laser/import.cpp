@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
+#include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 #include "laser/import/registry.hpp"
 
@@ -78,12 +79,15 @@ Result<void> write_set(const std::string& output, const laser::MeasurementSet& s
   return write_file(output, *content);
 }
 
-Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
-  if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
+Result<Outcome> import(VerbContext& context, const FileImportArguments& arguments) {
+  const auto given = given_files(arguments.files);
+  if (!given) return tl::unexpected(given.error());
+  for (const std::string& note : given->notes) context.console.note(note);
+  if (const auto distinct = check_output_not_input(arguments.output, given->files); !distinct)
     return tl::unexpected(distinct.error());
   std::vector<laser::MeasurementSet> sets;
   Cell files{Json::array(), {}};
-  for (const std::string& file : arguments.files) {
+  for (const std::string& file : given->files) {
     auto imported = read_measurements(file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
     files.add(file_cell(file, *imported));

@@ -15,6 +15,7 @@
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
+#include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/growth.hpp"
 #include "laser/analysis/iso230.hpp"
@@ -128,8 +129,10 @@ Cell growth_cell(const MeasuredLine& line) {
   const auto growth = laser::growth_of(line.set, line.group);
   if (!growth) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
-  std::string text = fmt::format("  growth at one target in {:.2f} h: {:.2f} {}, {:.2f} {} in the last hour\n",
-                                 growth->hours, growth->range, unit, growth->range_last_hour, unit);
+  std::string text =
+      fmt::format("  growth at one target in {:.2f} h{}: {:.2f} {}, {:.2f} {} in the last hour\n", growth->hours,
+                  growth->stretches > 1 ? fmt::format(" (the longest of {} runs)", growth->stretches) : "",
+                  growth->range, unit, growth->range_last_hour, unit);
   Json sensors = Json::array();
   for (const laser::SensorGrowth& one : growth->sensors) {
     sensors.push_back({{"sensor", one.sensor},
@@ -143,6 +146,7 @@ Cell growth_cell(const MeasuredLine& line) {
   return {{{"hours", number_or_null(growth->hours)},
            {"range", number_or_null(growth->range)},
            {"range_last_hour", number_or_null(growth->range_last_hour)},
+           {"stretches", growth->stretches},
            {"sensors", std::move(sensors)}},
           std::move(text)};
 }
@@ -271,8 +275,11 @@ std::vector<JoinedFiles> joined_by_machine(const std::vector<laser::MeasurementS
 }
 
 Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
+  const auto given = given_files(arguments.files);
+  if (!given) return tl::unexpected(given.error());
+  for (const std::string& note : given->notes) context.console.note(note);
   std::vector<laser::MeasurementSet> sets;
-  for (const std::string& file : arguments.files) {
+  for (const std::string& file : given->files) {
     auto imported = read_with_notes(context, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
     if (imported->set.readings.empty())

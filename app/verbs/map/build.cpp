@@ -18,6 +18,7 @@
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "commissioning/measurements/given_files.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
@@ -68,8 +69,9 @@ Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& 
     if (!recipe) return tl::unexpected(recipe.error());
     return Recipe{std::move(*recipe), arguments.files.front(), {}};
   }
-  auto suggested =
-      laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters, arguments.reader());
+  const auto given = given_files(arguments.files);
+  if (!given) return tl::unexpected(given.error());
+  auto suggested = laser::suggest_recipe({given->files.begin(), given->files.end()}, parameters, arguments.reader());
   if (!suggested) return tl::unexpected(suggested.error());
   return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
 }

@@ -5,7 +5,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 
 namespace ecs::app {
 namespace {
@@ -59,7 +59,7 @@ std::string body_text(const laser::DiagonalResults& results) {
 }
 
 Result<Outcome> diagonals(VerbContext&, const DiagonalArguments& arguments) {
-  const auto text = read_file(arguments.file);
+  const auto text = read_file_of(FileKind::diagonal_test, arguments.file);
   if (!text) return tl::unexpected(text.error());
   const auto test = laser::parse_diagonals(*text, arguments.file);
   if (!test) return tl::unexpected(test.error());

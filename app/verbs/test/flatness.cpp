@@ -7,6 +7,7 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "laser/standards/plate.hpp"
 
 namespace ecs::app {
@@ -81,7 +82,7 @@ Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
 }
 
 Result<Outcome> flatness(VerbContext&, const FlatnessArguments& arguments) {
-  const auto text = read_file(arguments.file);
+  const auto text = read_file_of(FileKind::surface, arguments.file);
   if (!text) return tl::unexpected(text.error());
   const auto readings = laser::parse_plate_readings(*text, arguments.file);
   if (!readings) return tl::unexpected(readings.error());
