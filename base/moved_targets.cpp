@@ -26,6 +26,20 @@ double share_of(std::uint64_t line, std::size_t target) {
   return static_cast<double>(static_cast<std::int64_t>(mixed(line + target))) / 9223372036854775808.0;
 }
 
+/// Whether targets on a grid were laid out on it. All numbers are on the grid of their last digit: there neighbours are
+/// far apart, beyond the 25 turns from one to the next up to which periods are sought (half a step is one), or seldom a
+/// single step. On a line with a part in finer steps they are within that.
+/// @param targets_mm  ascending, on the grid
+bool is_layout(const std::vector<double>& targets_mm, double step_mm) {
+  constexpr double kMostSteps = 50.0, kLeastOfOneStep = 0.25;
+  const auto gaps = static_cast<double>(targets_mm.size() - 1);
+  if (targets_mm.back() - targets_mm.front() > kMostSteps * step_mm * gaps) return false;
+  double single = 0.0;
+  for (std::size_t i = 1; i < targets_mm.size(); ++i)
+    if (std::round((targets_mm[i] - targets_mm[i - 1]) / step_mm) == 1.0) single += 1.0;
+  return single >= kLeastOfOneStep * gaps;
+}
+
 }  // namespace
 
 std::optional<double> even_step_mm(std::vector<double> targets_mm) {
@@ -43,7 +57,7 @@ std::optional<double> even_step_mm(std::vector<double> targets_mm) {
     const double steps = (target_mm - targets_mm.front()) / step_mm;
     return std::abs(steps - std::round(steps)) <= kOff;
   });
-  return even ? std::optional(step_mm) : std::nullopt;
+  return even && is_layout(targets_mm, step_mm) ? std::optional(step_mm) : std::nullopt;
 }
 
 std::vector<double> moved_targets(std::vector<double> targets_mm) {

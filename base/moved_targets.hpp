@@ -8,7 +8,7 @@
 namespace ecs {
 
 /// Step [mm] of the even grid that holds all targets, within a fiftieth of it; nothing for fewer than three targets or
-/// uneven ones.
+/// uneven ones. The last digit with which uneven targets are written is no such grid.
 /// @param targets_mm  in any order; equal ones count once
 [[nodiscard]] std::optional<double> even_step_mm(std::vector<double> targets_mm);
 

@@ -57,4 +57,18 @@ TEST_CASE("targets with gaps are even where they lie on one grid") {
   CHECK(even_step_mm({0.0, 25.0001, 50.0, 74.9999}).value() == Approx(25.0).epsilon(0.001));
   CHECK(!even_step_mm({0.0, 50.0, 105.0}));
   CHECK(!even_step_mm({0.0, 50.0}));
+  std::vector<double> finer_at_one_end = even(0.0, 50.0, 21);
+  for (const double target_mm : even(0.0, 2.0, 11)) finer_at_one_end.push_back(target_mm);
+  CHECK(even_step_mm(finer_at_one_end).value() == Approx(2.0));
+}
+
+TEST_CASE("uneven targets written to a micrometre are not even at a micrometre") {
+  auto three_lines = moved_targets(even(0.0, 50.0, 20));
+  for (const double first_mm : {10.0, 20.0})
+    for (const double target_mm : moved_targets(even(first_mm, 50.0, 20))) three_lines.push_back(target_mm);
+  three_lines.push_back(three_lines[5] + 0.001);
+  CHECK(!even_step_mm(three_lines));
+  std::vector<double> on_the_fly{0.0};  // steps of 3 to 12 um, one of them of 1 um
+  for (int i = 1; i < 2000; ++i) on_the_fly.push_back(on_the_fly.back() + 0.001 * (i == 7 ? 1 : 3 + i * i % 10));
+  CHECK(!even_step_mm(on_the_fly));
 }
