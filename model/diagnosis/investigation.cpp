@@ -321,6 +321,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   base.residual = base.core.residual;
   for (std::size_t s = 0; s < assembly->slots.size(); ++s) {
     const Slot& slot = assembly->slots[s];
+    if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
     if (slot.is_sought(regressors.motions())) {
       base.own.push_back(s);
       continue;
@@ -366,7 +367,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
-  const std::vector<EffectInstance> others_than_own = others_than(own, candidates);
+  const std::vector<EffectInstance> others_than_own = others_than(base.at_limit, others_than(own, candidates));
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_of(data, base.residual, smooth_columns(data), found.left_out);

@@ -26,10 +26,11 @@ inline constexpr double kProved = 100.0;
 
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {
-  Eigen::MatrixXd columns;       ///< of the fitted sizes and nonlinear parameters, without those of `own`
-  std::vector<std::size_t> own;  ///< effects of the model whose searched parameter is free, with nothing held
-  Eigen::VectorXd target;        ///< readings less the part held
-  Eigen::VectorXd residual;      ///< of the fit
+  Eigen::MatrixXd columns;               ///< of the fitted sizes and nonlinear parameters, without those of `own`
+  std::vector<std::size_t> own;          ///< effects of the model whose searched parameter is free, with nothing held
+  std::vector<EffectInstance> at_limit;  ///< effects of the model held at the limit of their range: no candidates
+  Eigen::VectorXd target;                ///< readings less the part held
+  Eigen::VectorXd residual;              ///< of the fit
   CoreFit core;
 };
 

@@ -90,7 +90,7 @@ bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other)
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
-/// explain anything, and so do three drifts of the same sense.
+/// explain anything, and so do three drifts of the same sense; a size outside its physical range is another cause.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
@@ -118,7 +118,7 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
     if (alike > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
-  return true;
+  return search.in_ranges(chosen);
 }
 
 /// Whether a shape replaces another because it is the same, not because it bends to anything: at most one free

@@ -27,8 +27,6 @@ EffectDefinition air_refraction() {
       .preference = 90,
       .columns = [](const ReadingAt& at,
                     std::span<double> row) { row[0] = at.p_m() * air_deviation_ppm(at.data, at.k); },
-      .least_coefficient = -0.2,
-      .greatest_coefficient = 2.2,
       .along_axis = [](const Site& site) { return site.once(site.is_positioning()); },
   };
 }

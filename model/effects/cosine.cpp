@@ -19,7 +19,6 @@ EffectDefinition cosine() {
       .traits = {.until_new_set_up = true, .of_measurement = true},
       .preference = 80,
       .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = -5e-4 * at.p_mm(); },
-      .least_coefficient = 0.0,
       .along_axis = [](const Site& site) { return site.once(site.is_positioning()); },
   };
 }

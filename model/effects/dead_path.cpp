@@ -31,8 +31,6 @@ EffectDefinition dead_path() {
       .needs = {Need::air},
       .preference = 130,
       .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = air_deviation_ppm(at.data, at.k); },
-      .least_coefficient = -11.0,
-      .greatest_coefficient = 11.0,
       .of_sense = [](const Site& site) { return site.once(!is_rotation(site.sense)); },
   };
 }

@@ -40,7 +40,7 @@ struct ParameterDefinition {
   std::string_view unit;  ///< "" for a pure number
   std::string_view meaning;
   Coding coding = Coding::coefficient;
-  std::optional<ValueRange> limits{};  ///< physical range; absent: any value
+  std::optional<ValueRange> limits{};  ///< physical range, kept by search and fit; absent: any value
   double neutral = 0.0;                ///< value at which the effect contributes nothing
 };
 
@@ -246,8 +246,6 @@ struct EffectDefinition {
   /// Columns that may be used together; empty: all. The second where the axis is not the natural one of the sense.
   std::vector<std::vector<std::ptrdiff_t>> column_sets{};
   std::vector<std::vector<std::ptrdiff_t>> column_sets_elsewhere{};
-  /// Range in which a search keeps a single coefficient; wider than the physical one by what noise may add.
-  std::optional<double> least_coefficient{}, greatest_coefficient{};
   SearchDefinition search{};
 
   // Where it may be a candidate; `needs` are met already.
@@ -259,6 +257,8 @@ struct EffectDefinition {
   [[nodiscard]] std::string_view searched_parameter() const;
   /// Number of linear coefficients; of a curve 0.
   [[nodiscard]] std::size_t column_count() const;
+  /// Physical range of linear coefficient j, from the limits of its parameter; nothing: any value.
+  [[nodiscard]] std::optional<ValueRange> coefficient_range(std::size_t j) const;
   [[nodiscard]] bool has_need(Need need) const;
   /// Acts where people set feed, load or the map, from one run to the next: that it coincides with runs is no fault.
   [[nodiscard]] bool is_set_by_hand() const {

@@ -115,6 +115,12 @@ void Assembly::renew(std::size_t s, const Regressors& regressors) {
   slot.held_sizes = VectorXd::Zero(all.of.cols());
   std::vector<Index> free;
   for (Index j = 0; j < all.of.cols(); ++j) {
+    const auto limit = slot.at_limit.find(j);
+    if (limit != slot.at_limit.end()) {
+      slot.held_sizes(j) = limit->second;
+      slot.fixed += limit->second * all.of.col(j);
+      continue;
+    }
     const auto held =
         slot.effect.traits().is_curve ? std::nullopt : held_coefficient(slot.effect, static_cast<std::size_t>(j));
     if (held) {

@@ -2,6 +2,7 @@
 // Internal to model/ (Eigen). Does not live here: noise (noise.hpp), solving (fit.cpp).
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ struct Slot {
   std::vector<double> nonlinear;                         ///< values of the nonlinear parameters, given ones included
   std::vector<bool> nonlinear_free;                      ///< as many
   std::vector<Eigen::Index> used;                        ///< which of the effect's columns are fitted
+  std::map<Eigen::Index, double> at_limit;               ///< columns held at a limit of their range, with it
   std::optional<UserFormulas> formulas;                  ///< of a user effect
   std::vector<std::size_t> user_linear, user_nonlinear;  ///< places in effect.user
 

@@ -434,6 +434,46 @@ MatrixXd smooth_columns(const Observations& data) {
   return matrix;
 }
 
+namespace {
+
+/// Holds coefficients that the readings determine outside their physical range at its limit: beyond, the effect is
+/// another one (active set: Nocedal and Wright 2006, 16.5). Whether there was one.
+bool hold_at_limits(Assembly& assembly, const Regressors& regressors, const Solved& now) {
+  std::vector<std::size_t> changed;
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    Slot& slot = assembly.slots[s];
+    if (slot.formulas || slot.effect.traits().is_curve) continue;
+    const std::size_t had = slot.at_limit.size();
+    for (std::size_t i = 0; i < slot.used.size(); ++i) {
+      const auto range = slot.effect.definition().coefficient_range(static_cast<std::size_t>(slot.used[i]));
+      const Index column = assembly.first_column(s) + static_cast<Index>(i);
+      if (!range || now.undetermined[static_cast<std::size_t>(column)]) continue;
+      const double limit = std::clamp(now.sizes(column), range->least, range->greatest);
+      if (limit != now.sizes(column)) slot.at_limit[slot.used[i]] = limit;
+    }
+    if (slot.at_limit.size() > had) changed.push_back(s);
+  }
+  for (const std::size_t s : changed) assembly.renew(s, regressors);
+  return !changed.empty();
+}
+
+void release_limits(Assembly& assembly, const Regressors& regressors) {
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    if (assembly.slots[s].at_limit.empty()) continue;
+    assembly.slots[s].at_limit.clear();
+    assembly.renew(s, regressors);
+  }
+}
+
+Solved refined_in_ranges(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+  release_limits(assembly, regressors);
+  Solved now = refined(assembly, regressors, whitener);
+  while (hold_at_limits(assembly, regressors, now)) now = refined(assembly, regressors, whitener);
+  return now;
+}
+
+}  // namespace
+
 CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptions& options) {
   const Observations& data = regressors.data();
   const VectorXd y = readings_of(data);
@@ -456,7 +496,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     if (round == 0) start_nonlinear(assembly, regressors, whitener);
     if (round == 0 && !options.all_curve_functions && !options.plain)
       choose_curve_functions(assembly, regressors, whitener);
-    now = refined(assembly, regressors, whitener);
+    now = refined_in_ranges(assembly, regressors, whitener);
     residual = y - assembly.fixed(data.size());
     const MatrixXd columns = assembly.columns();
     if (columns.cols() > 0) residual -= columns * now.sizes;
@@ -473,7 +513,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out).pure.noise_um;
   }
   const Whitener whitener(data, core.noise, core.left_out);
-  if (options.plain) now = refined(assembly, regressors, whitener);
+  if (options.plain) now = refined_in_ranges(assembly, regressors, whitener);
   core.sizes = now.sizes;
   core.covariance = covariance_of(assembly, regressors, whitener, now) * std::max(1.0, now.chi2 / freedom);
   core.undetermined = now.undetermined;

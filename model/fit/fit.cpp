@@ -176,6 +176,8 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     }
     fit.parameters = parameters_from(slot.effect, all.sizes, all.covariance, nonlinear, sigma);
     name_held(fit.parameters, slot.effect);
+    if (!slot.at_limit.empty())
+      for (ParameterEstimate& estimate : fit.parameters) estimate.sigma = std::nullopt;
   }
   fit.effect.undetermined.reset();
   bool undetermined =
@@ -278,6 +280,12 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
       fit.notes.push_back(fmt::format("{}: {} of {} readings skipped, they lack {}", to_text(slot.effect),
                                       slot.acting.skipped, slot.acting.skipped + slot.acting.readings.size(),
                                       slot.acting.lacking));
+    if (!slot.at_limit.empty())
+      fit.notes.push_back(fmt::format(
+          "{}: {} is at the limit of its physical range, {:g}{}{}. The readings ask for a size "
+          "beyond it: that part has another cause",
+          to_text(slot.effect), fit.effects[s].parameters.front().name, fit.effects[s].parameters.front().value,
+          fit.effects[s].parameters.front().unit.empty() ? "" : " ", fit.effects[s].parameters.front().unit));
     if (slot.acting.rows.empty() && slot.acting.skipped == 0)
       fit.notes.push_back(fmt::format("{}: acts on none of these readings", to_text(slot.effect)));
   }

@@ -64,12 +64,11 @@ void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z
   }
 }
 
-/// A single coefficient at its best inside the physical range.
-double gain_inside(const Family& family, const Step& only) {
-  double c = only.right / only.square;
-  const double free = c;
-  if (family.least) c = std::max(c, *family.least);
-  if (family.greatest) c = std::min(c, *family.greatest);
+/// A single coefficient at its best inside the physical range; below 0 where noise does not put it so far outside.
+double gain_inside(const ValueRange& range, const Step& only) {
+  constexpr double kByNoise = 9.0;  // of a fall of χ²: three standard deviations
+  const double free = only.right / only.square, c = std::clamp(free, range.least, range.greatest);
+  if ((free - c) * (free - c) * only.square > kByNoise) return -1.0;
   return c * only.square * (2.0 * free - c);
 }
 
@@ -112,8 +111,8 @@ Gain best_gain(const Family& family, const std::vector<std::vector<Index>>& vari
     else
       for_each_step<Eigen::Dynamic>(gram, z, variant, original, absorbed, each);
     if (last.free == 0) continue;
-    const bool bounded = variant.size() == 1 && (family.least || family.greatest);
-    const double gain = bounded ? gain_inside(family, last) : last.gain;
+    const double gain = variant.size() == 1 && family.range ? gain_inside(*family.range, last) : last.gain;
+    if (gain < 0.0) continue;
     // a wave has its amplitude and phase even where the targets show little of one
     const std::size_t priced = traits.periodic ? variant.size() : last.free;
     const double score = gain - price.of(priced);

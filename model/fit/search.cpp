@@ -167,8 +167,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
       family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.motions()).size()) *
                            (family.ln_readings + 2.0 * std::log(kUserTrials));
     family.lever_varies = regressors_.lever_varies(effect);
-    family.least = definition.least_coefficient;
-    family.greatest = definition.greatest_coefficient;
+    if (definition.column_count() == 1) family.range = definition.coefficient_range(0);
     if (definition.place == Place::map || regressors_.data().moved) {
       const Columns columns =
           regressors_.columns(effect, family.grid.empty() ? family.facts.front() : family.grid.front(), family.acting);
@@ -317,6 +316,16 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
     solution.cost += choice.cost;
   }
   return solution;
+}
+
+bool Search::in_ranges(const std::vector<Choice>& chosen) const {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!families_[chosen[i].family].range || chosen.size() < 2) continue;  // alone it was tried before
+    std::vector<Choice> others = chosen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (choice_at(solution(others).space, chosen[i].family, chosen[i].nonlinear).gain <= 0.0) return false;
+  }
+  return true;
 }
 
 Choice Search::best_own(const Space& space, std::size_t f, bool far) const {

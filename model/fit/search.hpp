@@ -38,16 +38,16 @@ struct Price {
 struct Family {
   EffectInstance effect;
   Acting acting;
-  std::vector<double> grid;               ///< nonlinear parameter; one value 0 where there is none
-  std::vector<double> facts;              ///< of them those that the machine's facts suggest
-  double search_cost = 0.0;               ///< price of the freedom to choose among the grid
-  double fact_cost = 0.0;                 ///< price of choosing among the facts
-  double shape_cost = 0.0;                ///< price of choosing which of its sizes are used
-  double ln_readings = 0.0;               ///< price of one free coefficient
-  std::optional<double> far{};            ///< values below are far from likely
-  double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
-  bool lever_varies = false;              ///< an angular error that its levers tell from other shapes of position
-  std::optional<double> least, greatest;  ///< physical range of the single coefficient
+  std::vector<double> grid;           ///< nonlinear parameter; one value 0 where there is none
+  std::vector<double> facts;          ///< of them those that the machine's facts suggest
+  double search_cost = 0.0;           ///< price of the freedom to choose among the grid
+  double fact_cost = 0.0;             ///< price of choosing among the facts
+  double shape_cost = 0.0;            ///< price of choosing which of its sizes are used
+  double ln_readings = 0.0;           ///< price of one free coefficient
+  std::optional<double> far{};        ///< values below are far from likely
+  double shortest_seen = 0.0;         ///< periods below are seen only as something slower, two targets a turn
+  bool lever_varies = false;          ///< an angular error that its levers tell from other shapes of position
+  std::optional<ValueRange> range{};  ///< physical range of the single coefficient
 };
 
 /// One family at its best.
@@ -118,6 +118,9 @@ class Search {
 
   /// For noise alone (columns of `blanks`: independent, of size one, base removed): best score of each column.
   [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks) const;
+
+  /// Whether each effect with a physical range may have a size inside it beside the others.
+  [[nodiscard]] bool in_ranges(const std::vector<Choice>& chosen) const;
 
   /// Exact choice of a family at one value of its nonlinear parameter.
   [[nodiscard]] Choice choice_at(const Space& space, std::size_t family, double nonlinear) const;

@@ -1,5 +1,6 @@
 // Between linear coefficients of columns and the parameters that people read.
 #include <cmath>
+#include <limits>
 
 #include "model/regression/regressors.hpp"
 
@@ -118,6 +119,21 @@ std::optional<double> held_coefficient(const EffectInstance& effect, std::size_t
     const auto value = given(effect, parameter.name);
     if (!value) return std::nullopt;
     return parameter.coding == Coding::square_root ? *value * *value : *value - parameter.neutral;
+  }
+  return std::nullopt;
+}
+
+std::optional<ValueRange> EffectDefinition::coefficient_range(std::size_t j) const {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  for (const auto& [number, first] : coded(*this)) {
+    const ParameterDefinition& parameter = parameters[number];
+    if (j != first) continue;
+    if (parameter.coding == Coding::square_root) {
+      const double most = parameter.limits ? parameter.limits->greatest : kAny;
+      return ValueRange{0.0, most * most};
+    }
+    if (parameter.coding == Coding::coefficient && parameter.limits)
+      return ValueRange{parameter.limits->least - parameter.neutral, parameter.limits->greatest - parameter.neutral};
   }
   return std::nullopt;
 }

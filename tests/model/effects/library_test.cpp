@@ -5,7 +5,9 @@
 
 #include <doctest/doctest.h>
 
+#include "model/diagnosis/diagnose.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
@@ -190,6 +192,76 @@ TEST_CASE("data in which everything varies offer every effect a place, and lack 
     const EffectInstance effect = first_candidate(data, definition);
     CHECK(effect.id == &definition);
     if (effect.id != nullptr) CHECK(Regressors(data).acting(effect).rows.size() > 10);
+  }
+}
+
+TEST_CASE("search, fit and name keep every size inside its physical range, whatever the readings ask for") {
+  std::size_t ranges = 0;
+  for (const EffectDefinition& definition : effect_library()) {
+    for (const ParameterDefinition& parameter : definition.parameters)
+      if (parameter.limits) CHECK_MESSAGE(definition.column_count() == 1, parameter.name);  // a search keeps one size
+    const auto range = definition.column_count() == 1 ? definition.coefficient_range(0) : std::nullopt;
+    if (!range) continue;
+    ++ranges;
+    CAPTURE(definition.id);
+    Observations data = data_for(definition);
+    const EffectInstance one = first_candidate(data, definition);
+    const bool above = std::isfinite(range->greatest);
+    const double beyond = above ? range->greatest + 0.7 * (range->greatest - range->least) : range->least - 1.0;
+    const Eigen::VectorXd column = Regressors(data).columns(one, 0.0).of.col(0);
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> noise(0.0, 0.01 * column.cwiseAbs().maxCoeff());
+    for (std::size_t k = 0; k < data.size(); ++k)
+      data.reading[k] = beyond * column(static_cast<Eigen::Index>(k)) + noise(random);
+
+    Model model;
+    model.effects = {one};
+    const auto fitted = fit(model, data);
+    REQUIRE(fitted);
+    const ParameterEstimate& size = fitted->effects.front().parameters.front();
+    if (definition.parameters.front().limits) {
+      CHECK(size.value == definition.parameters.front().limits->greatest);
+    } else {
+      CHECK(size.value == 0.0);
+    }
+    CHECK_FALSE(size.sigma);
+    CHECK_MESSAGE(fitted->notes.front().find("is at the limit of its physical range") != std::string::npos,
+                  fitted->notes.front());
+
+    Model offset_alone;
+    offset_alone.effects = {effect(effects::offset, Axis::X, Sense::EX)};
+    for (const Model& base : {offset_alone, model}) {
+      const auto found = diagnose(base, data, {.noise_replicates = 20});
+      REQUIRE(found);
+      CHECK(found->verdict != Verdict::adequate);
+      for (const Candidate& candidate : found->candidates) CHECK_FALSE(same_candidate(candidate.effect, one));
+    }
+  }
+  CHECK(ranges == 3);  // air_refraction, dead_path, cosine
+}
+
+TEST_CASE("a fit keeps every searched parameter inside the limits that these data give it") {
+  for (const EffectDefinition& definition : effect_library()) {
+    if (definition.search.limits == nullptr) continue;
+    CAPTURE(definition.id);
+    Observations data = data_for(definition);
+    EffectInstance one = first_candidate(data, definition);
+    const Acting acting = Regressors(data).acting(one);
+    const std::string name(definition.searched_parameter());
+    const TriedValues tried = tried_values(data, one, acting, {100});
+    const double greatest = *std::max_element(tried.values.begin(), tried.values.end());
+    EffectInstance true_one = with_values(one);
+    true_one.parameters[name] = 5.0 * greatest;
+    const std::vector<double> beyond = prediction(true_one, data);
+    std::mt19937_64 random(13);
+    std::normal_distribution<double> noise(0.0, 0.02);
+    for (std::size_t k = 0; k < data.size(); ++k) data.reading[k] = beyond[k] + noise(random);
+    one.fitted[name] = 5.0 * greatest;
+    Model model;
+    model.effects = {one};
+    const auto fitted = fit(model, data);
+    REQUIRE(fitted);
+    CHECK(fitted->effects.front().effect.fitted.at(name) <= 1.001 * greatest);
   }
 }
 

@@ -63,12 +63,20 @@ TEST_CASE("a single coefficient outside its physical range gains as much as the 
   const MatrixXd column = MatrixXd::Constant(1, 1, 2.0);
   const VectorXd y = VectorXd::Constant(1, 3.0);  // best coefficient 1.5, gain 9
   Family family = family_of("scale");
-  family.greatest = 1.0;
+  family.range = ValueRange{0.0, 1.0};
   CHECK(best(family, column, y, {{0}}).gain == Approx(8.0));  // 3² − (3 − 1·2)²
-  family.greatest = 2.0;
+  family.range = ValueRange{0.0, 2.0};
   CHECK(best(family, column, y, {{0}}).gain == Approx(9.0));
-  family.least = 2.0;
+  family.range = ValueRange{2.0, 3.0};
   CHECK(best(family, column, y, {{0}}).gain == Approx(8.0));  // 3² − (3 − 2·2)²
+}
+
+TEST_CASE("a single coefficient outside its physical range by more than three standard deviations is another cause") {
+  const MatrixXd column = MatrixXd::Constant(1, 1, 2.0);  // standard deviation of the coefficient: 0.5
+  Family family = family_of("scale");
+  family.range = ValueRange{0.0, 2.0};
+  CHECK(best(family, column, VectorXd::Constant(1, 6.9), {{0}}).gain == Approx(39.2));  // 3.45: 6.9² − (6.9 − 2·2)²
+  CHECK(best(family, column, VectorXd::Constant(1, 7.1), {{0}}).gain < 0.0);            // 3.55
 }
 
 TEST_CASE("of several sets the one whose gain less its price is highest is chosen") {
