@@ -175,6 +175,10 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
+  const auto& steps = work.model.history;
+  if (std::any_of(steps.begin(), steps.end(), [&](const auto& step) { return step.data == work.data_name; }))
+    work.data.clock_note.clear();  // the readings of the fit
+  if (!work.data.clock_note.empty()) work.data.notes.push_back(work.data.clock_note);
   if (!work.data.not_followed.empty())
     return tl::unexpected(Problem{ProblemKind::bad_input, work.data.not_followed, arguments.data.front(), 0, 0, {}});
   if (work.machine)

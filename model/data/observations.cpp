@@ -7,10 +7,12 @@
 #include <numeric>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "kinematics/machine_pose.hpp"
+#include "laser/import/time.hpp"
 #include "model/data/motions.hpp"
 #include "params/rotary_machine.hpp"
 
@@ -103,11 +105,53 @@ std::optional<double> found_in(const Map& map, const std::string& key) {
   return found == map.end() ? std::nullopt : std::optional(found->second);
 }
 
-void from_first(Column& time_s) {
+/// Times count from the first reading from here on; what they were is kept as the origin.
+void from_first(Observations& data, const MeasurementSet& set) {
+  if (data.time_s.empty()) return;
   double first = std::numeric_limits<double>::infinity();
-  for (const double t : time_s)
+  for (const double t : data.time_s)
     if (t < first) first = t;
-  for (double& t : time_s) t -= first;
+  for (double& t : data.time_s) t -= first;
+  data.origin.time_s = first;
+  const auto begun = laser::metadata_value(set, laser::kBegun);
+  if (const auto begun_s = begun ? laser::seconds_in(*begun) : std::nullopt)
+    data.origin.date = laser::date_time_text(*begun_s + first);
+}
+
+void take_first_conditions(Observations& data) {
+  for (const auto& [sensor, column] : data.sensors_degC) {
+    const auto first = std::find_if(column.begin(), column.end(), [](double degC) { return !std::isnan(degC); });
+    if (first != column.end()) data.origin.sensors_degC[sensor] = *first;
+  }
+  if (!data.pressure_hPa.empty() && !data.humidity_pct.empty() && data.sensors_degC.contains("t_air_degC"))
+    data.origin.air = Origin::Air{};
+}
+
+/// Effects count from the origin of a model instead of the first of these readings; what the model does not say stays.
+void take_origin(Observations& data, const Origin& of_model) {
+  const Origin own = std::exchange(data.origin, of_model);
+  data.origin.sensors_degC.insert(own.sensors_degC.begin(), own.sensors_degC.end());
+  if (!data.origin.air) data.origin.air = own.air;
+  if (!own.time_s) return;
+  if (!of_model.time_s) {
+    data.origin.time_s = own.time_s;
+    data.origin.date = own.date;
+    return;
+  }
+  data.first_since_s = *own.time_s - *of_model.time_s;
+  if (!own.date.empty() && !of_model.date.empty()) {
+    data.first_since_s = *laser::seconds_in(own.date) - *laser::seconds_in(of_model.date);
+    return;
+  }
+  const std::string_view without = !own.date.empty()        ? "the readings of the fit have no date"
+                                   : !of_model.date.empty() ? "these readings have no date"
+                                                            : "neither these readings nor those of the fit have a date";
+  data.clock_note = fmt::format(
+      "no common clock: {}. time_s is taken to count from the same moment as in the readings of the fit, which begin "
+      "at "
+      "{:g} s; these begin at {:g} s. A line \"# {}: 2026-01-31 08:00:00\" in a measurement file is the date of time_s "
+      "= 0",
+      without, *of_model.time_s, *own.time_s, laser::kBegun);
 }
 
 void take_machine(Observations& data, const std::optional<params::Machine>& machine) {
@@ -126,7 +170,7 @@ void take_machine(Observations& data, const std::optional<params::Machine>& mach
 void take_columns(Observations& data, const MeasurementSet& set, const std::vector<std::size_t>& order) {
   data.reading = column_of(set, order, [](const Reading& r) { return std::optional(r.error); });
   data.time_s = column_of(set, order, [](const Reading& r) { return r.time_s; });
-  from_first(data.time_s);
+  from_first(data, set);
   data.feed_mm_min = column_of(set, order, [](const Reading& r) { return r.feed_mm_min; });
   data.load_kg = column_of(set, order, [](const Reading& r) { return r.load_kg; });
   data.travel_since_reversal_mm = column_of(set, order, [](const Reading& r) { return r.travel_since_reversal_mm; });
@@ -141,6 +185,7 @@ void take_columns(Observations& data, const MeasurementSet& set, const std::vect
       if (std::find(extras.begin(), extras.end(), name) == extras.end()) extras.push_back(name);
   for (const std::string& extra : extras)
     data.extras[extra] = column_of(set, order, [&](const Reading& r) { return found_in(r.extras, extra); });
+  take_first_conditions(data);
 }
 
 /// Readings of a circle at nearly the same angle are at one place: its passes have about equal steps, each direction
@@ -376,6 +421,7 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   }
   data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
+  if (tables.origin) take_origin(data, *tables.origin);
   if (!data.rotary) take_machine(data, machine);
   if (data.rotary) take_chain(data, set, machine);
   data.map = tables.map;
@@ -438,6 +484,9 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   part.datum_mm = all.datum_mm;
   part.map = all.map;
   part.known = all.known;
+  part.origin = all.origin;
+  part.first_since_s = all.first_since_s;
+  part.clock_note = all.clock_note;
   part.notes = all.notes;
   return part;
 }

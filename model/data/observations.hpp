@@ -30,11 +30,26 @@ struct KnownComponent {
   friend bool operator==(const KnownComponent&, const KnownComponent&) = default;
 };
 
-/// Tables that are given with the readings: the map that was active while they were taken, and components known from
-/// elsewhere.
+/// From where effects count time, temperatures and air: what was first in the data that a model was fitted to; air
+/// counts from the reference of docs/physics.md.
+struct Origin {
+  struct Air {
+    double degC = 20.0, pressure_hPa = 1013.25, humidity_pct = 50.0;
+    friend bool operator==(const Air&, const Air&) = default;
+  };
+  std::optional<double> time_s;  ///< cell of the first reading; absent: the data have no times
+  std::string date{};            ///< and time of day of that reading, as laser::date_time_text; "": not known
+  std::map<std::string, double, std::less<>> sensors_degC{};  ///< first temperature of each sensor, by column name
+  std::optional<Air> air{};                                   ///< absent: Air{}
+  friend bool operator==(const Origin&, const Origin&) = default;
+};
+
+/// What is given with the readings: the map that was active while they were taken, components known from elsewhere, and
+/// the origin of a model that was fitted to other readings.
 struct KnownTables {
   std::optional<laser::ErrorMap> map;
   std::vector<KnownComponent> components;
+  std::optional<Origin> origin{};
 };
 
 /// What a reading of a ball or of another artefact holds of errors elsewhere in the chain of a machine with rotary
@@ -69,7 +84,7 @@ struct Observations {
   std::vector<int> approach;         ///< 1, -1, 0 unknown
   std::vector<Vector3> position_mm;  ///< machine coordinates; of rotary axes [deg], A, B, C in place of X, Y, Z
   Column reading;                    ///< um, um/m for rotations
-  Column time_s;                     ///< since the first reading
+  Column time_s;                     ///< since the first reading; effects count it from `origin`, by since_origin_s()
   Column feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct;
   std::map<std::string, Column, std::less<>> sensors_degC;  ///< by column name
   std::map<std::string, Column, std::less<>> extras;        ///< other columns of numbers
@@ -102,6 +117,9 @@ struct Observations {
   Vector3 datum_mm{};        ///< positions of effects count from here
   std::optional<laser::ErrorMap> map;
   std::vector<KnownComponent> known;
+  Origin origin{};             ///< that of a model, else of these readings
+  double first_since_s = 0.0;  ///< time of the first reading since the origin
+  std::string clock_note{};    ///< why that time is an assumption; "": dates say it, or there is no origin of a model
   std::vector<std::string> notes;  ///< what was assumed, in words
 
   [[nodiscard]] std::size_t size() const { return reading.size(); }
@@ -150,6 +168,8 @@ struct Observations {
     if (through_chain.empty()) return sense[k] == s ? 1.0 : 0.0;
     return through_chain[k].of_axis[index_of(a)][static_cast<std::size_t>(s)];
   }
+  /// Time since the origin. @pre there are times
+  [[nodiscard]] double since_origin_s(std::size_t k) const { return time_s[k] + first_since_s; }
   /// Coordinate from the datum [mm], of rotary axes [deg].
   [[nodiscard]] double p_mm(std::size_t k, Axis a) const { return position_mm[k][index_of(a)] - datum_mm[index_of(a)]; }
 };

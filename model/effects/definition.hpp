@@ -107,6 +107,7 @@ struct EffectTraits {
   bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
   bool until_new_set_up = false;   ///< ends when the optics are aligned and reset anew (column `set_up`)
   bool of_measurement = false;     ///< the readings show it, the machine does not have it
+  bool from_origin = false;        ///< counts time or a temperature from Observations::origin
   // how often it can be there
   bool is_usual = false;       ///< every measured line has it: part of a new model
   bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis

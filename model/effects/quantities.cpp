@@ -47,18 +47,20 @@ double sensor_degC(const Observations& data, std::string_view column, std::size_
   return found == data.sensors_degC.end() ? kNotMeasured : cell(found->second, k);
 }
 
-double first_degC(const Observations& data, std::string_view column) {
-  const auto found = data.sensors_degC.find(column);
-  if (found == data.sensors_degC.end()) return 0.0;
-  for (const double value : found->second)
-    if (!std::isnan(value)) return value;
-  return kNotMeasured;
+double reference_degC(const Observations& data, std::string_view column) {
+  const auto found = data.origin.sensors_degC.find(column);
+  return found == data.origin.sensors_degC.end() ? 0.0 : found->second;
 }
 
 double air_deviation_ppm(const Observations& data, std::size_t k) {
   const laser::BeamAir air{sensor_degC(data, "t_air_degC", k), cell(data.pressure_hPa, k), cell(data.humidity_pct, k)};
   const bool measured = !std::isnan(air.temperature_degC + air.pressure_hPa + air.humidity_pct);
-  return measured ? laser::refractive_index_deviation_ppm(air) : kNotMeasured;
+  if (!measured) return kNotMeasured;
+  const double deviation_ppm = laser::refractive_index_deviation_ppm(air);
+  const auto& reference = data.origin.air;
+  if (!reference || *reference == Origin::Air{}) return deviation_ppm;
+  return deviation_ppm -
+         laser::refractive_index_deviation_ppm({reference->degC, reference->pressure_hPa, reference->humidity_pct});
 }
 
 double known_value(const Observations& data, Component code, double position_mm) {

@@ -13,10 +13,10 @@ inline constexpr double kReference_degC = 20.0;
 
 /// Temperature of a sensor in reading k [degC]; kNotMeasured where there is none.
 [[nodiscard]] double sensor_degC(const Observations& data, std::string_view column, std::size_t k);
-/// The first temperature that a sensor measured, in canonical order [degC].
-[[nodiscard]] double first_degC(const Observations& data, std::string_view column);
+/// The temperature from which effects of a sensor count, that of the origin [degC].
+[[nodiscard]] double reference_degC(const Observations& data, std::string_view column);
 
-/// Refractive index of the air in reading k less that of the reference air (20 degC, 1013.25 hPa, 50 %) [1e-6];
+/// Refractive index of the air in reading k less that of the air of the origin (20 degC, 1013.25 hPa, 50 %) [1e-6];
 /// kNotMeasured where a cell lacks.
 [[nodiscard]] double air_deviation_ppm(const Observations& data, std::size_t k);
 

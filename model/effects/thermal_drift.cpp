@@ -1,4 +1,4 @@
-// Growth of spindle or column with one sensor, c·(T − T0), T0 its first temperature (ISO 230-3).
+// Growth of spindle or column with one sensor, c·(T − T0), T0 its temperature at the origin (ISO 230-3).
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
@@ -21,14 +21,18 @@ EffectDefinition thermal_drift() {
       .how = "the unit has no temperature input",
       .separated_by = separations::kOtherTemperature,
       .turns_into = {{Limit::tied_to_runs, "offset"}},
-      .traits =
-          {.is_drift = true, .of_condition = true, .shows_at_zero = true, .one_per_axis = true, .on_rotary_axes = true},
+      .traits = {.is_drift = true,
+                 .of_condition = true,
+                 .shows_at_zero = true,
+                 .from_origin = true,
+                 .one_per_axis = true,
+                 .on_rotary_axes = true},
       .place = Place::sense,
       .needs = {Need::sensor},
       .preference = 70,
       .columns =
           [](const ReadingAt& at, std::span<double> row) {
-            row[0] = sensor_degC(at.data, at.effect.sensor, at.k) - first_degC(at.data, at.effect.sensor);
+            row[0] = sensor_degC(at.data, at.effect.sensor, at.k) - reference_degC(at.data, at.effect.sensor);
           },
       .of_sense =
           [](const Site& site) {

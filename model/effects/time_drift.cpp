@@ -19,11 +19,15 @@ EffectDefinition time_drift() {
       .carrier = Carrier::set_up,
       .how = "an error of the measurement, not of the machine",
       .separated_by = separations::kFromCold,
-      .traits = {.is_drift = true, .shows_at_zero = true, .of_measurement = true, .on_rotary_axes = true},
+      .traits = {.is_drift = true,
+                 .shows_at_zero = true,
+                 .of_measurement = true,
+                 .from_origin = true,
+                 .on_rotary_axes = true},
       .place = Place::sense,
       .needs = {Need::time},
       .preference = 100,
-      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.data.time_s[at.k] / 3600.0; },
+      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.data.since_origin_s(at.k) / 3600.0; },
       .of_sense = [](const Site& site) { return site.once(); },
   };
 }

@@ -58,13 +58,13 @@ EffectDefinition warm_up() {
       .how = "let the machine warm up before measuring and cutting",
       .separated_by = separations::kFromCold,
       .turns_into = {{Limit::at_least, "offset"}, {Limit::at_greatest, "time_drift"}},
-      .traits = {.is_drift = true, .shows_at_zero = true},
+      .traits = {.is_drift = true, .shows_at_zero = true, .from_origin = true},
       .place = Place::sense,
       .needs = {Need::time},
       .preference = 110,
       .columns =
           [](const ReadingAt& at, std::span<double> row) {
-            row[0] = -std::expm1(-at.data.time_s[at.k] / at.searched);
+            row[0] = -std::expm1(-std::max(0.0, at.data.since_origin_s(at.k)) / at.searched);  // it begins at 0
             row[1] = row[0] * at.p_m();
           },
       .column_sets = {{0}, {1}, {0, 1}},

@@ -119,6 +119,7 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
   set.readings.push_back(reading);
   Observations data = observations_of(set, model, machine);
   if (query.time_s) data.time_s = {*query.time_s};  // counts from the first reading of the fit, not of this one
+  data.first_since_s = 0.0;
   return data;
 }
 

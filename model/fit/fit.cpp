@@ -306,6 +306,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
     fit.noise_by_sense.push_back({group.sense, group.axis, group.white, group.correlated, group.time, group.path});
   fit.lack_of_fit =
       lack_of_fit_of(data, core.residual, core.noise, core.left_out, static_cast<double>(fit.fitted_parameters));
+  fit.origin = data.origin;
   fit.notes.insert(fit.notes.end(), data.notes.begin(), data.notes.end());
   return fit;
 }
@@ -327,6 +328,7 @@ Model with_values(Model model, const Fit& fit) {
     if (!fit.effects[i].effect.curve.empty()) model.effects[i].curve = fit.effects[i].effect.curve;
     model.effects[i].undetermined = fit.effects[i].effect.undetermined;
   }
+  if (fit.origin.time_s || !fit.origin.sensors_degC.empty()) model.origin = fit.origin;
   return model;
 }
 

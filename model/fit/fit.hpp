@@ -70,6 +70,7 @@ struct Fit {
   PureError noise;
   std::optional<LackOfFit> lack_of_fit;  ///< absent without repeats
   std::vector<NoiseReport> noise_by_sense;
+  Origin origin;                   ///< from which its effects count
   std::vector<std::string> notes;  ///< skipped rows and their reasons
 };
 
@@ -80,7 +81,7 @@ struct Fit {
 /// The model with every fitted value held, as if it had been given; effects that were never fitted stay as they are.
 [[nodiscard]] Model with_values_held(Model model);
 
-/// The model with `fitted` and curves taken from a fit.
+/// The model with `fitted`, curves and origin taken from a fit.
 [[nodiscard]] Model with_values(Model model, const Fit& fit);
 
 /// Prediction per reading (canonical order) without fitting: `parameters`, else `fitted`, of every effect.

@@ -1,6 +1,7 @@
 #include "model/fit/model_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <set>
@@ -12,6 +13,7 @@
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/csv_columns.hpp"
+#include "laser/import/time.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/effects/definition.hpp"
@@ -19,8 +21,8 @@
 namespace ecs::model {
 namespace {
 
-const std::vector<std::string> kModelKeys{"name",  "effect",  "candidate",           "map",
-                                          "known", "history", "compensated_readings"};
+const std::vector<std::string> kModelKeys{"name",  "effect",  "candidate", "map",
+                                          "known", "history", "origin",    "compensated_readings"};
 const std::vector<std::string> kEffectKeys{"id",         "axis",   "sense",   "approach",    "code",
                                            "ball",       "sensor", "sensor2", "name",        "formula",
                                            "parameters", "fitted", "curve",   "undetermined"};
@@ -379,6 +381,57 @@ void take_known(TomlReader& reader, const toml::table& root, Model& model) {
   }
 }
 
+/// Numbers of a table that has all of these keys and no others.
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> all_numbers(TomlReader& reader, const toml::table& table,
+                                                      const std::array<const char*, kCount>& keys,
+                                                      std::string_view what) {
+  reader.only(table, {keys.begin(), keys.end()}, what);
+  std::array<double, kCount> values{};
+  bool whole = true;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const auto value = reader.number(table, keys[i]);
+    if (!table.contains(keys[i])) reader.complain(table, fmt::format("{}: expected {}", what, keys[i]));
+    whole = whole && value;
+    values[i] = value.value_or(0.0);
+  }
+  return whole ? std::optional(values) : std::nullopt;
+}
+
+void take_origin(TomlReader& reader, const toml::table& root, Model& model) {
+  const toml::table* table = reader.child(root, "origin");
+  if (table == nullptr) return;
+  reader.only(*table, {"time_s", "date", "temperatures", "air"}, "origin");
+  Origin origin;
+  origin.time_s = reader.number(*table, "time_s");
+  origin.date = reader.word(*table, "date").value_or("");
+  const auto date_s = laser::seconds_in(origin.date);
+  if (!origin.date.empty() && (!date_s || laser::date_time_text(*date_s).empty()))
+    reader.complain(*table->get("date"),
+                    fmt::format("date: expected a date and time such as 2026-01-31 08:00:00, got \"{}\"", origin.date));
+  if (!origin.date.empty() && !table->contains("time_s"))
+    reader.complain(*table, "origin: expected time_s beside date, the time_s of the reading at that date");
+  if (const toml::table* sensors = reader.child(*table, "temperatures"))
+    for (const auto& [name, node] : *sensors) {
+      const std::string column(name.str());
+      if (!laser::is_sensor_column(column))
+        reader.complain(node, fmt::format("temperatures: expected a column t_…_degC, got \"{}\"", column));
+      else if (const auto degC = reader.number(*sensors, column))
+        origin.sensors_degC[column] = *degC;
+    }
+  if (const toml::table* air = reader.child(*table, "air"))
+    if (const auto of = all_numbers<3>(reader, *air, {"t_air_degC", "pressure_hPa", "humidity_pct"}, "air"))
+      origin.air = Origin::Air{(*of)[0], (*of)[1], (*of)[2]};
+  model.origin = std::move(origin);
+}
+
+int count_of_readings(TomlReader& reader, const toml::table& table, std::string_view key) {
+  const double count = reader.number(table, key).value_or(0.0);
+  if (count >= 0.0 && count <= kMostReadings && count == std::floor(count)) return static_cast<int>(count);
+  reader.complain(*table.get(key), fmt::format("{}: expected a whole number of readings, got {}", key, count));
+  return 0;
+}
+
 void take_history(TomlReader& reader, const toml::table& root, Model& model) {
   for (const toml::table* table : reader.children(root, "history")) {
     LadderStep step;
@@ -421,9 +474,22 @@ void take_alternatives(std::string_view text, Model& model) {
 
 }  // namespace
 
+bool counts_from_origin(const Model& model) {
+  const auto counts_time = [](const UserFormula& formula) { return formula.text.find("time_s") != std::string::npos; };
+  return std::any_of(model.effects.begin(), model.effects.end(), [&](const EffectInstance& effect) {
+    return effect.traits().from_origin || std::any_of(effect.formulas.begin(), effect.formulas.end(), counts_time);
+  });
+}
+
+Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,
+                                 const std::optional<params::Machine>& machine) {
+  const auto origin = counts_from_origin(model) ? model.origin : std::nullopt;
+  return observations_of(set, KnownTables{model.map, model.known, origin}, machine);
+}
+
 Observations observations_of(const laser::MeasurementSet& set, const Model& model,
                              const std::optional<params::Machine>& machine) {
-  return counted_once(observations_of(set, KnownTables{model.map, model.known}, machine), set);
+  return counted_once(all_observations_of(set, model, machine), set);
 }
 
 Result<Model> parse_model(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
@@ -439,6 +505,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
     if (auto effect = effect_in(reader, *table)) model.candidates.push_back(std::move(*effect));
   take_map(reader, *root, folder, model);
   take_known(reader, *root, model);
+  take_origin(reader, *root, model);
   take_history(reader, *root, model);
   take_compensated(reader, *root, model);
   if (!reader.clean()) return tl::unexpected(reader.all());

@@ -36,14 +36,21 @@ struct Model {
   std::optional<laser::ErrorMap> map;  ///< read from it
   std::vector<KnownComponent> known;
   std::vector<LadderStep> history;
+  std::optional<Origin> origin;        ///< `[origin]`: of the last fit; kept while an effect counts from it
   int compensated_readings = 0;        ///< of the last fit: taken with an error map active; what it left, no map's
   std::string name;                    ///< the user's, for people
   std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
 };
 
-/// The readings with the map and the known components of a model; rows given twice count once.
+/// Whether an effect of the model counts time or a temperature from its origin.
+[[nodiscard]] bool counts_from_origin(const Model& model);
+
+/// The readings with the map, the known components and the origin of a model; rows given twice count once.
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
                                            const std::optional<params::Machine>& machine);
+/// The same with every row.
+[[nodiscard]] Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,
+                                               const std::optional<params::Machine>& machine);
 
 /// Reads a model; every wrong key, value and place in one pass. The map file is sought beside the model.
 /// @param name  the file as problems name it

@@ -78,6 +78,20 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   return text;
 }
 
+std::string origin_text(const Origin& origin) {
+  std::string text = "\n[origin]\n";
+  if (origin.time_s) text += fmt::format("time_s = {}\n", shortest(*origin.time_s));
+  if (!origin.date.empty()) text += fmt::format("date = {}\n", params::toml_string(origin.date));
+  std::vector<std::string> sensors;
+  for (const auto& [name, degC] : origin.sensors_degC) sensors.push_back(fmt::format("{} = {}", name, shortest(degC)));
+  if (!sensors.empty()) text += fmt::format("temperatures = {{ {} }}\n", fmt::join(sensors, ", "));
+  if (origin.air)
+    text +=
+        fmt::format("air = {{ t_air_degC = {}, pressure_hPa = {}, humidity_pct = {} }}\n", shortest(origin.air->degC),
+                    shortest(origin.air->pressure_hPa), shortest(origin.air->humidity_pct));
+  return text;
+}
+
 }  // namespace
 
 std::string to_toml(const Model& model) {
@@ -85,6 +99,7 @@ std::string to_toml(const Model& model) {
   if (!model.name.empty()) text += fmt::format("name = {}\n", params::toml_string(model.name));
   if (model.compensated_readings > 0) text += fmt::format("compensated_readings = {}\n", model.compensated_readings);
   if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", params::toml_string(model.map_file));
+  if (model.origin) text += origin_text(*model.origin);
   for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");
   for (const EffectInstance& effect : model.candidates) text += effect_text(effect, "candidate");
   for (const KnownComponent& known : model.known)

@@ -83,7 +83,8 @@ struct UserFormulas::Parts {
   /// Nothing where a cell is missing.
   std::optional<double> value(const Compiled& compiled, std::size_t k) {
     load(k);
-    for (const auto& [cell, column] : compiled.optional_columns) *cell = (*column)[k];
+    for (const auto& [cell, column] : compiled.optional_columns)
+      *cell = (*column)[k] + (column == &data->time_s ? data->first_since_s : 0.0);
     const bool complete = std::none_of(compiled.optional_columns.begin(), compiled.optional_columns.end(),
                                        [](const auto& each) { return std::isnan(*each.first); });
     return complete ? std::optional(compiled.parser->Eval()) : std::nullopt;

@@ -104,6 +104,7 @@ Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
     return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, arguments.import});
   if (!work) return tl::unexpected(with_hint(work.error()));
+  if (!work->data.clock_note.empty()) context.console.note(work->data.clock_note);
   auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.model));
   added->effect.effect.tied_with = added->model.effects.back().tied_with = *alternatives;

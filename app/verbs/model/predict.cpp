@@ -31,11 +31,12 @@ struct PredictArguments : VerbArguments {
 struct Predicted {
   laser::MeasurementSet set;
   bool has_readings = true;
+  std::string clock_note{};  ///< as of Observations
 };
 
 Result<Predicted> predicted(const model::Model& model, const std::optional<params::Machine>& machine, Plan plan,
                             const std::string& model_file) {
-  const model::Observations at = model::observations_of(plan.set, model::KnownTables{model.map, model.known}, machine);
+  const model::Observations at = model::all_observations_of(plan.set, model, machine);
   const auto values = model::predicted(model, at);
   if (!values) return tl::unexpected(in_file(values.error(), model_file));
   for (std::size_t k = 0; k < at.size(); ++k) {
@@ -44,7 +45,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
     reading.error = (*values)[k];
   }
   plan.set.metadata.push_back({"predicted_by", model_file});
-  return Predicted{std::move(plan.set), plan.has_readings};
+  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note};
 }
 
 Cell prediction_cell(const laser::Reading& r, bool has_readings) {
@@ -95,6 +96,9 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
   if (!plan) return tl::unexpected(plan.error());
   const auto result = predicted(*model, *machine, std::move(*plan), arguments.model);
   if (!result) return tl::unexpected(result.error());
+  const bool of_fit = std::any_of(model->history.begin(), model->history.end(),
+                                  [&](const model::LadderStep& step) { return step.data == arguments.points; });
+  if (!result->clock_note.empty() && !of_fit) context.console.note(result->clock_note);
   Cell predictions = predictions_cell(*result);
   if (!arguments.output.empty()) {
     if (const auto written = laser::write_measurement_set(arguments.output, result->set); !written)
