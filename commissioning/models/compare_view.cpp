@@ -93,7 +93,7 @@ Cell variables_cell(const Comparison& c) {
     if (++shapes > kMostShapes) break;
     std::vector<ShapePoint> points;
     for (const model::ResidualBin& bin : view->bins) points.push_back({0.5 * (bin.from + bin.to), bin.mean_um});
-    list.text += "\n" + shape_text(view->variable, points);
+    list.text += "\n" + shape_text(view->variable, points, c.noise.unit);
   }
   return list;
 }

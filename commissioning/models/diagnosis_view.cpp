@@ -40,9 +40,10 @@ std::string summary(const Diagnosis& d) {
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
-constexpr std::string_view kHead =
-    "                               rms after                 held out [um]\n"
-    "                                    [um]    explained   before    after\n";
+std::string head(const Diagnosis& d) {
+  return fmt::format("{:40}{:>30}\n{:>40}    explained   before    after\n", "                               rms after",
+                     fmt::format("held out [{}]", d.noise.unit), fmt::format("[{}]", d.noise.unit));
+}
 
 /// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
 std::string set_text(const std::vector<model::SetMember>& set) {
@@ -167,8 +168,8 @@ Cell candidates_cell(const Diagnosis& d) {
     list.push_back(one.json);
     (candidate.named ? named : rivals) += one.text;
   }
-  const auto titled_table = [](std::string_view title, const std::string& rows) {
-    return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, kHead, rows);
+  const auto titled_table = [&](std::string_view title, const std::string& rows) {
+    return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, head(d), rows);
   };
   if (d.verdict == Verdict::adequate) return {std::move(list), closest_text(d)};
   return {std::move(list),
@@ -205,7 +206,7 @@ Cell where_cell(const Diagnosis& d) {
   for (const model::Dependence& one : d.where) {
     const std::vector<ShapePoint> points = shape_of(one);
     if (one.strength < kWorthAShape || largest_in(points) < 0.3 * d.noise.noise_um || ++shapes > kMostShapes) continue;
-    where.text += "\n" + shape_text(one.variable, points);
+    where.text += "\n" + shape_text(one.variable, points, d.noise.unit);
   }
   return where;
 }

@@ -10,6 +10,7 @@
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/effect_words.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -97,6 +98,25 @@ std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::string rms_heading(std::string_view unit) {
+  if (unit == "um") return "rms [um]";
+  return unit == "um/m" ? "rms um/m" : "[um,um/m]";
+}
+
+std::string_view unit_of_model(const model::Model& model) {
+  std::size_t rotations = 0, others = 0;
+  const auto count = [&](const std::optional<Sense>& sense, model::Place place) {
+    const bool of_readings = place != model::Place::set_up && place != model::Place::location;
+    ++(sense && of_readings && is_rotation(*sense) ? rotations : others);
+  };
+  for (const model::EffectInstance& effect : model.effects) {
+    for (const model::UserFormula& formula : effect.formulas) count(formula.sense, model::Place::formulas);
+    if (!effect.is_user()) count(effect.sense, effect.definition().place);
+  }
+  if (rotations == 0) return "um";
+  return others == 0 ? "um/m" : "um, um/m";
+}
+
 std::string noise_text(const model::PureError& noise) {
   if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
   return fmt::format("at most {:.3f} {}, from neighbouring readings (there are no repeats)", noise.noise_um,
@@ -108,11 +128,12 @@ std::string_view direction_text(int approach) {
   return approach > 0 ? "forward" : "reverse";
 }
 
-std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points, std::size_t most_lines) {
+std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points, std::string_view unit,
+                       std::size_t most_lines) {
   const std::vector<ShapePoint> few = thinned(points, most_lines);
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
-  std::string text = fmt::format("  {:>22}  {:>9}\n", variable, "mean [um]");
+  std::string text = fmt::format("  {:>22}  {:>9}\n", variable, fmt::format("mean [{}]", unit));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;
@@ -128,7 +149,7 @@ Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
   if (history.empty()) return {Json::array(), "no step was taken yet: `ecs model add` takes one\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
-                                         "rms [um]", "peak", "noise", "held-out")};
+                                         rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
   const LadderStep& first = history.front();
   const std::size_t before = first.effect.empty() ? 0 : 1;
   if (before > 0)

@@ -22,6 +22,11 @@ namespace ecs::commissioning {
 /// "period_mm 8.0003 +- 0.0012 mm, amplitude_um 6.51 +- 0.05 um"; without those that are nothing.
 [[nodiscard]] std::string parameters_text(const std::vector<model::ParameterEstimate>& parameters);
 
+/// "rms [um]", of other readings "rms um/m", "[um,um/m]": a heading of nine columns at most.
+[[nodiscard]] std::string rms_heading(std::string_view unit);
+/// Unit of the readings that the effects of a model act on, as Observations::reading_unit().
+[[nodiscard]] std::string_view unit_of_model(const model::Model& model);
+
 /// "0.52 um from repeats"
 [[nodiscard]] std::string noise_text(const model::PureError& noise);
 
@@ -34,8 +39,9 @@ struct ShapePoint {
   double um = 0.0;
 };
 /// A bar to either side of zero for each point, at most `most_lines` of them (neighbours are averaged).
+/// @param unit  of the readings
 [[nodiscard]] std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points,
-                                     std::size_t most_lines = 12);
+                                     std::string_view unit, std::size_t most_lines = 12);
 
 /// "3, 17, 250 and 12 more"
 [[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);

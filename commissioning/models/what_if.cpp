@@ -39,7 +39,8 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
 }
 
 Cell effects_cell(const WhatIfAnswer& answer) {
-  Cell effects{Json::array(), fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by")};
+  Cell effects{Json::array(),
+               fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit), "carried by")};
   for (const model::WhatIf::Share& share : answer.what.shares) {
     const AnswerFields fields{
         {"effect", {share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)}},
@@ -54,7 +55,8 @@ Cell effects_cell(const WhatIfAnswer& answer) {
 }
 
 Cell directions_cell(const WhatIfAnswer& answer) {
-  Cell directions{Json::array(), "sense axis direction   readings   now [um]  predicted"};
+  Cell directions{Json::array(), fmt::format("sense axis direction   readings {:>10}  predicted",
+                                             fmt::format("now [{}]", answer.unit))};
   directions.text += answer.achieved ? "   achieved   of predicted\n" : "\n";
   for (const AfterDirection& one : answer.directions) {
     const bool compared = one.achieved_um && one.predicted_um > 0.0;

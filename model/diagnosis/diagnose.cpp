@@ -152,8 +152,12 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
   if (!ranked.effect.definition().searched_parameter().empty()) nonlinear = ranked.choice.nonlinear;
   if (!ranked.effect.traits().is_curve)
     return parameters_from(ranked.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
-  const VectorXd curve = all.of * every;
-  return {{"rms_um", std::string(ranked.effect.definition().parameters.front().unit), rms_of(curve), {}, false, false}};
+  return {{"rms_um",
+           unit_of(ranked.effect, ranked.effect.definition().parameters.front()),
+           regressors.rms_of_curve(ranked.effect, regressors.acting(ranked.effect), every),
+           {},
+           false,
+           false}};
 }
 
 struct ReportInput {

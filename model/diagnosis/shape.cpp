@@ -55,8 +55,9 @@ Points points_over(const VectorXd& residual, double noise_um, const std::vector<
 
 std::string with_unit(double value, std::string_view unit) { return fmt::format("{:.3g} {}", value, unit); }
 
-/// @param unit  of the variable  @param name  "X", "time": where the shape runs along
-std::string words_of(const ShapeFit& fit, const Points& points, std::string_view unit, const std::string& name) {
+/// @param unit  of the variable  @param name  "X", "time": where the shape runs along  @param um  unit of the readings
+std::string words_of(const ShapeFit& fit, const Points& points, std::string_view unit, const std::string& name,
+                     std::string_view um) {
   const double range = points.to - points.from;
   const auto period = [&](double waves) { return range / waves; };
   const auto end = [&](bool last) {
@@ -64,19 +65,20 @@ std::string words_of(const ShapeFit& fit, const Points& points, std::string_view
   };
   switch (fit.kind) {
     case ShapeKind::line:
-      return fmt::format("a straight line, {:+.3g} um from {} to {}", fit.size, end(false), end(true));
+      return fmt::format("a straight line, {:+.3g} {} from {} to {}", fit.size, um, end(false), end(true));
     case ShapeKind::curve:
-      return fmt::format("a smooth curve over {}, {:.3g} um from least to greatest", name, fit.size);
+      return fmt::format("a smooth curve over {}, {:.3g} {} from least to greatest", name, fit.size, um);
     case ShapeKind::jump:
-      return fmt::format("a jump of {:+.3g} um at {} = {}", fit.size, name, with_unit(points.at(fit.first), unit));
+      return fmt::format("a jump of {:+.3g} {} at {} = {}", fit.size, um, name, with_unit(points.at(fit.first), unit));
     case ShapeKind::bump:
-      return fmt::format("a bump of {:+.3g} um near {} = {}", fit.size, name, with_unit(points.at(fit.first), unit));
+      return fmt::format("a bump of {:+.3g} {} near {} = {}", fit.size, um, name,
+                         with_unit(points.at(fit.first), unit));
     case ShapeKind::wave:
-      return fmt::format("a wave of {:.3g} um and a period of {} along {}", fit.size,
+      return fmt::format("a wave of {:.3g} {} and a period of {} along {}", fit.size, um,
                          with_unit(period(fit.waves), unit), name);
     case ShapeKind::chirp: {
       const double first = period(fit.first), second = period(fit.second);
-      return fmt::format("a wave of {:.3g} um whose period {} from {:.3g} to {} along {}", fit.size,
+      return fmt::format("a wave of {:.3g} {} whose period {} from {:.3g} to {} along {}", fit.size, um,
                          second > first ? "grows" : "falls", first, with_unit(second, unit), name);
     }
     default:
@@ -85,9 +87,9 @@ std::string words_of(const ShapeFit& fit, const Points& points, std::string_view
   }
 }
 
-std::string proved_words(const Points& points, std::string_view unit, const std::string& name) {
+std::string proved_words(const Points& points, std::string_view unit, const std::string& name, std::string_view um) {
   const auto fit = proved_shape(points);
-  return fit ? words_of(*fit, points, unit, name) : "";
+  return fit ? words_of(*fit, points, unit, name, um) : "";
 }
 
 /// Rows of the sense in which most is left, and of the axis that moves there most.
@@ -112,6 +114,10 @@ MainLine main_line(const Observations& data, const VectorXd& residual, const std
   for (std::size_t k = 0; k < data.size(); ++k)
     if (!left_out[k] && data.channel(k) == line.channel && data.axis[k] == line.axis) line.rows.push_back(k);
   return line;
+}
+
+std::string_view unit_of_readings(const Observations& data, const MainLine& line) {
+  return laser::unit_of(data.sense[line.rows.front()]);
 }
 
 /// What runs along a line: "X", of a path "angle_deg"; and its unit.
@@ -143,11 +149,11 @@ std::string approach_words(const Observations& data, const VectorXd& residual, d
   if (n_forward < 2.0 || n_reverse < 2.0) return "";
   const double difference = forward / n_forward - reverse / n_reverse;
   const double sigma = noise_um * std::sqrt(1.0 / n_forward + 1.0 / n_reverse);
-  const std::string shape =
-      proved_words(along_axis_of(data, half, noise_um, line), unit_along(data, line), name_along(data, line));
+  const std::string shape = proved_words(along_axis_of(data, half, noise_um, line), unit_along(data, line),
+                                         name_along(data, line), unit_of_readings(data, line));
   if (!shape.empty()) return fmt::format("half the difference of the directions is {}", shape);
   if (std::abs(difference) < 4.0 * sigma) return "";
-  return fmt::format("forward lies {:+.3g} um from reverse", difference);
+  return fmt::format("forward lies {:+.3g} {} from reverse", difference, unit_of_readings(data, line));
 }
 
 std::string run_words(const Observations& data, const VectorXd& residual, double noise_um, const MainLine& line) {
@@ -180,7 +186,8 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
   for (std::size_t i = 1; i < means.size(); ++i)
     if (spread(i).first < spread(apart).first) apart = i;
   if (spread(apart).first < 0.1 * all)
-    return fmt::format("run {} lies {:+.3g} um from the others", names[apart], means[apart] - spread(apart).second);
+    return fmt::format("run {} lies {:+.3g} {} from the others", names[apart], means[apart] - spread(apart).second,
+                       unit_of_readings(data, line));
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   const double n = static_cast<double>(means.size());
   for (std::size_t i = 0; i < means.size(); ++i) {
@@ -195,10 +202,11 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
   for (std::size_t i = 0; i < means.size(); ++i)
     left += std::pow((means[i] - start - slope * static_cast<double>(i)) / sigmas[i], 2);
   if (means.size() >= 4 && left < 0.15 * all)
-    return fmt::format("a trend by run, {:+.3g} um from run {} to run {}", slope * (n - 1.0), names.front(),
-                       names.back());
-  return fmt::format("each run has another zero, {:.3g} um from least to greatest",
-                     *std::max_element(means.begin(), means.end()) - *std::min_element(means.begin(), means.end()));
+    return fmt::format("a trend by run, {:+.3g} {} from run {} to run {}", slope * (n - 1.0),
+                       unit_of_readings(data, line), names.front(), names.back());
+  return fmt::format("each run has another zero, {:.3g} {} from least to greatest",
+                     *std::max_element(means.begin(), means.end()) - *std::min_element(means.begin(), means.end()),
+                     unit_of_readings(data, line));
 }
 
 constexpr std::size_t kBinsOfTime = 40, kBinsOfCondition = 24;
@@ -222,13 +230,13 @@ std::string shape_in_words(const Observations& data, const VectorXd& residual, d
           points_over(
               residual, noise_um, line.rows, [&](std::size_t k) { return data.position_mm[k][index_of(axis)]; },
               kMostPoints, 10.0 * kSamePlace_mm),
-          data.position_unit(), std::string(1, data.letter(axis)));
+          data.position_unit(), std::string(1, data.letter(axis)), unit_of_readings(data, line));
   const Points points = points_over(
       residual, noise_um, line.rows, [&](std::size_t k) { return variable_of(data, k, variable); },
       variable == "time_s" || variable == "row" ? kBinsOfTime : kBinsOfCondition, 0.0);
   const bool is_angle = variable == name_along(data, line);
   return proved_words(points, is_angle ? unit_along(data, line) : unit_of_variable(variable),
-                      variable == "time_s" ? "time" : variable);
+                      variable == "time_s" ? "time" : variable, unit_of_readings(data, line));
 }
 
 std::string spectrum_in_words(const Observations& data, const VectorXd& residual, double noise_um,

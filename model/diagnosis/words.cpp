@@ -107,24 +107,28 @@ bool is_guess(const ParameterEstimate& parameter) {
   return parameter.sigma && *parameter.sigma > std::abs(parameter.value);
 }
 
+/// A number that the data do not determine is none to be told.
+bool is_known(const ParameterEstimate& parameter) { return !parameter.undetermined && !is_guess(parameter); }
+
 std::string value_of(const EffectInstance& effect, const ParameterEstimate& parameter, const Observations& data) {
   const std::string& unit = parameter.unit;
-  if (parameter.name != effect.definition().searched_parameter())
-    return size_text(parameter.value, unit) +
-           (parameter.undetermined || is_guess(parameter) ? " (not determined)" : "");
+  if (parameter.name != effect.definition().searched_parameter()) {
+    if (!is_known(parameter)) return "an undetermined amount";
+    return size_text(parameter.value, unit) + (effect.traits().is_curve ? " rms" : "");
+  }
   const std::string pitch = pitch_match(effect, data);
   return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " = ", pitch);
 }
 
-/// All that is not nothing: "12 um and 4.5 um/m".
+/// All that is known and not nothing: "12 um and 4.5 um/m".
 std::string sizes_word(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                        const Observations& data) {
   std::string sizes;
   for (const ParameterEstimate& one : parameters)
-    if (one.value != 0.0 && one.name != effect.definition().searched_parameter())
+    if (one.value != 0.0 && is_known(one) && one.name != effect.definition().searched_parameter())
       sizes += fmt::format("{}{}{}", sizes.empty() ? "" : " and ", effect.is_user() ? one.name + " " : "",
                            value_of(effect, one, data));
-  return sizes.empty() ? "of unknown size" : sizes;
+  return sizes.empty() ? "an undetermined amount" : sizes;
 }
 
 /// "run, x_mm": what the residual depends on most.
@@ -313,6 +317,7 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   word("name", effect.name);
   word("sizes", sizes_word(effect, parameters, data));
   std::string text = fmt::vformat(definition.headline, words);
+  if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
   return text;
 }

@@ -15,7 +15,7 @@ EffectDefinition artefact_form() {
       .tells_apart =
           "changes its sign when the artefact is turned over (column reversed); an error of the machine stays",
       .check = "read the certificate of the straight edge; turn it over and measure again",
-      .headline = "Straight edge of {where} not straight, {rms_um} rms",
+      .headline = "Straight edge of {where} not straight, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::set_up,
       .how = "an error of the artefact: take half the difference of both positions out of its readings",

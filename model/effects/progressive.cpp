@@ -14,7 +14,7 @@ EffectDefinition progressive() {
       .check =
           "compare the curve with the certificate of screw or scale and with a straight edge along the way; look for "
           "wear where the axis works most",
-      .headline = "{where} with a smooth error along the travel, {rms_um} rms",
+      .headline = "{where} with a smooth error along the travel, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

@@ -14,7 +14,7 @@ EffectDefinition reversal_curve() {
       .check =
           "measure the reversal with a dial gauge at both ends and in the middle; look for wear of the nut's preload "
           "and for a long unsupported screw",
-      .headline = "{where} with a lost motion that varies along the travel, {rms_um} rms",
+      .headline = "{where} with a lost motion that varies along the travel, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "forward and reverse tables",

@@ -162,7 +162,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
   } else if (slot.effect.traits().is_curve) {
     if (count > 0) fit.effect.curve = curve_of(slot, regressors, sizes);
     fit.parameters.push_back({"rms_um",
-                              std::string(slot.effect.definition().parameters.front().unit),
+                              unit_of(slot.effect, slot.effect.definition().parameters.front()),
                               rms_of(fit.effect.curve.value),
                               {},
                               count == 0,

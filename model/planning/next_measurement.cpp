@@ -388,16 +388,16 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in) {
   if (unseen.empty()) {
     next.notes.push_back(fmt::format(
         "nothing to separate: the model is adequate, and any cause of one size as large as the noise of one reading "
-        "({:.2g} um) would have been seen",
-        noise_um));
+        "({:.2g} {}) would have been seen",
+        noise_um, part.reading_unit()));
     return {};
   }
   std::vector<std::string> names;
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
   next.notes.push_back(fmt::format(
-      "the model is adequate, but these could be there unseen, as large as the noise of one reading ({:.2g} um): {}",
-      noise_um, fmt::join(names, ", ")));
+      "the model is adequate, but these could be there unseen, as large as the noise of one reading ({:.2g} {}): {}",
+      noise_um, part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, *belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);

@@ -232,6 +232,20 @@ Eigen::VectorXd Regressors::of_curve(const EffectInstance& effect, const Acting&
   return sum;
 }
 
+double Regressors::rms_of_curve(const EffectInstance& effect, const Acting& acting,
+                                const Eigen::VectorXd& sizes) const {
+  const CurveBasis& basis = basis_of(effect);
+  double squares = 0.0;
+  for (const std::size_t k : acting.rows) {
+    double value = 0.0;
+    for (Eigen::Index j = 0; j < sizes.size(); ++j)
+      value += sizes(j) *
+               curve_function(effect.definition(), basis, static_cast<std::size_t>(j), motions_.p_mm(k, *effect.axis));
+    squares += value * value;
+  }
+  return acting.rows.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(acting.rows.size()));
+}
+
 Columns Regressors::columns(const EffectInstance& effect, double searched) const {
   return columns(effect, searched, acting(effect));
 }

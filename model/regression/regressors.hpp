@@ -47,6 +47,10 @@ class Regressors {
   /// Contribution of the curve that the effect carries (FittedCurve), per reading; 0 where it does not act.
   [[nodiscard]] Eigen::VectorXd of_curve(const EffectInstance& effect, const Acting& acting) const;
 
+  /// Root mean square of a curve with these sizes of all its columns, in its own unit, over the rows on which it acts.
+  [[nodiscard]] double rms_of_curve(const EffectInstance& effect, const Acting& acting,
+                                    const Eigen::VectorXd& sizes) const;
+
   /// Values of a user effect's formulas (UserFormulas::values) as contributions to the readings; 0 where a cell lacks.
   [[nodiscard]] Eigen::VectorXd of_formulas(const std::vector<double>& values) const;
 

@@ -227,7 +227,9 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   for (const model::Candidate& candidate : d.candidates)
     names = std::max(names, width_of(place_text(candidate.effect)));
   names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
-  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained", "effect:axis:sense", names, "rms um"),
+  canvas.text(text, row++, 2,
+              fmt::format("{:<{}} {:>17} explained", "effect:axis:sense", names,
+                          fmt::format("rms {}", d.noise.unit == "um/m" ? "um/m" : "um")),
               Tone::faint);
   std::vector<ListRow> rows;
   for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d, names));
@@ -260,7 +262,7 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const int names = std::clamp(text.columns / 2, 8, 34);
   const Area bars = text.right_of(names + kNumbers);
   canvas.text(text.left(names - 1), 0, 0, "step", Tone::faint);
-  canvas.text(text, 0, names, "rms um", Tone::faint);
+  canvas.text(text, 0, names, rms_heading(unit_of_model(controller_->model())), Tone::faint);
   int row = 1;
   const auto rung = [&](const std::string& name, double rms_um, Tone tone, Tone bar) {
     canvas.text(text.left(names - 1), row, 0, name, tone);

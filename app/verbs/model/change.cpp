@@ -34,11 +34,12 @@ Result<Outcome> remove(VerbContext& context, const RemoveArguments& given) {
   if (const auto written = model::write_model(output, kept, arguments.model); !written)
     return tl::unexpected(written.error());
   return outcome_of(
-      record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} um\n\n{history}model written "
+      record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
                   "to {model}\n",
                   {{"effect", word_cell(without->name)},
                    {"rms_before_um", number_cell(without->rms_before_um, 3)},
                    {"rms_after_um", number_cell(without->fit.rms_um, 3)},
+                   {"unit", shown_cell(std::string(work->data.reading_unit()))},
                    {"history", ladder_cell(kept)},
                    {"model", word_cell(output)}}));
 }

@@ -49,7 +49,7 @@ Cell effects_cell(const Fit& fit) {
   if (fit.effects.empty()) return {Json::array(), ""};
   return list_cell(fit.effects, effect_cell,
                    fmt::format("\n{} {:>13} {:>13}  {:<13} {:>8}\n", padded("effect and parameter", 28), "value",
-                               "sigma", "unit", "rms [um]"));
+                               "sigma", "unit", rms_heading(fit.noise.unit)));
 }
 
 /// All strong correlations as JSON; the strongest as text, and how many more there are.

@@ -109,6 +109,36 @@ TEST_CASE("every effect of the library has a finding without holes") {
   }
 }
 
+TEST_CASE("a size that the data do not determine is not told as a number") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  ParameterEstimate lost = estimate("um_per_m", "um/m", 39.0);
+  lost.undetermined = true;
+  CHECK(finding_text(effect(effects::scale, Axis::X, Sense::EX), {lost}, data) ==
+        "X positions with a scale error of an undetermined amount");
+  ParameterEstimate square = estimate("k2", "um/m2", 12.0), cube = estimate("k3", "um/m3", -3.0);
+  cube.sigma = 5.0;
+  CHECK(finding_text(effect(effects::sag, Axis::X, Sense::EX), {square, cube}, data) ==
+        "X positions with a bow that grows with the extension as droop does, 12 um/m2");
+  ParameterEstimate wave = estimate("amplitude_um", "um", 3.0);
+  wave.undetermined = true;
+  CHECK(finding_text(screw_wave(10.0), {estimate("period_mm", "mm", 10.0), wave}, data)
+            .starts_with("X positions with a periodic error of an undetermined amount, 10.00 mm"));
+}
+
+TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
+  Plan plan;
+  plan.sense = Sense::EA;
+  const auto bow = [](const laser::Reading& r) { return 12.0 * std::sin(3.14159265358979 * p(r) / 1000.0); };
+  const Diagnosis found = diagnosed(straight(Axis::X, Sense::EA), measured(plan, kNoise_um, bow));
+  REQUIRE_FALSE(found.candidates.empty());
+  for (const Candidate& candidate : found.candidates)
+    for (const ParameterEstimate& parameter : candidate.parameters)
+      if (parameter.name == "rms_um" || parameter.name == "um" || parameter.name == "height_um")
+        CHECK_MESSAGE(parameter.unit == "um/m", to_text(candidate.effect));
+  CHECK_MESSAGE(!contains_text(found.headline, " um "), found.headline);
+  for (const Dependence& one : found.where) CHECK_MESSAGE(!contains_text(one.looks_like, " um "), one.looks_like);
+}
+
 TEST_CASE("a bad run is the first thing that is said") {
   const Diagnosis found =
       diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) { return r.run == 2 ? 3.0 : 0.0; }));

@@ -163,3 +163,17 @@ TEST_CASE("levers tell an angular error apart only where a target sees it throug
   set.readings.erase(set.readings.begin(), set.readings.begin() + 9);
   CHECK(functions_of(false) == 2 + 5);  // as smooth as three fifths of the targets allow
 }
+
+TEST_CASE("the size of a curve is that of the curve, not of what levers and approaches make of it") {
+  EffectInstance pitch = effect(angular, Axis::X, Sense::EX);
+  pitch.sense.reset();
+  pitch.code = Component::EBX;
+  Plan plan;
+  plan.parked_mm = {0.0, 0.0, 300.0};
+  const Observations data = observations_of(measured(plan, 0.0, nothing), Model{}, mill("TXYZ"));
+  const Regressors regressors(data);
+  Eigen::VectorXd three = Eigen::VectorXd::Zero(regressors.columns(pitch, 0.0).of.cols());
+  three(0) = 3.0;  // 3 um/m everywhere: 0.9 um through 300 mm
+  CHECK(regressors.rms_of_curve(pitch, regressors.acting(pitch), three) == Approx(3.0));
+  CHECK((regressors.columns(pitch, 0.0).of * three).cwiseAbs().maxCoeff() == Approx(0.9));
+}
