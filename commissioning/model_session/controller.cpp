@@ -184,20 +184,19 @@ void ModelController::start_removing(std::size_t effect) {
   if (busy() || effect >= model_.effects.size()) return;
   if (model_.effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
   const std::string name = place_text(model_.effects[effect]);
-  start_fit("removing " + name,
-            [model = model_, work = work_, before = fit_.rms_um, effect, name,
-             words = commands_.remove(name)]() -> Result<Fitted> {
-              auto without = without_effect(model, work->data, effect, before, work->data_name);
-              if (!without) return tl::unexpected(without.error());
-              auto comparison =
-                  owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
-              Fitted now{std::move(without->model), std::move(without->fit),
-                         std::move(comparison),     {},
-                         "removed " + name,         words};
-              now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; u puts it back", name, before,
-                                     now.fit.rms_um, work->data.reading_unit());
-              return now;
-            });
+  start_fit(
+      "removing " + name,
+      [model = model_, work = work_, before = fit_, effect, name, words = commands_.remove(name)]() -> Result<Fitted> {
+        auto without = without_effect(model, work->data, effect, before, work->data_name);
+        if (!without) return tl::unexpected(without.error());
+        auto comparison =
+            owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
+        Fitted now{
+            std::move(without->model), std::move(without->fit), std::move(comparison), {}, "removed " + name, words};
+        now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; u puts it back", name, before.rms_um,
+                               now.fit.rms_um, work->data.reading_unit());
+        return now;
+      });
 }
 
 void ModelController::step_over(Steps& from, Steps& to, const char* label) {

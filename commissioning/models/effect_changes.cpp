@@ -20,20 +20,15 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
 }
 
 Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data, std::size_t effect,
-                                     double rms_before_um, const std::string& data_name) {
+                                     const model::Fit& before, const std::string& data_name) {
   if (model.effects.size() == 1) return problem(ProblemKind::refused, "a model keeps at least one effect");
-  WithoutEffect without{model, {}, place_text(model.effects[effect]), rms_before_um};
+  WithoutEffect without{model, {}, place_text(model.effects[effect]), before.rms_um};
   without.model.effects.erase(without.model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   auto fit = model::fit(without.model, data);
   if (!fit) return tl::unexpected(fit.error());
   without.fit = std::move(*fit);
-  without.model.history.push_back({"without " + to_text(model.effects[effect]),
-                                   data_name,
-                                   rms_before_um,
-                                   without.fit.rms_um,
-                                   without.fit.peak_um,
-                                   without.fit.noise.noise_um,
-                                   {}});
+  without.model.history.push_back(
+      rung_of("without " + to_text(model.effects[effect]), data_name, before.residual, without.fit, data));
   return without;
 }
 

@@ -19,9 +19,9 @@ struct WithoutEffect {
   std::string name;
   double rms_before_um = 0.0;
 };
-/// Refused where it is the only one.
+/// Refused where it is the only one. @param before  the fit with it
 [[nodiscard]] Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data,
-                                                   std::size_t effect, double rms_before_um,
+                                                   std::size_t effect, const model::Fit& before,
                                                    const std::string& data_name);
 
 }  // namespace ecs::commissioning

@@ -67,7 +67,8 @@ AnswerFields fields_of(const model::Model& model, const LadderStep& step, std::s
           {"rms_um", number_cell(step.rms_um, 3)},
           {"peak_um", number_cell(step.peak_um, 3)},
           {"noise_um", number_cell(step.noise_um, 3)},
-          {"held_out_rms_um", number_cell(step.held_out_rms_um, 3)}};
+          {"held_out_rms_um", number_cell(step.held_out_rms_um, 3)},
+          {"outliers", {step.outliers, ""}}};
 }
 
 }  // namespace
@@ -162,6 +163,11 @@ Cell ladder_cell(const model::Model& model) {
   if (same) ladder.text += paragraph("fitted to " + first.data, 6, 8);
   for (std::size_t i = 0; i < history.size() && !same; ++i)
     ladder.text += paragraph(fmt::format("step {} fitted to {}", before + i, history[i].data), 6, 8);
+  for (std::size_t i = 0; i < history.size(); ++i)
+    if (history[i].outliers > 0)
+      ladder.text += paragraph(fmt::format("rms and peak of step {} are without {} outlier{}", before + i,
+                                           history[i].outliers, history[i].outliers == 1 ? "" : "s"),
+                               6, 8);
   return ladder;
 }
 

@@ -223,10 +223,7 @@ model::Model model_to_keep(const model::Model& model, const model::Fit& fit, con
   model::Model kept = with_values(model, fit);
   kept.compensated_readings = static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
   if (!kept.history.empty()) return kept;
-  double square = 0.0;
-  for (const double reading : data.reading) square += reading * reading;
-  const double rms_before_um = std::sqrt(square / static_cast<double>(data.size()));
-  kept.history.push_back({"", data_name, rms_before_um, fit.rms_um, fit.peak_um, fit.noise.noise_um, {}});
+  kept.history.push_back(rung_of("", data_name, data.reading, fit, data));
   return kept;
 }
 

@@ -179,13 +179,10 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   const MatrixXd columns = after->assembly.columns();
   const VectorXd target = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) -
                           after->assembly.fixed(data.size());
-  added.step = {to_text(*effect),
-                data_name,
-                added.rms_before_um,
-                fit.rms_um,
-                fit.peak_um,
-                fit.noise.noise_um,
-                held_out_rms(data, after->core.noise, after->core.left_out, parts_of(data), columns, target)};
+  const VectorXd& residual = before->core.residual;
+  added.step = rung_of(to_text(*effect), data_name, {residual.begin(), residual.end()}, fit, data);
+  added.step.held_out_rms_um =
+      held_out_rms(data, after->core.noise, after->core.left_out, parts_of(data), columns, target);
   added.model.history.push_back(added.step);
   return added;
 }

@@ -332,6 +332,21 @@ Model with_values(Model model, const Fit& fit) {
   return model;
 }
 
+LadderStep rung_of(const std::string& effect, const std::string& data_name, const std::vector<double>& before,
+                   const Fit& fit, const Observations& data) {
+  LadderStep rung{effect, data_name, 0.0, 0.0, 0.0, fit.noise.noise_um, {}, static_cast<int>(fit.outliers.size())};
+  std::vector<double> kept_before, kept;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (std::binary_search(fit.outliers.begin(), fit.outliers.end(), data.row[k])) continue;
+    kept_before.push_back(before[k]);
+    kept.push_back(fit.residual[k]);
+    rung.peak_um = std::max(rung.peak_um, std::abs(fit.residual[k]));
+  }
+  rung.rms_before_um = rms_of(kept_before);
+  rung.rms_um = rms_of(kept);
+  return rung;
+}
+
 Model with_values_held(Model model) {
   for (EffectInstance& effect : model.effects) {
     if (effect.is_user()) {

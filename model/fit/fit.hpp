@@ -84,6 +84,11 @@ struct Fit {
 /// The model with `fitted`, curves and origin taken from a fit.
 [[nodiscard]] Model with_values(Model model, const Fit& fit);
 
+/// A rung of the ladder: the outliers of the fit are left out.
+/// @param before  residuals without the effect, in canonical order
+[[nodiscard]] LadderStep rung_of(const std::string& effect, const std::string& data_name,
+                                 const std::vector<double>& before, const Fit& fit, const Observations& data);
+
 /// Prediction per reading (canonical order) without fitting: `parameters`, else `fitted`, of every effect.
 /// Refuses an effect that has neither.
 [[nodiscard]] Result<std::vector<double>> predicted(const Model& model, const Observations& at);

@@ -435,7 +435,8 @@ int count_of_readings(TomlReader& reader, const toml::table& table, std::string_
 void take_history(TomlReader& reader, const toml::table& root, Model& model) {
   for (const toml::table* table : reader.children(root, "history")) {
     LadderStep step;
-    reader.only(*table, {"effect", "data", "rms_before_um", "rms_um", "peak_um", "noise_um", "held_out_rms_um"},
+    reader.only(*table,
+                {"effect", "data", "rms_before_um", "rms_um", "peak_um", "noise_um", "held_out_rms_um", "outliers"},
                 "history");
     step.effect = reader.word(*table, "effect").value_or("");
     step.data = reader.word(*table, "data").value_or("");
@@ -444,17 +445,9 @@ void take_history(TomlReader& reader, const toml::table& root, Model& model) {
     step.peak_um = reader.number(*table, "peak_um").value_or(0.0);
     step.noise_um = reader.number(*table, "noise_um").value_or(0.0);
     step.held_out_rms_um = reader.number(*table, "held_out_rms_um");
+    step.outliers = count_of_readings(reader, *table, "outliers");
     model.history.push_back(step);
   }
-}
-
-void take_compensated(TomlReader& reader, const toml::table& root, Model& model) {
-  constexpr std::string_view kKey = "compensated_readings";
-  const double count = reader.number(root, kKey).value_or(0.0);
-  if (count >= 0.0 && count <= kMostReadings && count == std::floor(count))
-    model.compensated_readings = static_cast<int>(count);
-  else
-    reader.complain(*root.get(kKey), fmt::format("{}: expected a whole number of readings, got {}", kKey, count));
 }
 
 /// The comment "# or servo_lag:X:EX" below [[effect]]: what the data could not tell the effect from. A comment, so
@@ -507,7 +500,7 @@ Result<Model> parse_model(std::string_view text, const std::string& name, const 
   take_known(reader, *root, model);
   take_origin(reader, *root, model);
   take_history(reader, *root, model);
-  take_compensated(reader, *root, model);
+  model.compensated_readings = count_of_readings(reader, *root, "compensated_readings");
   if (!reader.clean()) return tl::unexpected(reader.all());
   take_alternatives(text, model);
   return model;

@@ -18,13 +18,14 @@ namespace ecs::model {
 
 /// One rung of the ladder: what was added, and how far the error fell.
 struct LadderStep {
-  std::string effect;  ///< to_text() of the effect; "" for the start
-  std::string data;    ///< the file it was fitted to
-  double rms_before_um = 0.0;
+  std::string effect;          ///< to_text() of the effect; "" for the start
+  std::string data;            ///< the file it was fitted to
+  double rms_before_um = 0.0;  ///< this, rms and peak without the outliers of the fit
   double rms_um = 0.0;
   double peak_um = 0.0;
   double noise_um = 0.0;
   std::optional<double> held_out_rms_um;  ///< fitted on one part, tested on the other
+  int outliers = 0;                       ///< readings left out
   friend bool operator==(const LadderStep&, const LadderStep&) = default;
 };
 

@@ -110,6 +110,7 @@ std::string to_toml(const Model& model) {
         "\n[[history]]\neffect = {}\ndata = {}\nrms_before_um = {}\nrms_um = {}\npeak_um = {}\nnoise_um = {}\n",
         params::toml_string(step.effect), params::toml_string(step.data), shortest(step.rms_before_um),
         shortest(step.rms_um), shortest(step.peak_um), shortest(step.noise_um));
+    if (step.outliers > 0) text += fmt::format("outliers = {}\n", step.outliers);
     if (step.held_out_rms_um) text += fmt::format("held_out_rms_um = {}\n", shortest(*step.held_out_rms_um));
   }
   return text;

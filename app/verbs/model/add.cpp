@@ -77,9 +77,11 @@ Problem with_hint(Problem why) {
 Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
-  const std::string summary = paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} {}, noise of one reading {:.3f} {}",
-                                                    name_with_alternatives(added.effect.effect), added.rms_before_um,
-                                                    added.rms_after_um, unit, added.noise_um, unit));
+  const int outliers = added.step.outliers;
+  const std::string summary = paragraph(fmt::format(
+      "added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
+      name_with_alternatives(added.effect.effect), added.rms_before_um, added.rms_after_um, unit,
+      outliers > 0 ? fmt::format(" with {} outlier{}", outliers, outliers == 1 ? "" : "s") : "", added.noise_um, unit));
   return record_cell("{summary}{effect}\n{history}{model}\n",
                      {{"summary", shown_cell(summary)},
                       {"rms_before_um", {number_or_null(added.rms_before_um), ""}},

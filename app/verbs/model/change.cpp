@@ -28,7 +28,7 @@ Result<Outcome> remove(VerbContext& context, const RemoveArguments& given) {
   if (!effect) return tl::unexpected(effect.error());
   const auto before = model::fit(work->model, work->data);
   if (!before) return tl::unexpected(in_file(before.error(), arguments.model));
-  const auto without = without_effect(work->model, work->data, *effect, before->rms_um, work->data_name);
+  const auto without = without_effect(work->model, work->data, *effect, *before, work->data_name);
   if (!without) return tl::unexpected(in_file(without.error(), arguments.model));
   const model::Model kept = model_to_keep(without->model, without->fit, work->data, work->data_name);
   if (const auto written = model::write_model(output, kept, arguments.model); !written)

@@ -74,5 +74,25 @@ TEST_CASE("add writes over a file that is there only with --force") {
   CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", workspace.model}).code == 0);
 }
 
+TEST_CASE("the ladder leaves out the outliers, as the headline does, and says how many") {
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with("data.csv", measured_x([](double x_mm, int approach, int run) {
+                                                   const bool slip =
+                                                       run == 2 && approach > 0 && std::abs(x_mm - 500.0) < 13.0;
+                                                   return cyclic_x(x_mm, approach, run) + (slip ? 300.0 : 0.0);
+                                                 }));
+  const std::string out = workspace.folder / "out.toml";
+  const Ran r =
+      ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", data, "--machine", workspace.machine, "-o", out});
+  REQUIRE(r.code == 0);
+  CHECK_MESSAGE(r.out.find("with 1 outlier,") != std::string::npos, r.out);
+  CHECK_MESSAGE(r.out.find("rms and peak of step 1 are without 1 outlier\n") != std::string::npos, r.out);
+  const nlohmann::json rung = ran({"model", "history", out, "--json"}).json()["history"][0];
+  CHECK(rung["rms_before_um"].get<double>() == Approx(std::sqrt(2.0 + 0.09)).epsilon(0.1));
+  CHECK(rung["rms_um"].get<double>() == Approx(0.3).epsilon(0.15));
+  CHECK(rung["peak_um"].get<double>() < 2.0);
+  CHECK(rung["outliers"] == 1);
+}
+
 }  // namespace
 }  // namespace ecs::app
