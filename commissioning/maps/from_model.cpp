@@ -108,6 +108,10 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
     if (const std::string tied = name_with_alternatives(effect); tied != place_text(effect)) {
       built.notes.push_back(tied + ": the data could not tell them apart");
       built.compiled.map.header.processing.push_back(built.notes.back());
+      const auto largest = built.compiled.largest.find(name);
+      if (largest != built.compiled.largest.end() && !measurement_alternatives(effect).empty())
+        built.notes.push_back(
+            cost_if_of_measurement(effect, fmt::format("up to {:.3g} {}", largest->second, unit_of(places.front()))));
     }
     const model::LadderStep* step = step_of(model, name);
     for (const Component place : places) {

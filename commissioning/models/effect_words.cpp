@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -30,6 +31,19 @@ std::vector<std::string> places_of(const std::vector<model::EffectInstance>& eff
 std::string parameter_evidence(const model::ParameterEstimate& one) {
   if (!one.sigma || *one.sigma <= 0.0 || one.held) return {};
   return judged(value_text(one), std::abs(one.value) > kEnoughSigmas * *one.sigma);
+}
+
+/// The alternatives of an effect that are errors of the measurement, at its own place.
+std::vector<std::pair<std::string, model::EffectInstance>> alternatives_of_measurement(
+    const model::EffectInstance& effect) {
+  std::vector<std::pair<std::string, model::EffectInstance>> found;
+  for (const std::string_view part : split(effect.tied_with, ',')) {
+    const std::string name(trimmed(part));
+    model::EffectInstance other = effect;
+    other.id = model::effect_named(name.substr(0, name.find(':')));
+    if (other.id != nullptr && other.traits().of_measurement) found.emplace_back(name, std::move(other));
+  }
+  return found;
 }
 
 }  // namespace
@@ -107,6 +121,21 @@ std::string name_with_alternatives(const model::Model& model, const std::string&
   const auto found = std::find_if(model.effects.begin(), model.effects.end(),
                                   [&](const model::EffectInstance& effect) { return to_text(effect) == name; });
   return found == model.effects.end() || found->tied_with.empty() ? name : name_with_alternatives(*found);
+}
+
+std::string measurement_alternatives(const model::EffectInstance& effect) {
+  std::vector<std::string> names;
+  for (const auto& [name, other] : alternatives_of_measurement(effect)) names.push_back(name);
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+std::string cost_if_of_measurement(const model::EffectInstance& effect, const std::string& amount) {
+  std::vector<model::EffectInstance> others;
+  for (const auto& [name, other] : alternatives_of_measurement(effect)) others.push_back(other);
+  return fmt::format(
+      "{} may be {}, an error of the measurement. If it is, compensating it puts {} into the machine. Decide it first: "
+      "{}",
+      place_text(effect), measurement_alternatives(effect), amount, model::separating_measurement(effect, others));
 }
 
 void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives) {

@@ -32,6 +32,12 @@ struct EffectFact {
 [[nodiscard]] std::string name_with_alternatives(const model::EffectInstance& effect);
 /// The same for an effect of `model` by its name, to_text(); a name that the model lacks stays as it is.
 [[nodiscard]] std::string name_with_alternatives(const model::Model& model, const std::string& name);
+/// Errors of the measurement among what the data could not tell an effect from, "cosine:X:EX or air_refraction:X:EX";
+/// "" where there is none.
+[[nodiscard]] std::string measurement_alternatives(const model::EffectInstance& effect);
+/// What compensating an effect costs if it is such an error.
+/// @param amount  of it, "11.2 um rms"  @pre measurement_alternatives() are there
+[[nodiscard]] std::string cost_if_of_measurement(const model::EffectInstance& effect, const std::string& amount);
 /// Keeps the alternatives with the effect, in model files too. Empty: it is decided. @pre no effect of the user
 void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives);
 

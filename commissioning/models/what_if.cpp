@@ -47,6 +47,7 @@ Cell effects_cell(const WhatIfAnswer& answer) {
         {"rms_um", number_cell(share.rms_um, 3)},
         {"carried", yes_cell(share.carried, "", share.of_measurement ? "" : "NOT CARRIED: ")},
         {"of_measurement", {share.of_measurement, ""}},
+        {"peak_um", {number_or_null(share.peak_um), ""}},
         {"how", word_cell(share.how)}};
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
@@ -112,9 +113,16 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
   return notes;
 }
 
-std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Achieved>& after,
-                                  const std::vector<AfterDirection>& directions) {
+std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& what,
+                                  const std::optional<Achieved>& after, const std::vector<AfterDirection>& directions) {
   std::vector<std::string> notes = made_worse(directions, work.data.rotary);
+  if (!work.data.clock_note.empty()) notes.push_back(work.data.clock_note);
+  const std::string_view unit = work.data.reading_unit();
+  for (std::size_t i = 0; i < what.shares.size(); ++i)  // in the order of the model
+    if (what.shares[i].carried && !measurement_alternatives(work.model.effects[i]).empty())
+      notes.push_back(cost_if_of_measurement(
+          work.model.effects[i],
+          fmt::format("{:.3g} {} rms, up to {:.3g} {},", what.shares[i].rms_um, unit, what.shares[i].peak_um, unit)));
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
     notes.push_back(
@@ -138,7 +146,7 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   if (!what) return tl::unexpected(in_file(what.error(), model_file));
   std::vector<AfterDirection> directions =
       after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{});
-  std::vector<std::string> notes = notes_on(work, *again, directions);
+  std::vector<std::string> notes = notes_on(work, *what, *again, directions);
   return WhatIfAnswer{
       *what, std::move(directions), *again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
 }

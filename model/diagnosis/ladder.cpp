@@ -212,8 +212,10 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
     const EffectDefinition& definition = effect.effect.definition();
     const bool carried = is_carried(effect.effect, data.machine);
     const bool measured = definition.traits.of_measurement;
-    what.shares.push_back(
-        {to_text(effect.effect), effect.rms_um, carried, measured, how_compensated(effect.effect, data.machine)});
+    double peak_um = 0.0;
+    for (const double contribution : effect.contribution) peak_um = std::max(peak_um, std::abs(contribution));
+    what.shares.push_back({to_text(effect.effect), effect.rms_um, peak_um, carried, measured,
+                           how_compensated(effect.effect, data.machine)});
     for (std::size_t k = 0; k < left.size(); ++k) {
       if (carried) left[k] -= effect.contribution[k];
       if (measured) of_measurement[k] += effect.contribution[k];

@@ -51,6 +51,7 @@ struct WhatIf {
   struct Share {
     std::string effect;
     double rms_um = 0.0;
+    double peak_um = 0.0;  ///< largest contribution to a reading
     bool carried = false;
     bool of_measurement = false;
     std::string how;

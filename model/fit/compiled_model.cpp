@@ -124,6 +124,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
       if (const auto found = value.find("um_per_m"); found != value.end()) {
         out.squareness[index_of(*effect.code)] += found->second;
         carried.push_back(&effect);
+        out.largest[to_text(effect)] = std::abs(found->second);
         out.carried.push_back(fmt::format("{}: {:.3g} um/m in the unit's parameters", to_text(effect), found->second));
         continue;
       }
@@ -157,6 +158,8 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
           break;
         }
         for (std::size_t i = 0; i < grid.size(); ++i) table.compensation[i] -= (*values)[i];
+        double& largest = out.largest[to_text(*effect)];
+        for (const double value : *values) largest = std::max(largest, std::abs(value));
         ranges.push_back(range_of(*values));
       }
       const auto most = std::max_element(ranges.begin(), ranges.end());

@@ -215,5 +215,19 @@ TEST_CASE("squareness of a model goes into the parameters") {
   CHECK(content_of(params).find("C0Y_um_per_m = 16") != std::string::npos);
 }
 
+TEST_CASE("a map of what may be an error of the measurement tells what it would put into the machine") {
+  const ModelWorkspace workspace;
+  const std::string model = workspace.folder.with("tied.toml",
+                                                  "[[effect]]\n# or air_refraction:X:EX\nid = \"scale\"\naxis = "
+                                                  "\"X\"\nsense = \"EX\"\nparameters = { um_per_m = 8.0 }\n");
+  const Ran r = ran({"map", "build", "--from-model", model, "--machine", workspace.machine, "--json"});
+  const nlohmann::json j = r.json();
+  std::string cost;
+  for (const std::string note : j["notes"])
+    if (note.starts_with("scale:X:EX may be air_refraction:X:EX, an error of the measurement.")) cost = note;
+  CHECK_MESSAGE(cost.find("compensating it puts up to 8.08 um into the machine") != std::string::npos,  // at 1010 mm
+                j["notes"].dump());
+}
+
 }  // namespace
 }  // namespace ecs::app
