@@ -28,4 +28,16 @@ struct AfterDirection {
 [[nodiscard]] std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const model::Observations& before,
                                                              const model::Observations& after);
 
+/// A part of what was left when measured again that has a shape: a constant, a slope, a difference of the directions.
+struct RestPart {
+  std::string shape;  ///< "constant", "slope", "reversal"
+  Sense sense = Sense::EX;
+  Axis axis = Axis::X;
+  double size = 0.0;    ///< um, um/m; of a slope by metre, of an axis that turns by degree
+  double rms_um = 0.0;  ///< of it, over all readings
+  std::string text;     ///< "a constant -0.5 um of Z positions: zero or datum"
+};
+/// Largest first; those that stand out of the scatter of their line and are a twentieth of the squares at least.
+[[nodiscard]] std::vector<RestPart> parts_of_rest(const model::Observations& after);
+
 }  // namespace ecs::commissioning

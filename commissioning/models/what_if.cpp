@@ -80,16 +80,33 @@ Cell directions_cell(const WhatIfAnswer& answer) {
   return directions;
 }
 
+/// "0.33 um of it is a constant -0.5 um of Z positions: zero or datum."
+Cell rest_cell(const WhatIfAnswer& answer) {
+  Cell list{Json::array(), ""};
+  std::vector<std::string> parts;
+  for (const RestPart& part : parts_of_rest(answer.achieved->data)) {
+    parts.push_back(fmt::format("{:.2g} {} rms of it is {}", part.rms_um, answer.unit, part.text));
+    list.json.push_back({{"shape", part.shape},
+                         {"sense", name_of(part.sense)},
+                         {"axis", axis_json(part.axis, answer.rotary)},
+                         {"size", number_or_null(part.size)},
+                         {"rms_um", number_or_null(part.rms_um)}});
+  }
+  if (!parts.empty()) list.text = fmt::format(" {}.", fmt::join(parts, "; "));
+  return list;
+}
+
 Cell achieved_cell(const WhatIfAnswer& answer) {
   if (!answer.achieved) return null_cell();
   const Achieved& achieved = *answer.achieved;
   Cell cell = record_cell(
       "Measured again: {readings} readings, rms {rms_um} {unit} (peak {peak_um} {unit}): {of_predicted} times what was "
-      "predicted.",
+      "predicted.{rest}",
       {{"unit", shown_cell(std::string(answer.unit))},
        {"rms_um", number_cell(achieved.rms_um, 3)},
        {"peak_um", number_cell(achieved.peak_um, 3)},
        {"readings", count_cell(achieved.data.size())},
+       {"rest", rest_cell(answer)},
        {"of_predicted",
         {number_or_null(achieved.rms_um / answer.what.rms_after_um),
          fmt::format("{:.2f}", achieved.rms_um / std::max(1e-12, answer.what.rms_after_um))}}});
