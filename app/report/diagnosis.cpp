@@ -99,7 +99,8 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
   ReportedDiagnosis out;
   out.verdict = word_in(object, "verdict");
   const auto rms = number_in(object, "rms_um");
-  const auto known = {"adequate", "missing_effect", "partly_explained", "unexplained_structure"};
+  const auto known = {"adequate",      "missing_effect", "partly_explained", "unexplained_structure",
+                      "likely_effect", "cannot_tell"};
   if (!rms || std::find(known.begin(), known.end(), out.verdict) == known.end()) return std::nullopt;
   out.readings = count_in(object, "observations");
   out.rms_um = *rms;

@@ -452,8 +452,23 @@ std::string_view name_of(Verdict verdict) {
       return "missing_effect";
     case Verdict::partly_explained:
       return "partly_explained";
+    case Verdict::likely_effect:
+      return "likely_effect";
+    case Verdict::cannot_tell:
+      return "cannot_tell";
     default:
       return "unexplained_structure";
+  }
+}
+
+std::string_view name_of(Standing standing) {
+  switch (standing) {
+    case Standing::proved:
+      return "proved";
+    case Standing::likely:
+      return "likely";
+    default:
+      return "possible";
   }
 }
 

@@ -18,10 +18,20 @@ namespace ecs::model {
 enum class Verdict : std::uint8_t {
   adequate,               ///< what is left is noise
   missing_effect,         ///< the first candidates bring the residual down to noise
-  partly_explained,       ///< the first candidate is proved and explains nearly all, but structure is left
-  unexplained_structure,  ///< the residual depends on something that no effect of the library explains
+  partly_explained,       ///< proved candidates explain at least half of what is above noise, but more is left
+  unexplained_structure,  ///< the residual depends on something that no proved effect explains
+  likely_effect,          ///< nothing is proved, and the first candidate is likely
+  cannot_tell,            ///< too few readings, an undetermined base, or a lack of fit beside residuals like noise
 };
 [[nodiscard]] std::string_view name_of(Verdict verdict);
+
+/// How sure a candidate is.
+enum class Standing : std::uint8_t {
+  possible,  ///< listed
+  likely,    ///< explains what is above noise, or half of it, but something else is not excluded
+  proved,    ///< by readings that it was not fitted to
+};
+[[nodiscard]] std::string_view name_of(Standing standing);
 
 /// Defaults: of 400 replicates two are beyond a chance of 0.5 %, and the fitted tail counts further; 0.5 % are five
 /// false names in a thousand adequate machines; three effects and 4000 readings bound the time to seconds. All are
@@ -59,8 +69,11 @@ struct Candidate {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
   bool named = false;                         ///< part of the answer (false: a rival or a weaker explanation)
-  double rms_after_um = 0.0;                  ///< with this effect added, all readings
-  double explained = 0.0;                     ///< 1 − (rms_after/rms)², outliers left out
+  Standing standing = Standing::possible;
+  std::string but;            ///< of what is likely: what is not excluded, in words; else ""
+  std::string decide;         ///< of what is likely: the measurement that would decide it; else ""
+  double rms_after_um = 0.0;  ///< with this effect added, all readings
+  double explained = 0.0;     ///< 1 − (rms_after/rms)², outliers left out
   double kept_rms_before_um = 0.0, kept_rms_after_um = 0.0;  ///< as rms and rms_after, outliers left out
   double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
   double p_value = 1.0;            ///< nominal
@@ -90,6 +103,12 @@ struct Dependence {
   std::string looks_like{};     ///< shape in words, where the data prove one and it is no effect; else ""
 };
 
+/// What is worth trying although it is not proved: all that is likely, added together beside what is proved.
+struct ProposedAddition {
+  std::vector<std::string> effects;                            ///< places, as `ecs model add` takes them
+  double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;  ///< on readings left out, without and with them
+};
+
 struct Diagnosis {
   std::size_t observations = 0;
   double rms_um = 0.0;        ///< of what the model leaves
@@ -106,7 +125,8 @@ struct Diagnosis {
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
   std::size_t candidates_tried = 0;
   std::vector<OwnTerm> own_terms;
-  std::size_t noise_replicates = 0;  ///< that were searched
+  std::size_t noise_replicates = 0;     ///< that were searched
+  std::optional<ProposedAddition> add;  ///< where something is likely
 };
 
 /// Refuses data without readings, a model that cannot act on them, and a flag that was set.
@@ -120,6 +140,7 @@ struct NamedCause {
   std::optional<double> e_value;  ///< as of Candidate
   double false_naming = 1.0;
   double p_value = 1.0;  ///< beside the other causes
+  Standing standing = Standing::proved;
 };
 struct NamedCauses {
   Verdict verdict = Verdict::adequate;
