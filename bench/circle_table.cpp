@@ -239,7 +239,7 @@ Named named_by(const model::Diagnosis& diagnosis, const std::string& plane) {
   Named named;
   named.verdict = name_of(diagnosis.verdict);
   for (const model::Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
+    if (!candidate.in_answer()) continue;
     const std::string fault = fault_of(to_text(candidate.effect), plane);
     if (named.first != "none") {
       named.verdict += " + " + to_text(candidate.effect);

@@ -56,6 +56,12 @@ bool matches(const model::Candidate& candidate, const HiddenEffect& truth) {
          });
 }
 
+/// Causes are said, proved or likely.
+static bool says_causes(const model::Diagnosis& answer) {
+  return !answer.candidates.empty() &&
+         (answer.verdict == model::Verdict::missing_effect || answer.verdict == model::Verdict::likely_effect);
+}
+
 bool right(const Case& one, const model::Diagnosis& answer) {
   const auto& candidates = answer.candidates;
   switch (one.kind) {
@@ -64,17 +70,15 @@ bool right(const Case& one, const model::Diagnosis& answer) {
     case CaseKind::out_of_library:
       return answer.verdict == model::Verdict::unexplained_structure;
     case CaseKind::single:
-      return answer.verdict == model::Verdict::missing_effect && !candidates.empty() &&
-             matches(candidates.front(), one.truth.effects.front());
+      return says_causes(answer) && matches(candidates.front(), one.truth.effects.front());
     case CaseKind::pair:
-      return answer.verdict == model::Verdict::missing_effect &&
+      return says_causes(answer) &&
              std::all_of(one.truth.effects.begin(), one.truth.effects.end(), [&](const HiddenEffect& truth) {
                return std::any_of(candidates.begin(), candidates.end(),
-                                  [&](const model::Candidate& c) { return c.named && matches(c, truth); });
+                                  [&](const model::Candidate& c) { return c.in_answer() && matches(c, truth); });
              });
     default:
-      return answer.verdict == model::Verdict::missing_effect && !candidates.empty() &&
-             is_group(candidates.front(), one.truth);
+      return says_causes(answer) && is_group(candidates.front(), one.truth);
   }
 }
 
@@ -91,7 +95,7 @@ bool rival_right(const Case& one, const std::vector<std::string>& names) {
 ParameterCount count_parameters(const Case& one, const model::Diagnosis& answer) {
   ParameterCount count;
   for (const model::Candidate& candidate : answer.candidates) {
-    if (!candidate.named || !candidate.indistinguishable_from.empty()) continue;
+    if (!candidate.in_answer() || !candidate.indistinguishable_from.empty()) continue;
     for (const HiddenEffect& truth : one.truth.effects) {
       if (!same_effect(candidate, truth)) continue;
       for (const model::ParameterEstimate& estimate : candidate.parameters) {

@@ -35,6 +35,10 @@ bool count(const Case& one, const Answer& answer, Tally& tally) {
                               [](const auto& c) { return c.e_value.value_or(0.0) >= kProvedFrom; })
                       ? 1U
                       : 0U;
+  tally.likely += std::any_of(d.candidates.begin(), d.candidates.end(),
+                              [](const auto& c) { return c.standing == model::Standing::likely; })
+                      ? 1U
+                      : 0U;
   if (answer.has_rival) tally.rival_hits += rival_right(one, answer.rival) ? 1U : 0U;
   auto& effect = tally.by_effect[one.kind == CaseKind::single ? one.name.substr(0, one.name.find(':')) : ""];
   effect.first += good ? 1U : 0U;
@@ -88,8 +92,11 @@ void print(const std::string& name, const Tally& tally, bool rival) {
   if (rival) fmt::print("   stepwise BIC −6: {}", rate(tally.rival_hits, tally.cases));
   fmt::print("\n");
   if (tally.blank)
-    fmt::print("    named: {}\n    e-value of 100 or more: {}\n", rate(tally.named, tally.cases),
-               rate(tally.proved, tally.cases));
+    fmt::print("    proved: {}\n    likely: {}\n    e-value of 100 or more: {}\n", rate(tally.named, tally.cases),
+               rate(tally.likely, tally.cases), rate(tally.proved, tally.cases));
+  else
+    fmt::print("    something proved: {}\n    something likely: {}\n", rate(tally.named, tally.cases),
+               rate(tally.likely, tally.cases));
   if (tally.variables > 0)
     fmt::print("    strongest dependence is a right one: {}\n", rate(tally.variables_named, tally.variables));
   if (tally.added > 0)

@@ -14,7 +14,8 @@ namespace ecs::bench {
 struct Tally {
   bool blank = false;
   unsigned cases = 0, hits = 0, rival_hits = 0;
-  unsigned named = 0, proved = 0;               ///< blanks: an effect is named; any candidate has an e-value of 100
+  unsigned named = 0, likely = 0;               ///< an effect is proved; one is likely
+  unsigned proved = 0;                          ///< blanks: any candidate has an e-value of 100
   unsigned variables = 0, variables_named = 0;  ///< of structure outside the library
   unsigned parameters = 0, within = 0;
   unsigned added = 0, added_well = 0;

@@ -73,7 +73,9 @@ ReportedEffect effect_of(const Json& object) {
     out.title = effect->definition().title;
     out.facts = commissioning::facts_of(effect->definition());
   }
-  out.named = member(object, "named") == Json(true);
+  const bool likely = word_in(object, "standing") == name_of(model::Standing::likely);
+  out.named = likely || member(object, "named") == Json(true);
+  out.but = word_in(object, "but");
   if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);
   out.rms_after_um = number_in(object, "rms_after_um");
   out.explained = number_in(object, "explained");

@@ -17,7 +17,8 @@ struct ReportedEffect {
   std::string place;                             ///< "cyclic:X:EX, reverse"
   std::string title;                             ///< "Periodic error"
   std::vector<commissioning::EffectFact> facts;  ///< cause, what to check, how it is compensated …
-  bool named = false;                            ///< part of the answer
+  bool named = false;                            ///< part of the answer: proved, or likely
+  std::string but;                               ///< of what is likely: what is not excluded
   std::vector<std::string> parameters;           ///< "period 8.00 ± 0.02 mm"
   std::optional<double> rms_after_um;
   std::optional<double> explained;
@@ -34,7 +35,8 @@ struct ReportedDependence {
 };
 
 struct ReportedDiagnosis {
-  std::string verdict;   ///< as in JSON: adequate, missing_effect, partly_explained, unexplained_structure
+  std::string
+      verdict;  ///< as in JSON: adequate, missing_effect, partly_explained, unexplained_structure, likely_effect …
   std::string headline;  ///< the answer in words; of an answer saved without one the verdict with the ids named
   std::size_t readings = 0;
   double rms_um = 0.0;

@@ -127,12 +127,13 @@ void others_to_do(const ReportContent& content, std::vector<std::string>& next) 
 
 void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
   if (!content.diagnosis || content.diagnosis->verdict == "adequate") return;
-  if (content.diagnosis->verdict != "missing_effect")
-    next.push_back("Error model: the measurements hold structure that no effect of the library explains; see there.");
+  if (content.diagnosis->verdict == "cannot_tell") return next.push_back("Error model: " + content.diagnosis->headline);
+  if (content.diagnosis->verdict == "unexplained_structure" || content.diagnosis->verdict == "partly_explained")
+    next.push_back("Error model: the measurements hold structure that nothing proved explains. See there.");
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())
-      next.push_back(fmt::format("Error model: {} ({}) is missing from it. {}", effect.title, effect.place,
-                                 effect.next_measurement));
+      next.push_back(fmt::format("Error model: {} ({}) is {}missing from it. {}", effect.title, effect.place,
+                                 effect.but.empty() ? "" : "probably ", effect.next_measurement));
 }
 
 }  // namespace

@@ -130,6 +130,7 @@ Markup details(const ReportedDiagnosis& d) {
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
     if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
     if (!effect.because.empty()) body += paragraph_of(unit_text(without_commands(effect.because)));
+    if (!effect.but.empty()) body += paragraph_of(fmt::format("Likely, but not proved: {}.", unit_text(effect.but)));
     std::vector<std::string> facts;
     for (const EffectFact& fact : effect.facts) facts.push_back(fmt::format("{}: {}", fact.label, fact.text));
     if (!facts.empty()) body += list_of(facts);
@@ -147,9 +148,9 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
   std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
                                     counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
   if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")
-    numbers += fmt::format(" With {}: rms {}.",
-                           d.verdict == "unexplained_structure" ? "the best that was tried" : "what is named",
-                           um(*d.rms_after_um));
+    numbers +=
+        fmt::format(" With {}: rms {}.", d.verdict == "missing_effect" ? "what is named" : "what is proved or likely",
+                    um(*d.rms_after_um));
   body += paragraph_of(numbers);
   body += evidence_table(d, true) + details(d) + evidence_table(d, false);
   std::vector<std::string> where;

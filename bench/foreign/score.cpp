@@ -30,8 +30,7 @@ struct Verdict {
   std::string name;
   std::string kind;  // of what is hidden, where one word says it
   bool right = false;
-  bool named = false;   // anything
-  bool proved = false;  // anything
+  bool named = false;  // anything
   double seconds = 0.0;
   int parameters = 0;  // stated with a set or a standard deviation
   int in_stated_set = 0;
@@ -94,24 +93,16 @@ bool same_details(const Json& hidden, const Json& candidate) {
 struct Answer {
   std::string verdict;
   std::vector<Json> candidates;
-  std::vector<Json> named;  // of the answer: proved, or likely
-  bool proved = false;      // one of them is
+  std::vector<Json> named;
   Names where;
 };
-
-bool names_causes(const Answer& answer) {
-  return answer.verdict == "missing_effect" || answer.verdict == "partly_explained" ||
-         answer.verdict == "likely_effect";
-}
 
 Answer answer_in(const Json& json) {
   Answer answer;
   answer.verdict = word(json, "verdict");
   for (const Json& candidate : json.value("candidates", Json::array())) {
     answer.candidates.push_back(candidate);
-    const bool proved = candidate.value("named", false);
-    if (proved || word(candidate, "standing") == "likely") answer.named.push_back(candidate);
-    answer.proved = answer.proved || proved;
+    if (candidate.value("named", false) || word(candidate, "standing") == "likely") answer.named.push_back(candidate);
   }
   for (const Json& place : json.value("where", Json::array())) answer.where.insert(word(place, "variable"));
   return answer;
@@ -133,10 +124,14 @@ const Json* stands_for(const Json& hidden, const std::vector<Json>& named, const
   return nullptr;
 }
 
+bool says_causes(const Answer& answer) {
+  return answer.verdict == "missing_effect" || answer.verdict == "likely_effect" || answer.verdict == "partly_explained";
+}
+
 bool right_names(const Json& truth, const Answer& answer, const Names& rivals) {
   const Json& hidden = truth.at("hidden");
   if (answer.verdict == "adequate") return truth.at("oracle_p").get<double>() > 0.01;
-  if (!names_causes(answer)) return false;
+  if (!says_causes(answer)) return false;
   std::set<const Json*> found;
   for (const Json& effect : hidden)
     if (const Json* candidate = stands_for(effect, answer.named, rivals)) found.insert(candidate);
@@ -144,7 +139,7 @@ bool right_names(const Json& truth, const Answer& answer, const Names& rivals) {
 }
 
 bool right_group(const Json& truth, const Answer& answer, const Names& required, const Names& allowed) {
-  if (answer.candidates.empty() || !names_causes(answer)) return false;
+  if (answer.candidates.empty() || !says_causes(answer)) return false;
   Names must = required;
   must.insert(comparable(word(truth.at("hidden").front(), "name")));
   const Names group = group_of(answer.candidates.front());
@@ -269,7 +264,6 @@ Verdict score_case(const std::filesystem::path& folder, const std::string& progr
   const Answer answer = answer_in(json);
   verdict.kind = kind_of(truth);
   verdict.named = !answer.named.empty();
-  verdict.proved = answer.proved;
   Names required = names_in(truth.at("required_rivals"));
   const Names allowed = names_in(truth.at("allowed_rivals"));
   const bool structure = answer.verdict == "unexplained_structure";
@@ -307,9 +301,8 @@ std::string kinds_line(const std::string& row, const std::vector<Verdict>& cases
 std::string report(std::vector<Verdict> verdicts) {
   std::map<std::string, std::vector<Verdict>> by_row;
   for (Verdict& verdict : verdicts) by_row[verdict.row].push_back(std::move(verdict));
-  std::string table =
-      fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}\n", "row", "right", "%",
-                  "95 % interval", "named", "proved", "in their set", "near", "unstated", "median s", "worst s");
+  std::string table = fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}\n", "row", "right", "%",
+                                  "95 % interval", "named", "in their set", "near", "unstated", "median s", "worst s");
   std::string wrong;
   std::string kinds;
   for (const auto& each : by_row) {
@@ -326,16 +319,14 @@ std::string report(std::vector<Verdict> verdicts) {
     std::vector<double> seconds;
     for (const Verdict& verdict : cases) seconds.push_back(verdict.seconds);
     std::sort(seconds.begin(), seconds.end());
-    table +=
-        fmt::format("{:<18}{:>12}{:>8.1f}{:>18}{:>8}{:>8}{:>14}{:>8}{:>10}{:>10.2f}{:>9.2f}\n", row,
-                    fmt::format("{}/{}", right, total), 100.0 * right / total,
-                    fmt::format("{:.1f} to {:.1f}", 100.0 * low, 100.0 * high),
-                    count([](const Verdict& v) { return v.named ? 1 : 0; }),
-                    count([](const Verdict& v) { return v.proved ? 1 : 0; }),
-                    fmt::format("{}/{}", count([](const Verdict& v) { return v.in_stated_set; }),
-                                count([](const Verdict& v) { return v.parameters; })),
-                    count([](const Verdict& v) { return v.near; }), count([](const Verdict& v) { return v.unstated; }),
-                    seconds[seconds.size() / 2], seconds.back());
+    table += fmt::format(
+        "{:<18}{:>12}{:>8.1f}{:>18}{:>8}{:>14}{:>8}{:>10}{:>10.2f}{:>9.2f}\n", row, fmt::format("{}/{}", right, total),
+        100.0 * right / total, fmt::format("{:.1f} to {:.1f}", 100.0 * low, 100.0 * high),
+        count([](const Verdict& v) { return v.named ? 1 : 0; }),
+        fmt::format("{}/{}", count([](const Verdict& v) { return v.in_stated_set; }),
+                    count([](const Verdict& v) { return v.parameters; })),
+        count([](const Verdict& v) { return v.near; }), count([](const Verdict& v) { return v.unstated; }),
+        seconds[seconds.size() / 2], seconds.back());
     kinds += kinds_line(row, cases);
     for (const Verdict& verdict : cases)
       if (!verdict.right) wrong += fmt::format("{}: {}\n", verdict.name, verdict.line);

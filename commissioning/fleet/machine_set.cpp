@@ -87,7 +87,8 @@ Result<FleetResult> diagnosed(const MachineSet& set, const std::string& hash, st
   FleetResult result{set.id, hash,          std::string(name_of(names->verdict)), {}, set.type, set.batch, 0.0, {},
                      false,  names->p_value};
   for (const model::NamedCause& cause : names->causes)
-    result.causes.push_back({cause.name, cause.probability, cause.e_value, cause.false_naming, cause.p_value});
+    result.causes.push_back({cause.name, cause.probability, cause.e_value, cause.false_naming, cause.p_value,
+                             std::string(name_of(cause.standing))});
   return result;
 }
 

@@ -29,7 +29,8 @@ std::string to_line(const FleetResult& result) {
                       {"probability", number_or_null(cause.probability)},
                       {"e_value", number_or_null(cause.e_value)},
                       {"false_naming", number_or_null(cause.false_naming)},
-                      {"p_value", number_or_null(cause.p_value)}});
+                      {"p_value", number_or_null(cause.p_value)},
+                      {"standing", cause.standing}});
   return one_line({{"id", result.id},
                    {"hash", result.hash},
                    {"verdict", result.verdict},
@@ -65,6 +66,7 @@ std::optional<FleetResult> result_in(std::string_view line) {
     cause.e_value = number_or_none(one, "e_value");
     cause.false_naming = number_or_none(one, "false_naming").value_or(1.0);
     cause.p_value = number_or_none(one, "p_value");
+    if (const std::string standing = word_or_none(one, "standing"); !standing.empty()) cause.standing = standing;
     result.causes.push_back(std::move(cause));
   }
   return result;

@@ -8,13 +8,14 @@
 
 namespace ecs::commissioning {
 
-/// A cause that the diagnosis of one machine names.
+/// A cause in the answer for one machine.
 struct FleetCause {
   std::string name;  ///< "effect:axis:sense-or-code"
   double probability = 0.0;
   std::optional<double> e_value;  ///< divided by the number of candidates tried; absent: no split shows it
   double false_naming = 1.0;
   std::optional<double> p_value{};  ///< beside the other causes, for having been chosen; absent: older results
+  std::string standing = "proved";  ///< or "likely"
 
   friend bool operator==(const FleetCause&, const FleetCause&) = default;
 };
@@ -23,7 +24,7 @@ struct FleetResult {
   std::string id;
   std::string hash;                ///< SHA-256 of what was read; empty with an error
   std::string verdict;             ///< of model/diagnosis/diagnose.hpp
-  std::vector<FleetCause> causes;  ///< named ones
+  std::vector<FleetCause> causes;  ///< proved ones, then likely ones
   std::string type, batch;
   double processor_s = 0.0;
   std::string error;                ///< not diagnosed, and why; empty: diagnosed

@@ -16,7 +16,7 @@ std::vector<SetMember> credible_set_of(const model::Candidate& candidate) {
 std::vector<SetMember> members_left(const model::Diagnosis& diagnosis) {
   std::vector<SetMember> left;
   for (const model::Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
+    if (!candidate.in_answer()) continue;
     for (SetMember& member : credible_set_of(candidate))
       if (std::none_of(left.begin(), left.end(), [&](const SetMember& m) { return m.name == member.name; }))
         left.push_back(std::move(member));
@@ -27,7 +27,7 @@ std::vector<SetMember> members_left(const model::Diagnosis& diagnosis) {
 bool causes_are_single(const model::Diagnosis& diagnosis) {
   bool any = false;
   for (const model::Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
+    if (!candidate.in_answer()) continue;
     any = true;
     if (credible_set_of(candidate).size() > 1) return false;
   }

@@ -11,13 +11,13 @@ namespace ecs::commissioning {
 
 using model::SetMember;
 
-/// The credible set that holds one named candidate, likeliest first; without the zeros of runs.
+/// The credible set that holds one candidate, likeliest first; without the zeros of runs.
 [[nodiscard]] std::vector<SetMember> credible_set_of(const model::Candidate& candidate);
 
-/// The sets of all named candidates; empty where nothing is named.
+/// The sets of all candidates of the answer, proved or likely; empty where it has none.
 [[nodiscard]] std::vector<SetMember> members_left(const model::Diagnosis& diagnosis);
 
-/// Something is named, and no named cause has a rival.
+/// The answer has causes, and none has a rival.
 [[nodiscard]] bool causes_are_single(const model::Diagnosis& diagnosis);
 
 }  // namespace ecs::commissioning

@@ -119,7 +119,7 @@ class Investigator {
 
   /// Nothing: the investigation is over.
   std::optional<MeasurementProposal> next_run() {
-    if (diagnosis_ && !waiting_.empty() && !settled() && diagnosis_->verdict != Verdict::adequate)
+    if (diagnosis_ && !waiting_.empty() && !settled() && !finds_nothing())
       if (auto here = separating_run(true)) return here;
     while (!waiting_.empty()) {
       const InvestigatedLine line = waiting_.front();
@@ -137,17 +137,29 @@ class Investigator {
   /// Several causes at once are believed only after the same lines were measured on other targets as well: on few
   /// targets a sum of two can imitate one.
   [[nodiscard]] bool settled() const {
-    if (diagnosis_->verdict != Verdict::missing_effect || !causes_are_single(*diagnosis_)) return false;
+    if (!says_causes() || !causes_are_single(*diagnosis_)) return false;
+    if (diagnosis_->verdict == Verdict::likely_effect && look_not_made(look_between)) return false;
     if (has_aliases() && look_not_made(look_between)) return false;
     const auto named = std::count_if(diagnosis_->candidates.begin(), diagnosis_->candidates.end(),
-                                     [](const Candidate& candidate) { return candidate.named; });
+                                     [](const Candidate& candidate) { return candidate.in_answer(); });
     return named == 1 || !look_not_made(look_between);
+  }
+
+  /// Causes that bring the residual down to noise, or the first thought where none is proved.
+  [[nodiscard]] bool says_causes() const {
+    return diagnosis_->verdict == Verdict::missing_effect || diagnosis_->verdict == Verdict::likely_effect;
+  }
+
+  /// Nothing is found: what is left is noise, or looks like it.
+  [[nodiscard]] bool finds_nothing() const {
+    return diagnosis_->verdict == Verdict::adequate || diagnosis_->verdict == Verdict::cannot_tell;
   }
 
   /// A period that the targets cannot tell from others, none of them a pitch: its map would be right on these alone.
   [[nodiscard]] bool has_aliases() const {
     return std::any_of(diagnosis_->candidates.begin(), diagnosis_->candidates.end(), [&](const Candidate& candidate) {
-      if (!candidate.named || !candidate.effect.traits().periodic || candidate.parameters_set.empty()) return false;
+      if (!candidate.in_answer() || !candidate.effect.traits().periodic || candidate.parameters_set.empty())
+        return false;
       const auto& facts = candidate.effect.axis ? machine_.axes[index_of(*candidate.effect.axis)] : std::nullopt;
       const auto period = candidate.effect.fitted.find(std::string(candidate.effect.definition().searched_parameter()));
       return !facts || period == candidate.effect.fitted.end() || !is_pitch(period->second, *facts);
@@ -156,8 +168,8 @@ class Investigator {
 
   /// @param here  only on the line measured last, without waiting, while other lines were not looked at
   std::optional<MeasurementProposal> separating_run(bool here) {
-    const bool seeing = diagnosis_->verdict == Verdict::adequate;
-    if (diagnosis_->verdict == Verdict::missing_effect && causes_are_single(*diagnosis_))
+    const bool seeing = finds_nothing();
+    if (says_causes() && causes_are_single(*diagnosis_))
       if (auto between = look_not_made(look_between)) return between;
     if (seeing)
       for (const auto& change : {Change(look_in_motion), with_load()})
@@ -215,8 +227,8 @@ class Investigator {
   [[nodiscard]] bool is_named_on(const MeasurementProposal& line) const {
     return diagnosis_ &&
            std::any_of(diagnosis_->candidates.begin(), diagnosis_->candidates.end(), [&](const Candidate& candidate) {
-             return candidate.named && candidate.effect.axis == line.axis && candidate.effect.sense == line.sense &&
-                    !candidate.effect.traits().of_approach;
+             return candidate.in_answer() && candidate.effect.axis == line.axis &&
+                    candidate.effect.sense == line.sense && !candidate.effect.traits().of_approach;
            });
   }
 
@@ -232,7 +244,7 @@ class Investigator {
   [[nodiscard]] bool is_in_question(const MeasurementProposal& proposal) const {
     bool named = false;
     for (const Candidate& candidate : diagnosis_->candidates) {
-      if (!candidate.named) continue;
+      if (!candidate.in_answer()) continue;
       named = true;
       if (candidate.effect.axis == proposal.axis || candidate.effect.sense == proposal.sense) return true;
     }
@@ -340,7 +352,7 @@ class Investigator {
     Model whole = readings_.model_with_zeros();
     std::vector<std::pair<model::EffectInstance, double>> added;  // with the probability
     for (const Candidate& candidate : diagnosis_->candidates) {
-      if (!candidate.named) continue;
+      if (!candidate.in_answer()) continue;
       auto with = model::add_effect(whole, data, request_for(candidate.effect), "");
       if (!with) return tl::unexpected(with.error());
       whole = std::move(with->model);

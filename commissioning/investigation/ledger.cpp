@@ -57,10 +57,15 @@ std::string verdict_text(const Investigation& investigation) {
                          investigation.causes.size() == 1 ? "One cause was" : "Causes were");
     case model::Verdict::partly_explained:
       return "A cause is proved, but more is left than it explains:";
+    case model::Verdict::likely_effect:
+      return "Probably missing from the model, but not proved:";
+    case model::Verdict::cannot_tell:
+      return "These data cannot tell whether anything is missing from the model.";
     case model::Verdict::unexplained_structure:
+      if (!investigation.causes.empty()) return "Proved, but the lesser part of what the model leaves:";
       break;
   }
-  return "No effect of the library explains what the model leaves.";
+  return "Nothing proved explains what the model leaves, and it is no noise.";
 }
 
 }  // namespace

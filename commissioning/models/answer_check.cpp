@@ -91,6 +91,9 @@ Candidate candidate_in(const Json& object, AnswerReader& reader) {
   }
   candidate.effect = std::move(*effect);
   candidate.named = reader.flag(object, "named");
+  const auto standing = object.find("standing");  // answers of former programs have none
+  if (standing != object.end() && *standing == Json(model::name_of(model::Standing::likely)))
+    candidate.standing = model::Standing::likely;
   candidate.found = reader.flag(object, "found");
   candidate.rms_after_um = reader.number(object, "rms_after_um");
   candidate.explained = reader.number(object, "explained");

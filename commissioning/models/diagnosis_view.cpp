@@ -26,8 +26,7 @@ std::string summary(const Diagnosis& d) {
   std::string text = fmt::format("{} readings. The model leaves rms {:.3f} {}; the noise of one reading is {}. ",
                                  d.observations, d.rms_um, d.noise.unit, noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {}: rms {:.3f} {}. ",
-                        d.verdict == Verdict::unexplained_structure ? "the best that was tried" : "what is named",
+    text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "what is proved or likely" : "what is named",
                         d.rms_after_um, d.noise.unit);
   const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
   text += "Lack of fit: " + lack_of_fit;
@@ -120,8 +119,8 @@ Cell candidate_cell(const Candidate& c) {
       {"sigma", {sigmas, ""}},
       {"named", {c.named, ""}},
       {"standing", {name_of(c.standing), ""}},
-      {"but", {text_or_null(c.but), ""}},
-      {"decide", {text_or_null(c.decide), ""}},
+      {"but", {text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)}},
+      {"decide", {text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)}},
       {"rms_after_um", number_cell(c.rms_after_um, 3)},
       {"explained", {number_or_null(c.explained), percent(c.explained)}},
       {"explainable_share", {number_or_null(c.explainable_share), ""}},
@@ -145,11 +144,10 @@ Cell candidate_cell(const Candidate& c) {
   return {
       object_of(fields),
       laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8}\n", fields) +
-          (c.named
-               ? laid_out(
-                     "{parameters}{parameters_set}{because}{set}{indistinguishable_from}{skipped}{next_measurement}",
-                     fields)
-               : std::string())};
+          (c.in_answer() ? laid_out("{parameters}{parameters_set}{because}{but}{decide}{set}{indistinguishable_from}{"
+                                    "skipped}{next_measurement}",
+                                    fields)
+                         : std::string())};
 }
 
 /// Nothing is named: how likely the closest candidates are beside noise.
@@ -163,20 +161,40 @@ std::string closest_text(const Diagnosis& d) {
   return "\n" + paragraph("closest candidates, with their probability beside noise: " + set_text(closest), 0, 2);
 }
 
+/// What adding the likely effects would do, and how.
+std::string add_text(const Diagnosis& d) {
+  if (!d.add) return {};
+  return "\n" +
+         paragraph(fmt::format("To try it: add {} with `ecs model add`. On readings left out of the fit the residual "
+                               "is then expected to {} from {:.3g} to {:.3g} {} rms.",
+                               fmt::join(d.add->effects, ", then "),
+                               d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
+                               d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
+                   0, 2);
+}
+
+Json add_json(const Diagnosis& d) {
+  if (!d.add) return nullptr;
+  return {{"effects", d.add->effects},
+          {"held_out_rms_before_um", number_or_null(d.add->held_out_rms_before_um)},
+          {"held_out_rms_um", number_or_null(d.add->held_out_rms_um)}};
+}
+
 Cell candidates_cell(const Diagnosis& d) {
   Json list = Json::array();
-  std::string named, rivals;
+  std::string named, likely, rivals;
   for (const Candidate& candidate : d.candidates) {
     const Cell one = candidate_cell(candidate);
     list.push_back(one.json);
-    (candidate.named ? named : rivals) += one.text;
+    (candidate.named ? named : candidate.in_answer() ? likely : rivals) += one.text;
   }
   const auto titled_table = [&](std::string_view title, const std::string& rows) {
     return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, head(d), rows);
   };
-  if (d.verdict == Verdict::adequate) return {std::move(list), closest_text(d)};
+  if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   return {std::move(list),
           titled_table(d.verdict == Verdict::missing_effect ? "what is missing" : "what is proved", named) +
+              titled_table("what is likely, but not proved", likely) + add_text(d) +
               titled_table("rivals and weaker explanations", rivals)};
 }
 
@@ -246,6 +264,7 @@ Cell diagnosis_cell(const Diagnosis& d) {
                       {"headline", {d.headline, paragraph(d.headline)}},
                       {"summary", shown_cell(summary(d))},
                       {"candidates", candidates_cell(d)},
+                      {"add", {add_json(d), ""}},
                       {"where", where_cell(d)},
                       {"rms_after_um", {number_or_null(d.rms_after_um), ""}},
                       {"lack_of_fit_after", lack_of_fit_cell(d.lack_of_fit_after)},

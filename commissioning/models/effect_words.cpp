@@ -78,6 +78,8 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   const auto rivals = places_of(candidate.rivals);
   facts.push_back({"could also be", rivals.empty() ? "nothing else of the library fits these data as well"
                                                    : fmt::format("{}", fmt::join(rivals, ", "))});
+  if (!candidate.but.empty()) facts.push_back({"not proved", candidate.but});
+  if (!candidate.decide.empty()) facts.push_back({"to decide", candidate.decide});
   if (!candidate.next_measurement.empty()) facts.push_back({"next measurement", candidate.next_measurement});
   return facts;
 }
@@ -85,7 +87,7 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
 std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis) {
   std::vector<EffectFact> facts;
   facts.push_back({"model as it is", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
-  if (candidate.named && diagnosis.lack_of_fit_after)
+  if (candidate.in_answer() && diagnosis.lack_of_fit_after)
     facts.push_back({"with what is named", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
   facts.push_back(
       {"residual", fmt::format("{:.3f} -> {:.3f} {} rms, {:.1f} % explained; noise {:.3f} {}", diagnosis.rms_um,

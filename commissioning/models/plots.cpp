@@ -225,8 +225,12 @@ std::string_view verdict_title(const model::Diagnosis& diagnosis) {
       return "an effect is missing";
     case model::Verdict::partly_explained:
       return "an effect is missing, and more is left";
+    case model::Verdict::likely_effect:
+      return "an effect is probably missing, which is not proved";
+    case model::Verdict::cannot_tell:
+      return "these data cannot tell whether anything is missing";
     default:
-      return "structure that no effect explains";
+      return "more is left than noise";
   }
 }
 
@@ -236,7 +240,7 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
   model::Model with = model;
   std::vector<std::string> names;
   for (const model::Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
+    if (!candidate.in_answer()) continue;
     model::EffectInstance effect = candidate.effect;
     const std::string searched(effect.definition().searched_parameter());
     if (const auto value = effect.fitted.find(searched); value != effect.fitted.end())

@@ -129,9 +129,14 @@ struct Judged {
   std::string why;
 };
 
+/// What is named, or likely, leaves noise or is the first thought.
+bool says_all(const FoundAnswer& answer) {
+  return answer.verdict == "missing_effect" || answer.verdict == "likely_effect";
+}
+
 Judged judged_single(const HiddenTruth& truth, const FoundAnswer& answer) {
   const HiddenEffect& hidden = truth.effects.front();
-  if (answer.verdict != "missing_effect" || answer.candidates.empty())
+  if (!says_all(answer) || answer.candidates.empty())
     return {false, fmt::format("{} was not named: the verdict is {}", hidden.name, answer.verdict)};
   const FoundEffect& first = answer.candidates.front();
   if (lists(first, hidden.name) && to_text(first.effect) != hidden.name)
@@ -145,7 +150,7 @@ Judged judged_pair(const HiddenTruth& truth, const FoundAnswer& answer) {
   std::vector<std::string> missed;
   for (const HiddenEffect& hidden : truth.effects)
     if (!named_somewhere(hidden, answer)) missed.push_back(hidden.name);
-  if (answer.verdict != "missing_effect") return {false, "the verdict is " + answer.verdict};
+  if (!says_all(answer)) return {false, "the verdict is " + answer.verdict};
   if (missed.empty()) return {true, "both are named"};
   return {false, fmt::format("not named: {}", fmt::join(missed, ", "))};
 }
@@ -242,7 +247,8 @@ Result<FoundAnswer> answer_in(std::string_view text, const std::string& file) {
     const auto effect = one.is_object() ? effect_in(one) : std::nullopt;
     if (!effect) return tl::unexpected(not_of_form(file, "candidates: expected effects of the library"));
     const auto named = one.find("named");
-    answer.candidates.push_back({*effect, named == one.end() || !named->is_boolean() || named->get<bool>(),
+    const bool likely = word(one, "standing") == "likely";
+    answer.candidates.push_back({*effect, likely || named == one.end() || !named->is_boolean() || named->get<bool>(),
                                  words(one, "indistinguishable_from"), numbers(one, "parameters"),
                                  numbers(one, "sigma")});
   }

@@ -43,7 +43,7 @@ struct HiddenTruth {
 /// A candidate as a diagnosis tells it.
 struct FoundEffect {
   model::EffectInstance effect;
-  bool named = true;
+  bool named = true;               ///< or likely
   std::vector<std::string> group;  ///< indistinguishable_from
   std::map<std::string, double> parameters;
   std::map<std::string, double> sigma;
@@ -74,9 +74,9 @@ struct Score {
   std::optional<double> rms_ratio;  ///< rms after ÷ rms of the true model
 };
 
-/// blank: verdict adequate. single: missing_effect, and the first candidate is the effect or lists it. pair: both among
-/// the named candidates or in their groups. out_of_library: unexplained_structure. confounded: the first candidate with
-/// its group is exactly the group. Approach and sensor must agree where the truth gives one.
+/// blank: verdict adequate. single: missing_effect or likely_effect, and the first candidate is the effect or lists it.
+/// pair: both among the named candidates or in their groups. out_of_library: unexplained_structure. confounded: the
+/// first candidate with its group is exactly the group. Approach and sensor must agree where the truth gives one.
 [[nodiscard]] Score score_of(const HiddenTruth& truth, const FoundAnswer& answer);
 
 }  // namespace ecs::commissioning

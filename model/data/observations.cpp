@@ -422,6 +422,10 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
   if (tables.origin) take_origin(data, *tables.origin);
+  const bool turned = std::any_of(set.readings.begin(), set.readings.end(),
+                                  [&](const Reading& r) { return r.angle_deg != set.readings.front().angle_deg; });
+  if (!data.rotary && turned)
+    for (const std::size_t k : order) data.pose_deg.push_back(set.readings[k].angle_deg);
   if (!data.rotary) take_machine(data, machine);
   if (data.rotary) take_chain(data, set, machine);
   data.map = tables.map;
@@ -456,6 +460,7 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   part.approach = taken(all.approach, chosen);
   part.position_mm = taken(all.position_mm, chosen);
   part.place_mm = taken(all.place_mm, chosen);
+  part.pose_deg = taken(all.pose_deg, chosen);
   part.through_chain = taken(all.through_chain, chosen);
   part.balls_mm = all.balls_mm;
   part.rotary_axes = all.rotary_axes;

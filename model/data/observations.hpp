@@ -94,6 +94,7 @@ struct Observations {
   bool rotary = false;  ///< the axes are A, B, C: all positions are in degrees, a turn is 360
   /// Of rotary axes: where the linear axes stood. Empty: the file does not say.
   std::vector<Vector3> place_mm;
+  std::vector<Vector3> pose_deg;  ///< of linear axes: at which angles rotary ones stood. Empty: always at the same
   /// Of rotary axes where `place_mm` and their pivots are known: how their errors reach the reading. Empty: readings of
   /// an error of the axis itself.
   std::vector<ThroughChain> through_chain;

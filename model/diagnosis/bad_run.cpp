@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "model/effects/definition.hpp"
+#include "model/fit/held_out.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -104,8 +105,12 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
                                   const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
   const std::map<int, double> by_raw = noisy_runs(data, residual, left_out);
   std::optional<NoisyRun> worst;
-  for (const auto& [run, ratio] : noisy_runs(data, whitened, left_out))
-    if (by_raw.contains(run) && (!worst || ratio > worst->ratio)) worst = NoisyRun{run, ratio};
+  double most = 0.0;
+  for (const auto& [run, ratio] : noisy_runs(data, whitened, left_out)) {
+    if (!by_raw.contains(run) || ratio <= most) continue;
+    most = ratio;
+    worst = NoisyRun{run, by_raw.at(run)};
+  }
   if (!worst) return worst;
   double count = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -125,6 +130,79 @@ std::string words_for(const NoisyRun& run) {
     return fmt::format("run {} lies {:+.2g} um off the model, {:.2g} times as far as the others", run.run, run.off_um,
                        run.ratio);
   return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
+}
+
+std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
+                                       const std::vector<bool>& left_out) {
+  constexpr std::size_t kFewestRunsOfStep = 5;
+  struct Run {
+    int number = 0;
+    double readings = 0.0, time = 0.0, mean = 0.0, squares = 0.0;
+  };
+  std::map<Channel, std::map<int, Run>> channels;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k]) continue;
+    Run& run = channels[data.channel(k)][data.run[k]];
+    const double r = residual(static_cast<Eigen::Index>(k)), t = data.time_s.empty() ? data.run[k] : data.time_s[k];
+    run.number = data.run[k];
+    run.readings += 1.0;
+    run.time += std::isnan(t) ? 0.0 : t;
+    run.mean += r;
+    run.squares += r * r;
+  }
+  std::optional<StepOfRuns> best;
+  double most = kBetterByHundred;
+  for (auto& [channel, by_number] : channels) {
+    std::vector<Run> runs;
+    double inside = 0.0, readings = 0.0;
+    for (auto& [number, run] : by_number) {
+      run.time /= run.readings;
+      run.mean /= run.readings;
+      inside += run.squares - run.readings * run.mean * run.mean;
+      readings += run.readings;
+      runs.push_back(run);
+    }
+    const auto count = static_cast<Eigen::Index>(runs.size());
+    if (runs.size() < kFewestRunsOfStep || runs.size() > kMostRunsCompared) continue;
+    std::stable_sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.time < b.time; });
+    // means of the runs, each as heavy as its readings, beside a level and a trend
+    Eigen::VectorXd weight(count), target(count);
+    Eigen::MatrixXd trend(count, 2), indicator = Eigen::MatrixXd::Identity(count, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Run& run = runs[static_cast<std::size_t>(i)];
+      weight(i) = std::sqrt(run.readings);
+      target(i) = weight(i) * run.mean;
+      trend.row(i) << weight(i), weight(i) * run.time;
+    }
+    Space space;
+    space.y = target;
+    space.q.resize(count, 0);
+    absorb(space, trend);
+    const auto left_with = [&](const Eigen::VectorXd& column) {
+      Space more = space;
+      absorb(more, Eigen::MatrixXd(weight.cwiseProduct(column)));
+      return more.chi2();
+    };
+    double one_run = space.chi2(), step = space.chi2();
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < count; ++i) one_run = std::min(one_run, left_with(indicator.col(i)));
+    for (Eigen::Index i = 1; i < count; ++i)
+      if (const double left = left_with(indicator.rightCols(count - i).rowwise().sum()); left < step) {
+        step = left;
+        at = i;
+      }
+    constexpr double kFitted = 3.0;  // level, trend, step
+    const double variance = std::max({step / (static_cast<double>(count) - kFitted),
+                                      inside / std::max(1.0, readings - static_cast<double>(count)), kLeastDivisor});
+    const double better = (one_run - step) / variance;
+    if (at == 0 || better <= most) continue;
+    most = better;
+    Eigen::MatrixXd columns(count, 3);
+    columns << trend, weight.cwiseProduct(indicator.rightCols(count - at).rowwise().sum());
+    best = StepOfRuns{runs[static_cast<std::size_t>(at) - 1].number, runs[static_cast<std::size_t>(at)].number,
+                      least_squares(columns, target)(2)};
+  }
+  return best;
 }
 
 std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,

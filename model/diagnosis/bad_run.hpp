@@ -23,7 +23,7 @@ struct RunOffset {
 
 struct NoisyRun {
   int run = 0;
-  double ratio = 1.0;    ///< of its mean absolute residual to that of the other runs
+  double ratio = 1.0;    ///< of its mean absolute residual to that of the other runs, um
   double off_um = 0.0;   ///< its mean residual
   bool shifted = false;  ///< the mean is more of it than the scatter about the mean
 };
@@ -34,6 +34,17 @@ struct NoisyRun {
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                                 const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
+
+/// All readings of one sense after a run lie higher or lower than those before it: another zero, or a slip.
+struct StepOfRuns {
+  int before = 0, after = 0;  ///< the runs beside it, in the order of their times
+  double height_um = 0.0;     ///< beside a trend over the runs, um or um/m
+};
+/// The step between two runs, beside a trend in time, if it explains a hundred times better than the offset of any one
+/// run does; nothing with fewer than five runs, where a trend and a step fit anything.
+/// @param residual  um or um/m  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
+                                                     const std::vector<bool>& left_out);
 
 /// The pass of one run that stands off the other passes of its line and approach.
 struct OddPass {

@@ -54,6 +54,15 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
     words.front() = 'R';
     return first(words);
   }
+  const auto of_step = [&](const StepOfRuns& step) {
+    return fmt::format(
+        "All readings {} by {:.2g} {} between runs {} and {}: another zero, or something slipped. Look at what "
+        "happened "
+        "between these runs first.",
+        step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
+        step.after);
+  };
+  if (found.step) return of_step(*found.step);
   if (found.odd_pass)
     return first(fmt::format("Run {} differs from the other runs by {:.3g} in one approach", found.odd_pass->run,
                              found.odd_pass->off_um));
@@ -61,9 +70,11 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
     return first(fmt::format("Run {} differs from the other runs: its offset explains as much as any effect does",
                              found.bad_run->run));
   if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty() &&
-      diagnosis.where.front().variable == "run")
+      diagnosis.where.front().variable == "run") {
+    if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size()))) return of_step(*step);
     if (const auto run = farthest_run(data, residual))
       return first(fmt::format("Run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
+  }
   if (found.run_note.empty()) return "";
   std::string note = found.run_note;
   note.front() = 'A';  // "an offset of run 3 …"
@@ -74,7 +85,10 @@ void put_run_first(std::vector<Dependence>& where, const Observations& data, con
                    const VectorXd& residual, double chance) {
   const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
   if (std::none_of(where.begin(), where.end(), is_run)) {
-    const int run = found.noisy ? found.noisy->run : found.odd_pass ? found.odd_pass->run : found.bad_run->run;
+    const int run = found.noisy      ? found.noisy->run
+                    : found.odd_pass ? found.odd_pass->run
+                    : found.step     ? found.step->after
+                                     : found.bad_run->run;
     double of_run = 0.0;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (data.run[k] == run) of_run += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));

@@ -52,7 +52,7 @@ std::vector<Member> members_of(const Claim& claim, const Model& model, const Reg
   std::vector<Member> members;
   const std::vector<EffectInstance> all = all_candidates(model, regressors);
   for (const Candidate& candidate : claim.candidates) {
-    if (!candidate.named && !candidate.found) continue;
+    if (!candidate.in_answer() && !candidate.found) continue;
     const auto found = std::find_if(all.begin(), all.end(),
                                     [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
     if (found == all.end()) {
@@ -95,7 +95,7 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
                static_cast<double>(search.candidates()));
   const bool wanders = is_wandering(data, noise, left_out, all.columns, all.target);
   for (const Member& member : members) {
-    if (!member.claimed.named) continue;
+    if (!member.claimed.in_answer()) continue;
     const bool beside_wander = wanders || may_be_wander(noise, member.effect);
     const LinearProblem others = problem_with(alone, members, regressors, &member);
     auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect,
@@ -181,14 +181,14 @@ Result<Check> checked(const Model& model, const Observations& data, const Claim&
   }
   std::vector<FoundEffect> named;
   for (const Member& member : members)
-    if (member.claimed.named) named.push_back({member.effect, member.choice});
+    if (member.claimed.in_answer()) named.push_back({member.effect, member.choice});
   const auto after = fitted_with(model, claim.own_terms, named, regressors, claim.plain);
   if (!after) return tl::unexpected(after.error());
   check_number(check, "rms_after_um", claim.rms_after_um, rms_of(after->left));
   const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
   std::size_t place = model.effects.size();
   for (const Member& member : members) {
-    if (!member.claimed.named) continue;
+    if (!member.claimed.in_answer()) continue;
     check_member(member, regressors, {model, alone, before, *after, claim.plain}, check);
     check_parameters(member, after->fit.effects[place++], check);
   }

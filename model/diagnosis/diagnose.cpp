@@ -40,9 +40,14 @@ constexpr double kTellingChance = 1e-3, kTellingShare = 0.01;
 /// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
 constexpr double kFewestSpare = 6.0;
 
-/// A credible set holds the cause with this probability; a cause is most of what is above noise from this share on: the
-/// verdicts of docs/model.md.
-constexpr double kCredible = 0.99, kMostExplained = 0.9;
+/// A credible set holds the cause with this probability; proved causes explain the residual in part from this share of
+/// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
+constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
+/// Readings that an effect was not fitted to speak for it from this e-value on.
+constexpr double kSpeaksFor = 1.0;
+/// A model fails where repeats say so at this level; without repeats what it leaves is no noise where readings left out
+/// are missed by more than so many times the rms of those fitted: two, for four times the squares are no chance.
+constexpr double kLackOfFitLevel = 0.01, kMostHeldOut = 2.0;
 
 double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
 
@@ -50,14 +55,15 @@ double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kM
 struct RankedCandidate {
   EffectInstance effect;
   Choice choice;
-  bool named = false;
+  Standing standing = Standing::possible;
   std::vector<EffectInstance> rivals;
   double probability = 0.0;
   std::vector<SetMember> set{};
   std::vector<Choice> values{};  ///< of the searched parameter that fit as well
   std::optional<double> e_value{};
-  bool denied = false;
+  bool wander = false;
   double p_value = 1.0, p_value_alone = 1.0;
+  [[nodiscard]] bool in_answer() const { return standing != Standing::possible; }
 };
 
 /// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
@@ -71,14 +77,19 @@ std::vector<SetMember> credible_set(std::vector<SetMember> alternatives) {
   return alternatives;
 }
 
-/// @param named  the members of the solution are
-std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
+/// @param standings  of the members of the solution; the proved ones come first, then what is likely
+std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::vector<Standing>& standings) {
   std::vector<RankedCandidate> list;
   const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
   std::vector<const Group*> groups;
   for (const Group& group : found.groups) groups.push_back(&group);
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const Group* a, const Group* b) { return a->member.gain > b->member.gain; });
+  const auto standing_of = [&](const Group* group) {
+    return standings[static_cast<std::size_t>(group - found.groups.data())];
+  };
+  std::stable_sort(groups.begin(), groups.end(), [&](const Group* a, const Group* b) {
+    if (standing_of(a) != standing_of(b)) return standing_of(a) > standing_of(b);
+    return a->member.gain > b->member.gain;
+  });
   const auto listed = [&](const EffectInstance& effect) {
     return std::any_of(list.begin(), list.end(),
                        [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
@@ -96,16 +107,11 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
       members.push_back({to_text(member), shares[i], place_text(member)});
       probability_in[g].try_emplace(members.back().name, shares[i]);
     }
-    RankedCandidate one{instance(group.member),
-                        group.member,
-                        named,
-                        {},
-                        shares.front(),
-                        credible_set(std::move(members)),
-                        group.values,
-                        group.e_value,
-                        group.denied,
-                        group.p_value,
+    RankedCandidate one{instance(group.member), group.member,
+                        standing_of(&group),    {},
+                        shares.front(),         credible_set(std::move(members)),
+                        group.values,           group.e_value,
+                        group.wander,           group.p_value,
                         group.p_value_alone};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
     list.push_back(std::move(one));
@@ -118,8 +124,9 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
   for (std::size_t g = 0; g < members; ++g)
     for (const Choice& rival : groups[g]->rivals) {
       if (listed(instance(rival))) continue;
-      RankedCandidate one{instance(rival), rival, false, {list[g].effect}, probability_of(g, instance(rival)),
-                          list[g].set};
+      RankedCandidate one{
+          instance(rival), rival, Standing::possible, {list[g].effect}, probability_of(g, instance(rival)),
+          list[g].set};
       for (const Choice& other : groups[g]->rivals)
         if (other.family != rival.family) one.rivals.push_back(instance(other));
       list.push_back(std::move(one));
@@ -127,14 +134,14 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
   for (std::size_t g = 0; g < members; ++g)
     for (const Choice& weaker : groups[g]->weaker)
       if (!listed(instance(weaker)) && list.size() < kMostListed)
-        list.push_back({instance(weaker), weaker, false, {}, probability_of(g, instance(weaker)), {}});
+        list.push_back({instance(weaker), weaker, Standing::possible, {}, probability_of(g, instance(weaker)), {}});
   if (list.empty()) {  // nothing found: the closest, against none, beforehand as likely as all candidates together
     std::vector<Choice> alternatives = found.closest;
     alternatives.emplace_back().gain =
         2.0 * std::log(static_cast<double>(std::max<std::size_t>(found.candidates_tried, 1)));
     const std::vector<double> shares = probabilities_of(alternatives, found.families);
     for (std::size_t i = 0; i < found.closest.size(); ++i)
-      list.push_back({instance(found.closest[i]), found.closest[i], false, {}, shares[i], {}});
+      list.push_back({instance(found.closest[i]), found.closest[i], Standing::possible, {}, shares[i], {}});
   }
   return list;
 }
@@ -180,7 +187,8 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
                        bool prove) {
   Candidate candidate;
   candidate.effect = ranked.effect;
-  candidate.named = ranked.named;
+  candidate.named = ranked.standing == Standing::proved;
+  candidate.standing = ranked.standing;
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
   const VectorXd left = residual_with(in.model, {ranked.effect, ranked.choice}, problem, whitener, in.regressors.data(),
                                       in.options.plain);
@@ -228,7 +236,7 @@ void take_parameters(Candidate& candidate, const EffectFit& after) {
 }
 
 /// All values that fit as well: of a place its interval; of a period each with its sizes beside the other effects
-/// named, and those of a wave of the model itself that may have changed places with it.
+/// of the answer, and those of a wave of the model itself that may have changed places with it.
 void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<RankedCandidate>& order, std::size_t i,
                 const Whitener& whitener, const Fit& after) {
   const RankedCandidate& ranked = order[i];
@@ -241,7 +249,7 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
   }
   LinearProblem others = in.problem;
   for (std::size_t j = 0; j < order.size(); ++j)
-    if (j != i && order[j].named)
+    if (j != i && order[j].in_answer())
       others = joined_with(others, columns_on(in.regressors, order[j].effect, order[j].choice));
   for (const Choice& value : ranked.values) {
     RankedCandidate at = ranked;
@@ -264,16 +272,17 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
   for (const Variable& variable : variables_of(data)) {
     Dependence one;
     one.variable = variable.name;
-    one.strength = share_of(variable, residual, noise.pure.noise_um);
     for (const StructureTest& test : tests)
       if (test.variable == variable.name) one.p_value = probability_from(test.minus_log_p);
+    if (one.p_value >= kTellingChance) continue;
+    one.strength = share_beyond_position(data, variable, residual, noise.pure.noise_um);
     const ResidualView view = residual_view(
         data, std::vector<double>(residual.data(), residual.data() + residual.size()), variable.name, kMostBins);
     for (const ResidualBin& bin : view.bins) {
       one.at.push_back(0.5 * (bin.from + bin.to));
       one.mean_um.push_back(bin.mean_um);
     }
-    if (one.strength > kTellingShare && one.p_value < kTellingChance) list.push_back(std::move(one));
+    if (one.strength > kTellingShare) list.push_back(std::move(one));
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Dependence& a, const Dependence& b) { return a.strength > b.strength; });
@@ -289,33 +298,124 @@ Diagnosis too_few(const Observations& data, const Base& base) {
       fmt::format("{} readings against {} fitted parameters: too few to say whether anything is missing; measure more "
                   "targets and repeats",
                   data.size(), base.core.rank));
+  diagnosis.verdict = Verdict::cannot_tell;
+  diagnosis.cannot_tell = diagnosis.notes.back();
   diagnosis.reservation = diagnosis.notes.back() + ".";
   diagnosis.headline = diagnosis.reservation;
   return diagnosis;
 }
 
-Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
-  const bool noise = noise_left(found, options);
-  if (found.solution.chosen.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
-  return noise && found.objection.empty() ? Verdict::missing_effect : Verdict::unexplained_structure;
+/// Share of what is above noise that some of the effects found explain together. @param chosen  which, by their number
+double share_of_found(const ReportInput& in, const std::vector<std::size_t>& chosen) {
+  LinearProblem all = in.problem;
+  for (const std::size_t g : chosen) {
+    const Choice& choice = in.found.groups[g].member;
+    all = joined_with(all, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
+  }
+  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
+  const std::vector<bool>& out = in.base.core.left_out;
+  return explainable_share(rms_without(in.base.residual, out), rms_without(residual_of(all, whitener), out),
+                           in.found.noise.pure.noise_um);
 }
 
-/// Whether a cause alone is proved and explains nearly all, although more is left.
-bool explains_most(const ReportInput& in, const RankedCandidate& first) {
-  if (first.denied || first.e_value.value_or(0.0) < kProved) return false;
-  if (first.effect.traits().is_curve) return false;  // a curve follows most of anything
-  if (!is_pitch_or_no_wave(in.found.families[first.choice.family], first.choice)) return false;
-  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
-  const VectorXd left =
-      residual_of(joined_with(in.problem, columns_on(in.regressors, first.effect, first.choice)), whitener);
-  const std::vector<bool>& out = in.base.core.left_out;
-  return explainable_share(rms_without(in.base.residual, out), rms_without(left, out), in.found.noise.pure.noise_um) >=
-         kMostExplained;
+/// Whether these effects may stand although more is left: any shape can be written as enough waves, so each wave is a
+/// pitch of the machine, or all are whole fractions of one period.
+bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
+  std::vector<Choice> members;
+  for (const std::size_t g : chosen) members.push_back(found.groups[g].member);
+  return are_pitches_or_fractions(found.families, members);
+}
+
+/// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
+/// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide. Where
+/// more is left, noise replicates decide nothing: likely is what those readings speak for.
+std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
+  const Found& found = in.found;
+  const bool explained = noise && found.objection.empty();
+  std::vector<Standing> standings(found.groups.size(), Standing::possible);
+  std::vector<std::size_t> proved, likely;
+  for (std::size_t g = 0; g < found.groups.size(); ++g) {
+    const Group& group = found.groups[g];
+    if (group.denied) continue;
+    if (!group.wander && (group.e_value ? *group.e_value >= kProved : explained))
+      proved.push_back(g);
+    else if ((explained || (!group.wander && group.e_value.value_or(0.0) >= kSpeaksFor)) &&
+             tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
+      likely.push_back(g);
+  }
+  if (!explained && !may_be_part(found, proved)) proved.clear();
+  for (const std::size_t g : proved) standings[g] = Standing::proved;
+  std::vector<std::size_t> all = proved;
+  all.insert(all.end(), likely.begin(), likely.end());
+  if (!explained && (!may_be_part(found, all) || share_of_found(in, all) < kPartExplained)) return standings;
+  for (const std::size_t g : likely) standings[g] = Standing::likely;
+  return standings;
+}
+
+Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings, bool noise) {
+  if (standings.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
+  if (in.found.bad_run) return Verdict::unexplained_structure;
+  std::vector<std::size_t> proved;
+  bool likely = false, all_said = true;
+  for (std::size_t g = 0; g < standings.size(); ++g) {
+    if (standings[g] == Standing::proved) proved.push_back(g);
+    likely = likely || standings[g] == Standing::likely;
+    all_said = all_said && standings[g] != Standing::possible;
+  }
+  if (proved.empty()) return likely ? Verdict::likely_effect : Verdict::unexplained_structure;
+  if (noise && in.found.objection.empty() && all_said) return Verdict::missing_effect;
+  return share_of_found(in, proved) >= kPartExplained ? Verdict::partly_explained : Verdict::unexplained_structure;
+}
+
+/// Effects of the model that cancel each other beyond the range of the readings that they act on: the readings do not
+/// determine them, and whatever lies between them is hidden in their freedom.
+std::vector<std::string> cancelling_effects(const Observations& data, const Fit& fit) {
+  std::vector<std::string> names;
+  for (const EffectFit& effect : fit.effects) {
+    if (!effect.effect.undetermined || effect.effect.undetermined->empty()) continue;
+    double least = kBeyondAll, greatest = -kBeyondAll, low = kBeyondAll, high = -kBeyondAll;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (effect.contribution[k] == 0.0) continue;
+      least = std::min(least, effect.contribution[k]);
+      greatest = std::max(greatest, effect.contribution[k]);
+      low = std::min(low, data.reading[k]);
+      high = std::max(high, data.reading[k]);
+    }
+    if (greatest - least > high - low) names.push_back(to_text(effect.effect));
+  }
+  return names;
+}
+
+/// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
+/// @param fit  of the model as it is
+std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
+  const Observations& data = in.regressors.data();
+  const std::vector<std::string> cancelling = cancelling_effects(data, fit);
+  if (!cancelling.empty())
+    return fmt::format("the readings do not determine {}, which cancel each other: hold one of them, or measure more",
+                       fmt::join(cancelling, " and "));
+  const auto lack_of_fit = lack_of_fit_of(data, in.base.residual, in.base.core.noise, in.base.core.left_out,
+                                          static_cast<double>(in.base.core.rank));
+  const double rms_um = rms_without(in.base.residual, in.base.core.left_out);
+  if (lack_of_fit && lack_of_fit->p < kLackOfFitLevel)
+    return fmt::format(
+        "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
+        "measure more places",
+        rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+  if (lack_of_fit || data.size() > in.options.largest_search) return "";
+  const double held_out_um = held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts_of(data),
+                                          in.problem.columns, in.problem.target);
+  if (held_out_um <= kMostHeldOut * rms_um) return "";
+  return fmt::format(
+      "nothing was repeated, and readings left out of the fit are missed by {:.3g} {}, those in it by {:.3g}: measure "
+      "the same lines again",
+      held_out_um, in.found.noise.pure.unit, rms_um);
 }
 
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
+  if (!found.doubt.empty()) return found.doubt;
   if (found.noisy) return words_for(*found.noisy) + ": look at that run first";
   if (found.odd_pass)
     return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
@@ -335,13 +435,58 @@ std::string why_not_explained(const Found& found) {
       most->variable, kPercent * found.structure_p_after);
 }
 
-/// What all named effects do together; nothing for fewer than two.
+/// What is not excluded of an effect that is likely, and the measurement that would decide.
+struct Doubt {
+  std::string but, decide;
+};
+Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
+  const bool repeated = found.noise.pure.from_repeats;
+  const std::string again = "Measure the same lines again, also backwards";
+  if (ranked.wander)
+    return {repeated ? "a slow wander of the readings explains it as well"
+                     : "nothing was measured twice, and a slow wander of the readings explains it as well",
+            ranked.effect.traits().of_condition || !ranked.effect.sensor.empty()
+                ? again + ", while the conditions take another course"
+                : again};
+  if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
+  if (ranked.e_value)
+    return {
+        fmt::format("readings that it was not fitted to speak for it with an e-value of {:.2g} only, and {:g} proves",
+                    *ranked.e_value, kProved),
+        again};
+  return {"no half of the readings shows it by itself", again};
+}
+
+/// Adding what is likely beside what is proved, and the fall to expect; nothing where nothing is likely.
+std::optional<ProposedAddition> proposed_addition(const ReportInput& in, const std::vector<RankedCandidate>& order,
+                                                  const FittedWith& with, const Parts& parts) {
+  LinearProblem before = in.problem;
+  ProposedAddition add;
+  for (const RankedCandidate& ranked : order)
+    if (ranked.standing == Standing::proved)
+      before = joined_with(before, columns_on(in.regressors, ranked.effect, ranked.choice));
+  LinearProblem after = before;
+  for (const RankedCandidate& ranked : order)
+    if (ranked.standing == Standing::likely) {
+      after = joined_with(after, columns_on(in.regressors, ranked.effect, ranked.choice));
+      add.effects.push_back(to_text(ranked.effect));
+    }
+  if (add.effects.empty()) return std::nullopt;
+  const auto held_out = [&](const LinearProblem& of) {
+    return held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, of.columns, of.target);
+  };
+  add.held_out_rms_before_um = held_out(before);
+  add.held_out_rms_um = held_out(after);
+  return add;
+}
+
+/// What all effects of the answer do together; nothing for fewer than two.
 std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<RankedCandidate>& order,
                                       const FittedWith& with, const Parts& parts, double held_out_before) {
   LinearProblem all = in.problem;
   std::size_t named = 0;
   for (const RankedCandidate& ranked : order) {
-    if (!ranked.named) continue;
+    if (!ranked.in_answer()) continue;
     all = joined_with(all, columns_on(in.regressors, ranked.effect, ranked.choice));
     ++named;
   }
@@ -350,30 +495,40 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
                     held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
 }
 
-/// The verdict, and the candidates in their order with those that it names.
+/// The verdict, and the candidates in their order, each with its standing.
 struct Answer {
   Verdict verdict = Verdict::adequate;
   std::vector<RankedCandidate> order;
+  std::string cannot_tell;  ///< why the verdict is that; else ""
 };
-Answer answer_of(const ReportInput& in) {
-  Answer answer{verdict_of(in.found, in.options), {}};
-  answer.order = ranked_candidates(in.found, answer.verdict == Verdict::missing_effect);
-  if (answer.verdict == Verdict::unexplained_structure && !in.found.groups.empty() &&
-      explains_most(in, answer.order.front())) {
-    answer.verdict = Verdict::partly_explained;
-    answer.order.front().named = true;
-  }
+Result<Answer> answer_of(const ReportInput& in) {
+  const bool noise = noise_left(in.found, in.options);
+  const std::vector<Standing> standings = standings_of(in, noise);
+  Answer answer{verdict_of(in, standings, noise), ranked_candidates(in.found, standings), ""};
+  if (answer.verdict != Verdict::adequate) return answer;
+  Fit fit;
+  if (const auto base = base_of(in.model, in.regressors, in.options.plain, &fit); !base)
+    return tl::unexpected(base.error());
+  answer.cannot_tell = why_cannot_tell(in, fit);
+  if (!answer.cannot_tell.empty()) answer.verdict = Verdict::cannot_tell;
   return answer;
 }
 
 Result<NamedCauses> names_alone(const ReportInput& in) {
-  const Answer answer = answer_of(in);
-  NamedCauses names{answer.verdict, {}, 1.0};
-  for (const RankedCandidate& ranked : answer.order) {
-    if (!ranked.named) continue;
-    names.causes.push_back({to_text(ranked.effect), ranked.probability, ranked.e_value,
-                            false_naming_of(in.found, ranked.choice), ranked.p_value});
-    names.p_value = std::min(names.p_value, ranked.p_value_alone);
+  const auto answer = answer_of(in);
+  if (!answer) return tl::unexpected(answer.error());
+  NamedCauses names{answer->verdict, {}, 1.0};
+  for (const RankedCandidate& ranked : answer->order) {
+    if (ranked.standing == Standing::possible) continue;
+    NamedCause cause{to_text(ranked.effect), ranked.probability,
+                     ranked.e_value,         false_naming_of(in.found, ranked.choice),
+                     ranked.p_value,         ranked.standing};
+    double alone = ranked.p_value_alone;
+    if (ranked.standing == Standing::likely &&
+        !noise_left(in.found, in.options))  // against noise alone it says nothing
+      alone = cause.p_value = 1.0 / std::max(1.0, ranked.e_value.value_or(1.0));
+    names.causes.push_back(std::move(cause));
+    names.p_value = std::min(names.p_value, alone);
   }
   return names;
 }
@@ -386,13 +541,15 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.rms_um = rms_of(before);
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
-  const auto [verdict, order] = answer_of(in);
+  const auto answer = answer_of(in);
+  if (!answer) return tl::unexpected(answer.error());
+  const auto& [verdict, order, cannot_tell] = *answer;
   diagnosis.verdict = verdict;
   diagnosis.own_terms = in.own;
-  std::vector<FoundEffect> named;
+  std::vector<FoundEffect> in_answer;
   for (const RankedCandidate& ranked : order)
-    if (ranked.named) named.push_back({ranked.effect, ranked.choice});
-  const auto with = fitted_with(in.model, in.own, named, in.regressors, in.options.plain);
+    if (ranked.in_answer()) in_answer.push_back({ranked.effect, ranked.choice});
+  const auto with = fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain);
   if (!with) return tl::unexpected(with.error());
   const auto& [after, left, noise, left_out] = *with;
   const Whitener whitener(data, noise, left_out);
@@ -409,35 +566,45 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     Candidate candidate = candidate_of(in, order[i], before, whitener, parts, *with, held_out_before, i < kMostProved);
     candidate.found = i < in.found.groups.size();
-    if (candidate.named) {  // named ones are first
+    if (order[i].in_answer()) {  // these are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
       state_sets(candidate, in, order, i, whitener, after);
     }
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
     candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals);
+    if (candidate.standing == Standing::likely) {
+      const Doubt doubt = doubt_about(order[i], in.found, noise_left(in.found, in.options));
+      candidate.but = doubt.but;
+      candidate.decide = doubt.decide;
+    }
     diagnosis.candidates.push_back(std::move(candidate));
   }
+  diagnosis.add = proposed_addition(in, order, *with, parts);
   const auto joint = joint_proof(in, order, *with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
-  diagnosis.where = dependences(data, before, noise, in.found.before);
-  if (in.found.bad_run || in.found.odd_pass || in.found.noisy)
+  diagnosis.where = dependences(data, before, noise, in.found.beyond_position);
+  if (in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step)
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
-  if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
+  const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
+                         diagnosis.verdict == Verdict::partly_explained ||
+                         (diagnosis.verdict == Verdict::likely_effect && !noise_left(in.found, in.options));
+  if (structure &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
-  if (diagnosis.verdict == Verdict::unexplained_structure || diagnosis.verdict == Verdict::partly_explained)
-    describe_what_is_left(diagnosis, data, after.residual, left_out);
-  if (diagnosis.verdict != Verdict::adequate && diagnosis.verdict != Verdict::missing_effect &&
+  if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
+  if (structure &&
       std::any_of(data.paths.begin(), data.paths.end(), [](const Path& path) { return path.kind == PathKind::circle; }))
     diagnosis.notes.emplace_back(
         "friction at a reversal leaves another spike than the library's: ecs test circle shows how much of the circle "
         "is left there");
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   diagnosis.reservation = reservation_for(data);
+  diagnosis.cannot_tell = cannot_tell;
+  diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
   diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found, diagnosis, data, in.base.residual));
   return diagnosis;
 }
@@ -529,7 +696,11 @@ Result<Diagnosis> diagnose(const Model& model, const Observations& data, const D
 
 Result<NamedCauses> named_causes(const Model& model, const Observations& data, const DiagnoseOptions& options) {
   return diagnosed<NamedCauses>(
-      names_alone, [](const Base&) { return NamedCauses{}; }, model, data, options);
+      names_alone,
+      [](const Base&) {
+        return NamedCauses{Verdict::cannot_tell, {}, 1.0};
+      },
+      model, data, options);
 }
 
 }  // namespace ecs::model

@@ -68,12 +68,14 @@ struct OwnTerm {
 struct Candidate {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
-  bool named = false;                         ///< part of the answer (false: a rival or a weaker explanation)
+  bool named = false;                         ///< proved
   Standing standing = Standing::possible;
-  std::string but;            ///< of what is likely: what is not excluded, in words; else ""
-  std::string decide;         ///< of what is likely: the measurement that would decide it; else ""
-  double rms_after_um = 0.0;  ///< with this effect added, all readings
-  double explained = 0.0;     ///< 1 − (rms_after/rms)², outliers left out
+  std::string but;     ///< of what is likely: what is not excluded, in words; else ""
+  std::string decide;  ///< of what is likely: the measurement that would decide it; else ""
+  /// Part of the answer: proved, or likely.
+  [[nodiscard]] bool in_answer() const { return named || standing == Standing::likely; }
+  double rms_after_um = 0.0;                                 ///< with this effect added, all readings
+  double explained = 0.0;                                    ///< 1 − (rms_after/rms)², outliers left out
   double kept_rms_before_um = 0.0, kept_rms_after_um = 0.0;  ///< as rms and rms_after, outliers left out
   double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
   double p_value = 1.0;            ///< nominal
@@ -112,14 +114,16 @@ struct ProposedAddition {
 struct Diagnosis {
   std::size_t observations = 0;
   double rms_um = 0.0;        ///< of what the model leaves
-  double rms_after_um = 0.0;  ///< with every named effect
+  double rms_after_um = 0.0;  ///< with every effect of the answer
   PureError noise;
   std::optional<LackOfFit> lack_of_fit;        ///< of the model as it is
-  std::optional<LackOfFit> lack_of_fit_after;  ///< with every named effect
+  std::optional<LackOfFit> lack_of_fit_after;  ///< with every effect of the answer
   Verdict verdict = Verdict::adequate;
-  std::string headline;     ///< the answer in words: a bad run, then what is wrong, how much and where
-  std::string reservation;  ///< what these data cannot show at all, so that nothing found means little; else ""
-  std::vector<Candidate> candidates;  ///< named ones first
+  std::string headline;          ///< the answer in words: a bad run, then what is wrong, how much and where
+  std::string reservation;       ///< what these data cannot show at all, so that nothing found means little; else ""
+  std::string cannot_tell;       ///< why that is the verdict; else ""
+  bool best_sum_leaves = false;  ///< structure: the best sum of effects was fitted, and what it leaves is no noise
+  std::vector<Candidate> candidates;  ///< proved ones first, then likely ones
   std::vector<Dependence> where;      ///< strongest first
   std::vector<int> outliers;          ///< row numbers
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
@@ -133,7 +137,7 @@ struct Diagnosis {
 [[nodiscard]] Result<Diagnosis> diagnose(const Model& model, const Observations& data,
                                          const DiagnoseOptions& options = {});
 
-/// A cause that a diagnosis names, as one machine of many needs it.
+/// A cause of the answer, proved or likely, as one machine of many needs it.
 struct NamedCause {
   std::string name;  ///< "effect:axis:sense-or-code"
   double probability = 0.0;

@@ -170,7 +170,8 @@ double tests_of(const Family& family, std::size_t candidates) {
 void state_p_values(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   const auto p_value_beside = [&](const Solution& rest, const Group& group) {
     const Family& family = found.families[group.member.family];
-    if (found.wander_is_evident || family.effect.is_user()) return 1.0 / std::max(1.0, group.e_value.value_or(1.0));
+    if (found.wander_is_evident || group.wander || family.effect.is_user())
+      return 1.0 / std::max(1.0, group.e_value.value_or(1.0));
     const std::vector<Choice> values = search.peaks_of(rest.space, group.member.family);
     if (values.empty()) return 1.0;
     const Columns columns = search.columns_of(values.front());
@@ -205,17 +206,17 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
                               independent_columns(null.columns, found.left_out), effects, null.target);
 }
 
-/// Effects are named only if they are better than a wander, each and all together, by evidence that is positive for
+/// Effects are proved only if they are better than a wander, each and all together, by evidence that is positive for
 /// having been chosen among all candidates. A wander has no price: whichever it is, it is no effect. That an effect of
 /// approach coincides with passes was planned, not chosen: it pays for its coefficients only. What people set by hand
-/// may coincide with runs; it pays nothing.
-/// @return what the objection says, "" for none; the effects are denied
-std::string objection_to_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
+/// may coincide with runs; it pays nothing. Of the others those that a wander only rivals because nothing repeats are
+/// in doubt; those that change as a wander does, or than which it is likelier without any price of choice, are denied.
+void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const double evidence = 2.0 * std::log(kPositive * static_cast<double>(found.candidates_tried));
   struct Doubtful {
     std::vector<std::size_t> effects;
-    double price = 0.0;
+    double coefficients = 0.0, price = 0.0;
   };
   std::vector<Doubtful> sets;
   Doubtful together;
@@ -223,24 +224,32 @@ std::string objection_to_wander(const Observations& data, const Base& base, cons
     const EffectInstance& effect = found.families[chosen[i].family].effect;
     if (!may_be_wander(found.noise, effect)) continue;
     const bool by_hand = effect.definition().is_set_by_hand();
-    const double price = found.groups[i].member.cost + (effect.traits().of_approach ? 0.0 : evidence);
-    sets.push_back({{i}, by_hand ? 0.0 : price});
+    const double cost = found.groups[i].member.cost;
+    const double price = cost + (effect.traits().of_approach ? 0.0 : evidence);
+    sets.push_back({{i}, by_hand ? 0.0 : cost, by_hand ? 0.0 : price});
     if (by_hand) continue;
     together.effects.push_back(i);
+    together.coefficients += cost;
     together.price += price;
   }
   if (together.effects.size() > 1) sets.push_back(together);
   for (const Doubtful& set : sets) {
-    if (better_than_wander(data, base, search, found, set.effects) > set.price) continue;
+    const double better = better_than_wander(data, base, search, found, set.effects);
+    if (better > set.price) continue;
     std::vector<std::string> names;
+    bool denied = false;
     for (const std::size_t i : set.effects) {
-      found.groups[i].denied = true;
-      names.push_back(to_text(found.families[chosen[i].family].effect));
+      const EffectInstance& effect = found.families[chosen[i].family].effect;
+      const bool rivals = better > set.coefficients && !is_like_wander(effect);
+      (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
+      denied = denied || !rivals;
+      names.push_back(to_text(effect));
     }
-    return fmt::format("a slow wander of the readings explains what {} {} as well: repeat the line, also backwards",
-                       fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
+    std::string& why = denied ? found.objection : found.doubt;
+    if (why.empty())
+      why = fmt::format("a slow wander of the readings explains what {} {} as well: repeat the line, also backwards",
+                        fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
   }
-  return "";
 }
 
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
@@ -281,7 +290,19 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
     found.groups[i].denied = !found.objection.empty();
   }
-  if (found.objection.empty()) found.objection = objection_to_wander(data, base, search, found);
+  if (found.objection.empty()) hold_against_wander(data, base, search, found);
+}
+
+/// A step between two runs takes the place of a run that was blamed for it.
+void blame_step(Found& found) {
+  found.noisy.reset();
+  found.odd_pass.reset();
+  if (found.bad_run)
+    found.objection =
+        fmt::format("a jump between runs {} and {} explains it as well: look at what happened there first",
+                    found.step->before, found.step->after);
+  found.bad_run.reset();
+  found.run_note.clear();
 }
 
 /// Without repeats an effect may hide in the noise that was estimated from it: where its share cannot be noise of any
@@ -423,23 +444,32 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
+    found.beyond_position = tests_beyond_position(data, whitener, structure, alone, found.before);
     found.noisy = noisy_run(data, found.solution.space.y, residual, found.left_out);
     found.wave = free_wave(data, found.solution.space.y, found.left_out);
     if (found.solution.chosen.empty()) found.odd_pass = odd_pass(data, residual, found.left_out);
+    if ((found.noisy && found.noisy->shifted) || found.odd_pass || found.bad_run) {
+      found.step = step_of_runs(data, residual_of(joined(base, search, search.alone()), whitener), found.left_out);
+      if (found.step) blame_step(found);
+    }
     found.wanders = wanders(data, found.noise, residual, found.left_out);
     return found;
   }
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  if (found.noisy || found.odd_pass || found.wanders || found.wave) return false;
+  if (found.noisy || found.odd_pass || found.step || found.wanders || found.wave) return false;
   if (found.cross_validated_share < kLeastCrossValidated) return false;
-  if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
+  return !leaves_structure(found, options);
+}
+
+bool leaves_structure(const Found& found, const DiagnoseOptions& options) {
+  if (found.structure_p_after > kStructureChance * options.false_naming_limit) return false;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess < kLeastStructure + std::min(kLeftOfExplained * explained, kMostLeft);
+  return excess >= kLeastStructure + std::min(kLeftOfExplained * explained, kMostLeft);
 }
 
 }  // namespace ecs::model

@@ -40,8 +40,9 @@ struct Found {
   std::vector<Group> groups;
   std::vector<Family> families;
   std::size_t candidates_tried = 0;
-  std::vector<double> replicate_scores;      ///< best of each noise replicate
-  std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
+  std::vector<double> replicate_scores;        ///< best of each noise replicate
+  std::vector<StructureTest> before, after;    ///< structure of the residual without and with the effects found
+  std::vector<StructureTest> beyond_position;  ///< the former, of each variable beyond the position along the line
   double structure_p_before = 1.0, structure_p_after = 1.0;
   double entry_score = 0.0;
   double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
@@ -50,11 +51,13 @@ struct Found {
   std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
   std::optional<NoisyRun> noisy;       ///< scatters more than the others
   std::optional<OddPass> odd_pass;     ///< where nothing is found: stands off the others
+  std::optional<StepOfRuns> step;      ///< explains more than any one run does: no run is bad then
   bool wanders = false;                ///< what was taken for noise does
   bool wander_is_evident = false;      ///< in what the effects found leave: is_wandering()
   std::optional<FreeWave> wave;        ///< in what is left, with another phase in every pass
   std::string run_note;                ///< a run that explains nearly as much as an effect found, "" for none
   std::string objection;               ///< why the effects found are no causes although they explain, "" for none
+  std::string doubt;                   ///< why they are not proved although nothing speaks against them, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;
 };
@@ -87,5 +90,7 @@ inline constexpr int kMostRounds = 2;
 
 /// Whether the effects found leave nothing but noise.
 [[nodiscard]] bool noise_left(const Found& found, const DiagnoseOptions& options);
+/// Whether what they leave depends on a variable beyond chance.
+[[nodiscard]] bool leaves_structure(const Found& found, const DiagnoseOptions& options);
 
 }  // namespace ecs::model

@@ -30,21 +30,35 @@ Structure::Structure(const Observations& data, const Whitener& whitener, double 
   for (const Variable& variable : variables_) white_.push_back(whitener(variable.columns));
 }
 
+StructureTest Structure::test_of(const Space& space, std::size_t variable) const {
+  Space more = space;
+  const double before = more.chi2();
+  absorb(more, white_[variable]);
+  StructureTest test;
+  test.variable = variables_[variable].name;
+  test.gain = before - more.chi2();
+  test.freedom = static_cast<double>(more.q.cols() - space.q.cols());
+  test.excess = (test.gain - test.freedom) / static_cast<double>(space.y.size());
+  test.minus_log_p = minus_log_p(test.gain, test.freedom, noise_freedom_);
+  return test;
+}
+
+std::vector<StructureTest> tests_beyond_position(const Observations& data, const Whitener& whitener,
+                                                 const Structure& structure, const Space& space,
+                                                 std::vector<StructureTest> tests) {
+  constexpr double kShown = 3.0;  // digits of the chance: a thousandth, as what is ranked in an answer
+  for (std::size_t v = 0; v < tests.size(); ++v) {
+    if (tests[v].minus_log_p < kShown) continue;
+    Space with_position = space;
+    absorb(with_position, whitener(position_beside(data, tests[v].variable)));
+    tests[v] = structure.test_of(with_position, v);
+  }
+  return tests;
+}
+
 std::vector<StructureTest> Structure::tests(const Space& space) const {
   std::vector<StructureTest> tests;
-  const auto n = static_cast<double>(space.y.size());
-  for (std::size_t v = 0; v < variables_.size(); ++v) {
-    Space more = space;
-    const double before = more.chi2();
-    absorb(more, white_[v]);
-    StructureTest test;
-    test.variable = variables_[v].name;
-    test.gain = before - more.chi2();
-    test.freedom = static_cast<double>(more.q.cols() - space.q.cols());
-    test.excess = (test.gain - test.freedom) / n;
-    test.minus_log_p = minus_log_p(test.gain, test.freedom, noise_freedom_);
-    tests.push_back(test);
-  }
+  for (std::size_t v = 0; v < variables_.size(); ++v) tests.push_back(test_of(space, v));
   return tests;
 }
 

@@ -29,6 +29,7 @@ class Structure {
 
   /// Tests of what is left in `space`, one per variable.
   [[nodiscard]] std::vector<StructureTest> tests(const Space& space) const;
+  [[nodiscard]] StructureTest test_of(const Space& space, std::size_t variable) const;
   /// The largest minus_log_p of each noise replicate (readings × replicates, whitened, what `space` absorbs taken off).
   [[nodiscard]] std::vector<double> largest_of(const Space& space, const Eigen::MatrixXf& noise_replicates) const;
 
@@ -39,6 +40,12 @@ class Structure {
   std::vector<Eigen::MatrixXd> white_;
   double noise_freedom_;
 };
+
+/// The tests of what each variable explains beyond the position along the measured line. @param tests  those of
+/// `space`, kept where they show nothing
+[[nodiscard]] std::vector<StructureTest> tests_beyond_position(const Observations& data, const Whitener& whitener,
+                                                               const Structure& structure, const Space& space,
+                                                               std::vector<StructureTest> tests);
 
 /// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.
 [[nodiscard]] double minus_log_p(double gain, double freedom, double noise_freedom);

@@ -141,12 +141,15 @@ bool is_wandering(const Observations& data, const NoiseModel& noise, const std::
                      [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
 }
 
-bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {
+bool is_like_wander(const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
-  const bool of_time = effect.traits().is_drift || effect.traits().of_condition || definition.has_need(Need::time) ||
-                       definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
-                       definition.has_need(Need::material_temperature) || definition.has_need(Need::air);
-  return of_time || definition.is_set_by_hand() || !noise.pure.from_repeats;
+  return effect.traits().is_drift || effect.traits().of_condition || definition.has_need(Need::time) ||
+         definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
+         definition.has_need(Need::material_temperature) || definition.has_need(Need::air);
+}
+
+bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {
+  return is_like_wander(effect) || effect.definition().is_set_by_hand() || !noise.pure.from_repeats;
 }
 
 }  // namespace ecs::model

@@ -43,6 +43,9 @@ struct LikelyWander {
 [[nodiscard]] bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
+/// Whether an effect changes in time or with a condition, as a wander does.
+[[nodiscard]] bool is_like_wander(const EffectInstance& effect);
+
 /// Whether a wander can look like an effect in these readings: it changes in time or with a condition, is set by hand
 /// from run to run, or nothing repeats it.
 [[nodiscard]] bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect);

@@ -47,6 +47,17 @@ bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
                      [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
 }
 
+bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen) {
+  double longest = 0.0;
+  bool pitches = true;
+  for (const Choice& choice : chosen)
+    if (families[choice.family].effect.traits().periodic) longest = std::max(longest, choice.nonlinear);
+  for (const Choice& choice : chosen) pitches = pitches && is_pitch_or_no_wave(families[choice.family], choice);
+  return pitches || std::all_of(chosen.begin(), chosen.end(), [&](const Choice& choice) {
+           return !families[choice.family].effect.traits().periodic || is_whole_fraction(choice.nonlinear, longest);
+         });
+}
+
 std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener, const Space& space,
                                     const Family& family, const Choice& choice, double noise_freedom) {
   if (!family.effect.traits().periodic) return "";

@@ -23,6 +23,9 @@ namespace ecs::model {
                                                   const Space& space, const Family& family, const Choice& choice,
                                                   double noise_freedom);
 
+/// Whether each wave among these effects is a pitch of the machine, as below, or all are whole fractions of one period.
+[[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
+
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
 [[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
 

@@ -2,6 +2,7 @@
 #include "model/diagnosis/words.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/args.h>
@@ -147,7 +148,7 @@ std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   std::string ids = place;
   const auto named_at = [&](const std::string& text) {
     return std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                         [&](const Candidate& one) { return one.named && place_text(one.effect) == text; });
+                         [&](const Candidate& one) { return one.in_answer() && place_text(one.effect) == text; });
   };
   if (const auto value = searched_value(candidate.effect); value && named_at(place) > 1)
     ids += fmt::format(" at {:.4g}", *value);
@@ -158,10 +159,10 @@ std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   return fmt::format("{}; or {}, which these data cannot tell from it", ids, fmt::join(rivals, " or "));
 }
 
-std::string findings_text(const Diagnosis& diagnosis, const Observations& data) {
+std::string findings_text(const Diagnosis& diagnosis, const Observations& data, bool likely) {
   std::vector<std::string> findings;
   for (const Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
+    if (likely ? candidate.standing != Standing::likely : !candidate.named) continue;
     std::string text = finding_text(candidate.effect, candidate.parameters, data);
     const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
     if (candidate.effect.traits().periodic && values != candidate.parameters_set.end() && values->second.size() > 1)
@@ -175,13 +176,26 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data) 
 
 bool names_a_wave(const Diagnosis& diagnosis) {
   return std::any_of(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                     [](const Candidate& one) { return one.named && one.effect.traits().periodic; });
+                     [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
+}
+
+/// "Probably ...: not proved, because ... Measure ... to be sure."; "" where nothing is likely.
+std::string likely_text(const Diagnosis& diagnosis, const Observations& data) {
+  const auto first = std::find_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
+                                  [](const Candidate& one) { return one.standing == Standing::likely; });
+  if (first == diagnosis.candidates.end()) return "";
+  std::string findings = findings_text(diagnosis, data, true);
+  if (findings.size() > 1 && std::islower(static_cast<unsigned char>(findings[1])) != 0)
+    findings.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(findings.front())));
+  return fmt::format("Probably {}{}: not proved, because {}. {} to be sure.",
+                     diagnosis.candidates.front().named ? "also " : "", findings, first->but, first->decide);
 }
 
 std::string structure_text(const Diagnosis& diagnosis) {
   const std::string variables = variables_text(diagnosis);
   return fmt::format(
-      "The residual is not noise, and no effects of the library, alone or together, explain all of it{}{}.",
+      "The residual is not noise{}{}{}.",
+      diagnosis.best_sum_leaves ? ", and no effects of the library, alone or together, explain all of it" : "",
       variables.empty() ? "" : ": it depends on ", variables);
 }
 
@@ -224,7 +238,7 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
   const bool explains = explains_alone(candidate, diagnosis);
   const bool fell = falls(candidate.kept_rms_before_um, candidate.kept_rms_after_um);
-  if (!explains && !(candidate.named && fell && held_out_falls(candidate))) {
+  if (!explains && !(candidate.in_answer() && fell && held_out_falls(candidate))) {
     const double share = std::max(0.0, share_alone(candidate));
     return fmt::format(
         "Alone it explains {} of the residual{}", percent(share),
@@ -249,7 +263,7 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   bool none_alone = true;
   std::size_t named = 0;
   for (const Candidate& one : diagnosis.candidates) {
-    if (!one.named) continue;
+    if (!one.in_answer()) continue;
     ++named;
     none_alone = none_alone && !proved_alone(one, diagnosis);
     if (&one != &candidate) others.push_back(ids_text(one, diagnosis));
@@ -362,11 +376,23 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     case Verdict::missing_effect:
     case Verdict::partly_explained:
       if (names_a_wave(d)) add(d.reservation);
-      add(findings_text(d, data) +
-          (d.verdict == Verdict::missing_effect ? "." : ". That is proved and explains nearly all, but more is left."));
+      add(findings_text(d, data, false) + ".");
+      if (d.verdict == Verdict::partly_explained) add("That is proved, but more is left.");
+      add(likely_text(d, data));
+      break;
+    case Verdict::likely_effect:
+      if (names_a_wave(d)) add(d.reservation);
+      add(likely_text(d, data));
+      break;
+    case Verdict::cannot_tell:
+      add(d.reservation);
+      add(fmt::format("These data cannot tell whether anything is missing: {}.", d.cannot_tell));
       break;
     default:
       add(structure_text(d));
+      if (const std::string proved = findings_text(d, data, false); !proved.empty())
+        add(fmt::format("{}: that is proved, but it is the lesser part.", proved));
+      add(likely_text(d, data));
   }
   return text;
 }
@@ -380,7 +406,7 @@ bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
 
 std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data,
                        const std::optional<JointProof>& joint) {
-  std::string text = candidate.named && joint && !proved_alone(candidate, diagnosis)
+  std::string text = candidate.in_answer() && joint && !proved_alone(candidate, diagnosis)
                          ? evidence_together(candidate, diagnosis, *joint)
                          : evidence_alone(candidate, diagnosis);
   if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())

@@ -181,7 +181,7 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   const Eigen::Map<const Eigen::VectorXd> residual(fit.residual.data(), static_cast<Eigen::Index>(fit.residual.size()));
   for (const Variable& variable : variables_of(data)) {
     ResidualView view = residual_view(data, fit.residual, variable.name);
-    view.share = share_of(variable, residual, fit.noise.noise_um);
+    view.share = share_beyond_position(data, variable, residual, fit.noise.noise_um);
     if (view.bins.size() != 1) comparison.views.push_back(std::move(view));
   }
   return comparison;

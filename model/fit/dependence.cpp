@@ -371,15 +371,41 @@ std::vector<Variable> variables_of(const Observations& data) {
   return out;
 }
 
-double share_of(const Variable& variable, const VectorXd& residual, double noise_um) {
+MatrixXd position_beside(const Observations& data, const std::string& variable) {
+  Functions functions(data.size());
+  for (const Channel channel : channels_of(data)) {
+    std::set<Axis> moving;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.channel(k) == channel && !data.on_path(k)) moving.insert(data.axis[k]);
+    for (const Axis axis : moving) {
+      if (variable == data.position_name(axis)) continue;
+      const auto here = [&](std::size_t k) { return !data.on_path(k) && data.axis[k] == axis; };
+      add_levels(
+          functions, data, channel, [&](std::size_t k) { return here(k) ? data.p_mm(k, axis) : kNotMeasured; },
+          kMostLevels, kOne);
+    }
+  }
+  for (std::size_t path = 0; path < data.paths.size(); ++path)
+    if (variable != variable_along(data.paths[path]))
+      add_levels(
+          functions, data, kSenseChannels + static_cast<Channel>(path), [&](std::size_t k) { return data.along[k]; },
+          kMostLevels, kOne);
+  return functions.matrix();
+}
+
+double share_beyond_position(const Observations& data, const Variable& variable, const VectorXd& residual,
+                             double noise_um) {
   const double total = residual.squaredNorm();
   if (total <= 0.0) return 0.0;
   Space space;
   space.y = residual;
   space.q.resize(residual.size(), 0);
+  absorb(space, position_beside(data, variable.name));
+  const double before = space.chi2();
+  const Index given = space.q.cols();
   absorb(space, variable.columns);
-  const double explained = total - space.chi2();
-  const double by_noise = static_cast<double>(space.q.cols()) * noise_um * noise_um;
+  const double explained = before - space.chi2();
+  const double by_noise = static_cast<double>(space.q.cols() - given) * noise_um * noise_um;
   return std::clamp((explained - by_noise) / total, 0.0, 1.0);
 }
 

@@ -19,8 +19,14 @@ struct Variable {
 };
 [[nodiscard]] std::vector<Variable> variables_of(const Observations& data);
 
+/// Levels of the position along each measured line: what a variable shows, it shows beyond these (readings × levels).
+/// Without those of the lines along which the variable is the position itself. @param variable  a name of
+/// variables_of()
+[[nodiscard]] Eigen::MatrixXd position_beside(const Observations& data, const std::string& variable);
+
 /// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
-/// does, 0 … 1.
-[[nodiscard]] double share_of(const Variable& variable, const Eigen::VectorXd& residual, double noise_um);
+/// does, and beyond the position along the measured line, 0 … 1.
+[[nodiscard]] double share_beyond_position(const Observations& data, const Variable& variable,
+                                           const Eigen::VectorXd& residual, double noise_um);
 
 }  // namespace ecs::model

@@ -116,11 +116,12 @@ bool runs_differ(const Halves& halves) {
   return robust_mean_square(s) > far * robust_mean_square(d);
 }
 
-/// Enough of them to judge the noise by.
-bool many(const std::vector<double>& deviation) {
+/// Enough of them to judge the noise by. @param of_poses  neighbours of a pose say nothing of it: any repeats are
+/// better
+bool many(const std::vector<double>& deviation, bool of_poses) {
   const auto there = static_cast<std::size_t>(
       std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
-  return there >= kFewestDeviations && there * 2 >= deviation.size();
+  return there >= kFewestDeviations && (of_poses || there * 2 >= deviation.size());
 }
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
@@ -206,20 +207,29 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
 
 namespace {
 
+/// What makes a place besides the position: where the linear axes stood, or at which angles the rotary ones did. Of a
+/// ball that the axes follow its pose says that: its number is enough.
+std::array<double, kAxes> beside_position(const Observations& data, std::size_t k) {
+  if (!data.through_chain.empty()) return {static_cast<double>(data.through_chain[k].ball)};
+  if (!data.place_mm.empty()) return rounded(data.place_mm[k]);
+  return data.pose_deg.empty() ? std::array<double, kAxes>{} : rounded(data.pose_deg[k]);
+}
+
 Repeats numbered(const Observations& data, bool conditions) {
   using Places = std::array<double, kAxes>;
   using Key = std::tuple<Channel, Axis, int, Places, double, double, bool, Places>;
   std::map<Key, std::size_t> nodes;
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
+    const bool of_pose = !data.through_chain.empty() && data.approach[k] == 0;  // whichever axis came last
     const Key key{data.channel(k),
-                  data.axis[k],
+                  of_pose ? Axis::X : data.axis[k],
                   data.approach[k],
                   rounded(data.place_of(k)),
                   conditions ? rounded(cell(data.feed_mm_min, k), kSameCondition) : 0.0,
                   conditions ? rounded(cell(data.load_kg, k), kSameCondition) : 0.0,
                   data.compensated[k],
-                  data.place_mm.empty() ? Places{} : rounded(data.place_mm[k])};
+                  beside_position(data, k)};
     repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
   }
   repeats.nodes = nodes.size();
@@ -260,12 +270,13 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   Repeats repeats = repeats_of(data);
   std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
   noise.pure.unit = data.reading_unit();
-  noise.pure.from_repeats = many(deviation);
+  const bool of_poses = !data.through_chain.empty();
+  noise.pure.from_repeats = many(deviation, of_poses);
   bool from_places = noise.pure.from_repeats;
   if (!from_places) {
     repeats = places_of(data);
     deviation = deviations_from_repeats(repeats, residual, left_out);
-    from_places = many(deviation);
+    from_places = many(deviation, of_poses);
   }
   if (!from_places) {
     deviation = deviations_from_smooth(residual, smooth, left_out);

@@ -375,6 +375,12 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
   return {};
 }
 
+/// Readings that do not tell whether anything is missing: the same again.
+void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
+  next.notes.push_back(fmt::format("these data cannot tell whether anything is missing: {}", diagnosis.cannot_tell));
+  take_repetition(next, in);
+}
+
 Result<void> ask_power(NextMeasurement& next, const Setting& in) {
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
@@ -412,10 +418,10 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in) {
 std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
-    if (candidate.named &&
-        (!candidate.rivals.empty() || !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
-         std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
-                     [](const ParameterEstimate& one) { return one.undetermined; })))
+    if (candidate.in_answer() && (!candidate.named || !candidate.rivals.empty() || !candidate.parameters_set.empty() ||
+                                  candidate.e_value.value_or(0.0) < kProved ||
+                                  std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
+                                              [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
   return "Nothing is in doubt that a measurement could settle: what is named is proved, and nothing else of the "
          "library "
@@ -427,11 +433,11 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
                              const MeasuringTimes& times) {
   if (auto settled = nothing_in_doubt(diagnosis)) {
     for (Candidate& candidate : diagnosis.candidates)
-      if (candidate.named) candidate.next_measurement = *settled;
+      if (candidate.in_answer()) candidate.next_measurement = *settled;
     return {{}, {}, {std::move(*settled)}};
   }
   NextMeasurement next = next_measurement(model, data, diagnosis, times);
-  if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().named) return next;
+  if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().in_answer()) return next;
   const OpenGroup group = open_group(diagnosis);
   for (Candidate& candidate : diagnosis.candidates)
     if (std::any_of(group.rivals.begin(), group.rivals.end(),
@@ -463,8 +469,11 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   }
   const Setting setting{model, present, own};
   Result<void> asked;
-  const bool is_named = diagnosis.verdict == Verdict::missing_effect || diagnosis.verdict == Verdict::partly_explained;
-  if (is_named && !diagnosis.candidates.empty())
+  const bool is_named = diagnosis.verdict == Verdict::missing_effect ||
+                        diagnosis.verdict == Verdict::partly_explained || diagnosis.verdict == Verdict::likely_effect;
+  if (diagnosis.verdict == Verdict::cannot_tell)
+    ask_again(next, setting, diagnosis);
+  else if (is_named && !diagnosis.candidates.empty())
     asked = ask_group(next, setting, open_group(diagnosis));
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);

@@ -53,7 +53,7 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
   if (diagnosis.candidates.empty()) return group;
   const Candidate* first = &diagnosis.candidates.front();
   for (const Candidate& candidate : diagnosis.candidates)
-    if (candidate.named && !candidate.indistinguishable_from.empty()) {
+    if (candidate.in_answer() && !candidate.indistinguishable_from.empty()) {
       first = &candidate;
       break;
     }
@@ -61,9 +61,9 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
   for (const Candidate& other : diagnosis.candidates) {
     if (&other == first) continue;
     const bool rival = lists(*first, other.effect) && !same_candidate(other.effect, first->effect);
-    if (rival && !other.named)
+    if (rival && !other.in_answer())
       group.rivals.push_back(other.effect);
-    else if (other.named)
+    else if (other.in_answer())
       group.settled.push_back(other.effect);
   }
   for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));

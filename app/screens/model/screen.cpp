@@ -177,6 +177,21 @@ bool ModelScreen::on_causes_key(const Key& key) {
   return clicked || cause_.on_key(key, count);
 }
 
+/// What is likely is added on trial, with the fall to expect.
+void ModelScreen::ask_to_add_likely(const std::function<void()>& add) {
+  const model::Diagnosis& d = *controller_->diagnosis();
+  const model::Candidate& candidate = d.candidates[chosen_cause()];
+  const std::string expected = d.add
+                                   ? fmt::format(" With {} the rms of readings left out goes from {:.3g} to {:.3g} {}.",
+                                                 fmt::join(d.add->effects, " and "), d.add->held_out_rms_before_um,
+                                                 d.add->held_out_rms_um, d.noise.unit)
+                                   : "";
+  asking_.ask({fmt::format("Add {}, which is likely but not proved?", place_text(candidate.effect)),
+               fmt::format("Not proved, because {}.{} {} to be sure.", candidate.but, expected, candidate.decide),
+               "add it", "not now"},
+              add);
+}
+
 /// One of several that these data cannot tell apart, and one that an adequate model does not lack, is added only after
 /// a question.
 void ModelScreen::add_chosen() {
@@ -194,6 +209,7 @@ void ModelScreen::add_chosen() {
                         "readings better.",
                         "add it", "not now"},
                        add);
+  if (!candidates.empty() && candidates[chosen].standing == model::Standing::likely) return ask_to_add_likely(add);
   if (candidates.empty() || candidates[chosen].rivals.empty()) return add();
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : candidates[chosen].rivals) rivals.push_back(place_text(rival));

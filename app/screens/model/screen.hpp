@@ -2,6 +2,7 @@
 // fall.
 #pragma once
 
+#include <functional>
 #include <map>
 
 #include "app/screens/files/prompt.hpp"
@@ -67,6 +68,7 @@ class ModelScreen final : public Screen {
   [[nodiscard]] bool on_ladder_key(const Key& key);
   [[nodiscard]] bool on_causes_key(const Key& key);
   void add_chosen();
+  void ask_to_add_likely(const std::function<void()>& add);
   void begin_map();
   void write_map(const std::string& zero_reason);
   [[nodiscard]] std::vector<std::string> after_lines(int columns) const;

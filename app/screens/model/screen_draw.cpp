@@ -30,7 +30,9 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
                                                                     candidate.rivals.size() == 1 ? "" : "s");
   return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {}", in_columns(place_text(candidate.effect), name_columns),
                       diagnosis.rms_um, candidate.rms_after_um, 100.0 * candidate.explained, rivals),
-          candidate.named ? Tone::strong : Tone::plain};
+          candidate.named         ? Tone::strong
+          : candidate.in_answer() ? Tone::warning
+                                  : Tone::plain};
 }
 
 std::string rung_text(const model::Model& model, const model::LadderStep& step) {
@@ -242,6 +244,10 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   at += canvas.paragraph(detail, at, parameters_text(candidate.parameters), Tone::strong);
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : candidate.rivals) rivals.push_back(place_text(rival));
+  if (!candidate.but.empty())
+    at += canvas.paragraph(detail, at,
+                           fmt::format("Likely, but not proved: {}. {} to be sure.", candidate.but, candidate.decide),
+                           Tone::warning);
   if (!rivals.empty())
     at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
                            Tone::warning);

@@ -208,3 +208,49 @@ TEST_CASE("noise alone makes no pass odd in two hundred sets") {
   for (unsigned seed = 1; seed <= 200; ++seed)
     CHECK_FALSE(odd_pass_in(measured(line_of_runs(5, 14), kSigma_um, nothing, seed)));
 }
+
+namespace {
+
+/// Readings of eight runs, 50 a run, whose means are these.
+std::optional<StepOfRuns> step_in(const std::vector<double>& means_um, double noise_um = 0.4) {
+  Plan plan = line_of_runs(static_cast<int>(means_um.size()), 25);
+  const auto set = measured(plan, noise_um, [&](const laser::Reading& r) {
+    return means_um[static_cast<std::size_t>(r.run) - 1];
+  });
+  const Observations data = observations_of(set, straight(), mill());
+  const VectorXd residual = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
+  return step_of_runs(data, residual, std::vector<bool>(data.size()));
+}
+
+}  // namespace
+
+TEST_CASE("a jump of all readings between two runs beside a drift is a step, not a bad run") {
+  // 1.8 um from run to run, and a fall of 7.7 um from run 4 to 5: 9.5 um beside the drift
+  const auto step = step_in({-1.55, 0.25, 2.05, 3.85, -3.85, -2.05, -0.25, 1.55});
+  REQUIRE(step);
+  CHECK(step->before == 4);
+  CHECK(step->after == 5);
+  CHECK(step->height_um == Approx(-7.7 - 1.8).epsilon(0.02));
+}
+
+TEST_CASE("one run apart from the others is no step, and neither is noise") {
+  CHECK_FALSE(step_in({0.0, 0.0, 0.0, 0.0, -4.0, 0.0, 0.0, 0.0}));
+  CHECK_FALSE(step_in({0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -4.0}));  // of the last run both are the same
+  CHECK_FALSE(step_in({0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}));
+  CHECK_FALSE(step_in({0.0, 0.0, 0.0, -4.0}));  // four runs: a trend and a step fit anything
+}
+
+TEST_CASE("a bad run is said in the ratio of what the sentence says in um") {
+  Scatter made = scatter_of(line_of_runs(5), 3);
+  VectorXd whitened = made.residual;  // the whitener makes much of run 3
+  for (std::size_t k = 0; k < made.data.size(); ++k) {
+    if (made.data.run[k] != 3) continue;
+    made.residual(static_cast<Index>(k)) += 4.0;
+    whitened(static_cast<Index>(k)) = 3.0 * made.residual(static_cast<Index>(k));
+  }
+  const auto run = noisy_run(made.data, whitened, made.residual, made.left_out);
+  REQUIRE(run);
+  CHECK(run->run == 3);
+  CHECK(run->shifted);
+  CHECK(run->ratio == Approx(4.0 / 0.8).epsilon(0.1));  // mean |N(0, 1)| is 0.80
+}

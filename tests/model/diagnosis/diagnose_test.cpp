@@ -308,7 +308,7 @@ TEST_CASE("poor data get a clear answer and no confident name") {
   three.runs = 1;
   three.both_ways = false;
   const Diagnosis few = diagnosed(straight(), measured(three, 0.3, zero));
-  CHECK(few.verdict == Verdict::adequate);
+  CHECK(few.verdict == Verdict::cannot_tell);
   REQUIRE_FALSE(few.notes.empty());
   CHECK(few.notes.front().find("too few") != std::string::npos);
 

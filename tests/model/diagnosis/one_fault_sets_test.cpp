@@ -7,6 +7,7 @@
 #include "laser/import/import.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -92,6 +93,45 @@ TEST_CASE("an effect is proved at one target too, by blocks of readings") {
   REQUIRE(named.size() == 1);
   CHECK(to_text(named[0].effect) == "thermal_drift:Z:EZ");
   CHECK(parameter(named[0], "um_per_degC") == Approx(6.0).epsilon(0.01));
+}
+
+TEST_CASE("two zeros of lines measured once are likely, with what is not excluded and what would decide") {
+  const Diagnosis found = diagnosis_of("two_zeros");
+  CHECK(found.verdict == Verdict::likely_effect);
+  REQUIRE(found.candidates.size() >= 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Candidate& candidate = found.candidates[i];
+    CHECK(candidate.standing == Standing::likely);
+    CHECK_FALSE(candidate.named);
+    CHECK(candidate.but.find("nothing was measured twice") != std::string::npos);
+    CHECK(candidate.decide.find("Measure the same lines again") != std::string::npos);
+  }
+  CHECK(to_text(found.candidates[0].effect) == "offset:Y:EY");
+  CHECK(parameter(found.candidates[0], "um") == Approx(-17.0).epsilon(0.05));
+  CHECK(to_text(found.candidates[1].effect) == "offset:X:EX");
+  CHECK(parameter(found.candidates[1], "um") == Approx(10.0).epsilon(0.05));
+  CHECK_MESSAGE(found.headline.starts_with("Probably Y positions"), found.headline);
+  CHECK(found.headline.find("no effects of the library") == std::string::npos);
+  CHECK(found.rms_after_um == Approx(3.8).epsilon(0.1));  // both together leave the noise
+  REQUIRE(found.add);
+  CHECK(found.add->effects == std::vector<std::string>{"offset:Y:EY", "offset:X:EX"});
+  CHECK(found.add->held_out_rms_before_um == Approx(found.rms_um).epsilon(0.05));
+  CHECK(found.add->held_out_rms_um == Approx(3.8).epsilon(0.1));
+}
+
+TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
+  const auto model = read_model("samples/made_up/bending_head.toml");
+  const auto machine = params::read_machine("samples/made_up/head_machine.toml");
+  const auto readings = laser::read_measurement_set("samples/made_up/bending_head.csv");
+  REQUIRE(model);
+  REQUIRE(machine);
+  REQUIRE(readings);
+  const auto found = diagnose(*model, observations_of(*readings, *model, machine->machine));
+  REQUIRE(found);
+  CHECK(found->noise.from_repeats);
+  CHECK(found->noise.noise_um == Approx(8.0).epsilon(0.25));  // 27 of 75 readings repeat a pose
+  CHECK(found->verdict != Verdict::adequate);
+  CHECK(found->headline.find("adequate") == std::string::npos);
 }
 
 TEST_CASE("five targets are enough for a curve") {

@@ -88,11 +88,36 @@ TEST_CASE("the share of a variable is all of its own shape, nothing of another, 
     reversal(k) = of.data.approach[static_cast<std::size_t>(k)];
     runs(k) = of.data.run[static_cast<std::size_t>(k)] - 2.0;
   }
-  CHECK(share_of(variable_named(variables, "approach"), reversal, 0.0) == Approx(1.0));
-  CHECK(share_of(variable_named(variables, "approach"), runs, 0.0) == Approx(0.0));
-  CHECK(share_of(variable_named(variables, "run"), runs, 0.0) == Approx(1.0));
-  CHECK(share_of(variable_named(variables, "run"), runs, 100.0) == 0.0);
-  CHECK(share_of(variable_named(variables, "run"), VectorXd::Zero(246), 1.0) == 0.0);
+  const auto share = [&](const char* name, const VectorXd& residual, double noise_um) {
+    return share_beyond_position(of.data, variable_named(variables, name), residual, noise_um);
+  };
+  CHECK(share("approach", reversal, 0.0) == Approx(1.0));
+  CHECK(share("approach", runs, 0.0) == Approx(0.0));
+  CHECK(share("run", runs, 0.0) == Approx(1.0));
+  CHECK(share("run", runs, 100.0) == 0.0);
+  CHECK(share("run", VectorXd::Zero(246), 1.0) == 0.0);
+}
+
+TEST_CASE("where an axis is parked explains nothing that the position along the measured line explains") {
+  laser::MeasurementSet set;
+  for (const double parked : {0.0, 300.0}) {
+    Plan plan;
+    plan.runs = 1;
+    plan.targets = 21;
+    plan.parked_mm = {0.0, parked, 0.0};
+    measure(set, plan, 0.1, [&](const laser::Reading& r) {
+      return 5.0 * std::sin(p(r) / 60.0) + (r.position_mm[1] > 0.0 ? 0.18 : 0.0);
+    });
+  }
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
+  const Observations data = observations_of(set, straight(), mill());
+  const auto variables = variables_of(data);
+  const VectorXd residual =
+      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())).array() - 0.09;
+  // the step of 0.18 um is ±0.09 about its mean, the wave is 5/√2 rms
+  const double step = 0.09 * 0.09 / (5.0 * 5.0 / 2.0);
+  CHECK(share_beyond_position(data, variable_named(variables, "y_mm"), residual, 0.1) < 5.0 * step);
+  CHECK(share_beyond_position(data, variable_named(variables, "x_mm"), residual, 0.1) > 0.9);
 }
 
 TEST_CASE("the largest of noise replicates is what the tests of each replicate give") {

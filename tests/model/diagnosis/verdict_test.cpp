@@ -32,12 +32,15 @@ std::size_t named_causes(const Diagnosis& found) {
 
 }  // namespace
 
-TEST_CASE("where the structure outweighs the cause nothing is named") {
+TEST_CASE("where the structure outweighs the cause the verdict is the structure, and the cause is listed as proved") {
   const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um,
                                                          with_value_of_target(
                                                              3.0, [](const laser::Reading& r) { return d(r); }, 1)));
   CHECK(found.verdict == Verdict::unexplained_structure);
-  CHECK(named_causes(found) == 0);
+  REQUIRE(named_causes(found) == 1);
+  CHECK(to_text(found.candidates.front().effect) == "backlash:X:EX");
+  CHECK(found.candidates.front().standing == Standing::proved);
+  CHECK_MESSAGE(found.headline.find("the lesser part") != std::string::npos, found.headline);
 }
 
 TEST_CASE("a proved cause is named beside structure that nothing explains: partly explained") {

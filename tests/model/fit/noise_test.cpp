@@ -200,6 +200,13 @@ NoiseModel all_as_noise(const Measured& m, double correlated_share, double time_
 
 }  // namespace
 
+TEST_CASE("readings at one place under other angles of the rotary axes are no repeats") {
+  auto set = measured({}, kWhite_um, nothing);
+  const std::size_t places = repeats_of(observations_of(set, straight(), mill())).nodes;
+  for (laser::Reading& r : set.readings) r.angle_deg = {0.0, r.run == 2 ? 90.0 : 0.0, 0.0};
+  CHECK(repeats_of(observations_of(set, straight(), mill())).nodes == 2 * places);
+}
+
 TEST_CASE("white noise does not wander, with repeats or without, nor do rounded readings") {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     Measured m = white(seed);

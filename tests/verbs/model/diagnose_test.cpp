@@ -94,8 +94,8 @@ TEST_CASE("bad measurements get a clear answer, never a confident name") {
     return r.code == 0 ? r.json()["verdict"].get<std::string>() : fmt::format("exit {}", r.code);
   };
   const std::string head = "axis,sense,x_mm,reading,approach,run\n";
-  CHECK(verdict("three.csv", head + "X,EX,0,1,1,1\nX,EX,100,5,1,1\nX,EX,200,-3,1,1\n") == "adequate");
-  CHECK(verdict("one.csv", head + "X,EX,0,1,1,1\n") == "adequate");
+  CHECK(verdict("three.csv", head + "X,EX,0,1,1,1\nX,EX,100,5,1,1\nX,EX,200,-3,1,1\n") == "cannot_tell");
+  CHECK(verdict("one.csv", head + "X,EX,0,1,1,1\n") == "cannot_tell");
   std::string constant = head;
   for (int i = 0; i < 30; ++i) constant += "X,EX,100,1.0,1,1\n";
   CHECK(verdict("constant.csv", constant) == "adequate");
