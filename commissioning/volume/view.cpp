@@ -102,7 +102,7 @@ std::string size_text(std::string_view name, const volume::VolumeSize& size, con
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 %, with the uncertainty of the map\n", "after, at most",
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % (uncertainty of the map)\n", "after, at most",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
 }
 
