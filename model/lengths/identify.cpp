@@ -432,8 +432,8 @@ Result<Identification> identify(const LengthTest& test, const params::Machine& m
   if (static_cast<Eigen::Index>(test.readings.size()) < unknowns + kLeastFreedom)
     return tl::unexpected(too_few(test, settings, std::move(made), out.knots_mm));
   report_on(LengthFit(test, settings, std::move(made)).run(), out);
-  for (std::string& note : contradicted_zeros(test, settings, *known, std::move(curves)))
-    out.notes.push_back(std::move(note));
+  out.contradictions = contradicted_zeros(test, settings, *known, std::move(curves));
+  out.notes.insert(out.notes.end(), out.contradictions.begin(), out.contradictions.end());
   return out;
 }
 

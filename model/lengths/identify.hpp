@@ -77,6 +77,7 @@ struct Identification {
   std::optional<double> volume_um;    ///< √(mean squared standard uncertainty) over the volume (k = 1), first tool
   std::optional<double> volume_U_um;  ///< the same, 95 %
   PerAxis<double> knots_mm{};         ///< that were used
+  std::vector<std::string> contradictions;  ///< declared zeros that the lengths show not to be; in the notes as well
   std::vector<std::string> notes;
   /// Everything that acts is determined.
   [[nodiscard]] bool whole() const;

@@ -226,6 +226,7 @@ TEST_CASE("a component that is declared zero and is none is told, with its size;
   CAPTURE(notes_in(found));
   CHECK(contains(notes_in(found), "EBY is declared zero, but the lengths show up to "));
   CHECK(contains(notes_in(found), "at Y 400 mm"));
+  CHECK(found.contradictions.size() == 1);
   settings.zero[index_of(Component::EBY)] = false;
   settings.zero[index_of(Component::C0Y)] = true;
   CHECK(contains(notes_in(identified(lengths, settings)), "C0Y is declared zero, but the lengths show "));
