@@ -4,13 +4,17 @@
 
 #include <fmt/format.h>
 
+#include "base/shown.hpp"
+
 namespace ecs {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number_or_null(const std::optional<double>& value) { return value ? number_or_null(*value) : Json(nullptr); }
 Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(std::string(text)); }
 
-std::string one_line(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string one_line(const Json& value) {
+  return shown_json(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
 
 Json problem_json(const Problem& problem) {
   Json out;

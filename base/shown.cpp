@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <fmt/format.h>
+
 namespace ecs {
 namespace {
 
@@ -51,6 +53,28 @@ std::string shown(std::string_view text) {
     text.remove_prefix(bytes);
   }
   return out;
+}
+
+std::string shown_json(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  while (!json.empty()) {
+    const Character character = first_character(json);
+    const std::size_t bytes = character.bytes == 0 ? 1 : character.bytes;
+    if (character.code >= 0x7F && is_obeyed(character.code))  // below it JSON has its own escapes
+      out += fmt::format("\\u{:04x}", character.code);
+    else
+      out += json.substr(0, bytes);
+    json.remove_prefix(bytes);
+  }
+  return out;
+}
+
+std::string cut_line(std::string_view line, std::size_t most) {
+  if (line.size() <= most) return std::string(line);
+  std::size_t end = most;
+  while (end > 0 && (static_cast<std::uint8_t>(line[end]) & 0xC0U) == 0x80U) --end;  // between characters
+  return fmt::format("{}… (cut: {} bytes)", line.substr(0, end), line.size());
 }
 
 }  // namespace ecs

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/cli/command_tree.hpp"
+#include "base/shown.hpp"
 #include "base/version.hpp"
 #include "ecs_emulator/verbs/registry.hpp"
 
@@ -14,12 +15,12 @@ using namespace ecs;
 using namespace ecs::emulator;
 
 int failed(const Problem& problem) {
-  fmt::print(stderr, "{}\n", to_text(problem));
+  fmt::print(stderr, "{}\n", shown(to_text(problem)));
   return exit_code_of(problem.kind);
 }
 
 int answered(const std::string& text, int exit_code = kDone) {
-  if (!text.empty()) fmt::print("{}{}", text, text.back() == '\n' ? "" : "\n");
+  if (!text.empty()) fmt::print("{}{}", shown(text), text.back() == '\n' ? "" : "\n");
   return exit_code;
 }
 

@@ -2,17 +2,28 @@
 
 #include <fmt/format.h>
 
+#include "base/shown.hpp"
 #include "base/text.hpp"
 
 namespace ecs::laser {
+
+namespace {
+
+/// As a map's header may hold it.
+std::string stated_name(const std::string& value) {
+  constexpr std::size_t kLongest = 160;
+  return cut_line(shown(value), kLongest);
+}
+
+}  // namespace
 
 MeasuredMachine measured_machine(const std::vector<MetadataEntry>& metadata) {
   MeasuredMachine machine;
   for (const MetadataEntry& entry : metadata) {
     const std::string key = lower(entry.key);
-    if (key == "machine" && machine.name.empty()) machine.name = entry.value;
+    if (key == "machine" && machine.name.empty()) machine.name = stated_name(entry.value);
     if ((key == "serial_number" || key == "serial no") && machine.serial_number.empty())
-      machine.serial_number = entry.value;
+      machine.serial_number = stated_name(entry.value);
   }
   return machine;
 }

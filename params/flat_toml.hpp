@@ -25,6 +25,9 @@ struct TomlEntry {
 /// error of syntax, so that one comes alone.
 [[nodiscard]] Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::string& name);
 
+/// Longest name of a machine or of whom it belongs to, bytes: as in the header of a map.
+inline constexpr std::size_t kLongestName = 200;
+
 /// Problems in the order of the file.
 void sort_by_place(std::vector<Problem>& problems);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
+#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
@@ -178,10 +179,13 @@ class MachineReader {
   }
 
   void take_text(const TomlEntry& entry, std::string& text) {
-    if (const auto* found = std::get_if<std::string>(&entry.value))
-      text = *found;
-    else
+    const auto* found = std::get_if<std::string>(&entry.value);
+    if (found == nullptr)
       refuse(entry, "a text in quotes");
+    else if (found->size() > kLongestName)
+      problems_.push_back(at(entry, fmt::format("expected at most {} bytes, found {}", kLongestName, found->size())));
+    else
+      text = ecs::shown(*found);
   }
 
   void take_configuration(const TomlEntry& entry) {

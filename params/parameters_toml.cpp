@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
+#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
@@ -91,10 +92,13 @@ class ParametersReader {
   }
 
   void take_text(const TomlEntry& entry, std::string& text) {
-    if (const auto* found = std::get_if<std::string>(&entry.value))
-      text = *found;
-    else
+    const auto* found = std::get_if<std::string>(&entry.value);
+    if (found == nullptr)
       refuse(entry, fmt::format("expected a text in quotes, found {}", shown(entry)));
+    else if (found->size() > kLongestName)
+      refuse(entry, fmt::format("expected at most {} bytes, found {}", kLongestName, found->size()));
+    else
+      text = ecs::shown(*found);
   }
 
   void take_field(const Field& field, const TomlEntry& entry) {

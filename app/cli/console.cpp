@@ -13,6 +13,7 @@ namespace ecs::app {
 namespace {
 
 constexpr int kBarCells = 30;
+constexpr std::size_t kLongestMessage = 4000;  // of a line: two screens of 24 × 80; a file can hold a name of megabytes
 constexpr std::string_view kRed = "31", kYellow = "33", kPlain;
 
 bool is_set(const char* name) {
@@ -40,7 +41,8 @@ void Console::say(std::string_view colour, std::string_view text) {
   end_progress();
   erase_block();
   const std::string harmless = shown(text);
-  for (const std::string_view line : lines_of(harmless)) {
+  for (const std::string_view whole : lines_of(harmless)) {
+    const std::string line = cut_line(whole, kLongestMessage);
     if (options_.colour && !colour.empty())
       *messages_ << "\033[" << colour << 'm' << message_prefix << line << "\033[0m\n";
     else

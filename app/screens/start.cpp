@@ -14,6 +14,7 @@
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/outcome.hpp"
+#include "base/shown.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/session/event_log.hpp"
@@ -101,10 +102,10 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
                                   [] { return commands_screen(); }});
     close_logbooks();
     terminal->reset();  // the screens are gone: what matters still is said to the shell
-    for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
+    for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", shown(word));
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;
   }
-  fmt::print(stderr, "{}\n", to_text(terminal.error()));
+  fmt::print(stderr, "{}\n", shown(to_text(terminal.error())));
   return exit_code_of(ProblemKind::usage);
 }
 

@@ -3,12 +3,18 @@
 
 #include <fmt/format.h>
 
+#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "laser/findings.hpp"
 #include "laser/map/error_map.hpp"
 
 namespace ecs::laser {
 namespace {
+
+/// Of who, what and when; the unit's identity has 40 bytes for the name of the machine.
+constexpr std::size_t kLongestHeaderName = 200;
+/// Of a source, a reason, a step of the processing.
+constexpr std::size_t kLongestHeaderLine = 1U << 16;
 
 /// One line, whatever was typed: line ends become blanks.
 std::string one_line(std::string text) {
@@ -69,6 +75,10 @@ std::string take_uncertainty(MapHeader& header, std::string_view value) {
 }
 
 std::string take(MapHeader& header, std::string_view key, std::string_view value) {
+  const bool names = key == "customer" || key == "machine" || key == "serial_number" || key == "date" ||
+                     key == "engineer" || key == "configuration";
+  if (const std::size_t most = names ? kLongestHeaderName : kLongestHeaderLine; value.size() > most)
+    return fmt::format("header: {} has {} bytes, expected at most {}", in_quotes(key), value.size(), most);
   if (key == "customer")
     header.customer = value;
   else if (key == "machine")
@@ -120,9 +130,11 @@ Result<MapHeader> parse_header(std::string_view text, const std::string& source_
   MapHeader header;
   Findings findings(source_name);
   int line = 0;
-  for (const std::string_view row : lines_of(text)) {
+  for (const std::string_view as_written : lines_of(text)) {
     ++line;
-    if (trimmed(row).empty()) continue;
+    if (trimmed(as_written).empty()) continue;
+    const std::string plain = shown(as_written);  // its names go to terminals and into files of other controls
+    const std::string_view row = plain;
     const std::size_t colon = row.find(':');
     const std::string fault = colon == std::string_view::npos
                                   ? fmt::format("header: expected key: value, found {}", in_quotes(row))

@@ -32,6 +32,19 @@ TEST_CASE("bytes that are no UTF-8 become question marks, one each") {
   CHECK(shown("ab\xC3") == "ab?");
 }
 
+TEST_CASE("JSON on a terminal holds no control character, and means the same") {
+  const std::string name = "a\x1B[2J\x7F\xC2\x9B\xE2\x80\xAEµ\n";
+  const std::string line = one_line(Json(name));
+  CHECK(line == "\"a\\u001b[2J\\u007f\\u009b\\u202eµ\\n\"");
+  CHECK(Json::parse(line).get<std::string>() == name);
+}
+
+TEST_CASE("a line that is too long is cut between characters, and says so") {
+  CHECK(cut_line("short", 5) == "short");
+  CHECK(cut_line("aµb", 2) == "a… (cut: 4 bytes)");
+  CHECK(cut_line(std::string(3'000'000, 'N'), 4).size() < 40);
+}
+
 TEST_CASE("whatever the bytes, what is shown holds no control character and stays as it is when shown again") {
   CHECK(rc::check([](const std::string& bytes) {
     const std::string once = shown(bytes);

@@ -208,6 +208,16 @@ TEST_CASE("a key nested without end is refused at its line instead of exhausting
   CHECK_FALSE(parsed("[" + deep + "a]\n" + deep + "a = 1\n").has_value());
 }
 
+TEST_CASE("a name in a file holds no control characters and no more than a name has") {
+  const auto plain = parsed("[identity]\nmachine = \"mill\\u001b[31m\"\n");
+  REQUIRE(plain.has_value());
+  CHECK(plain->identity.machine == "mill?[31m");
+  const auto endless = parsed("[identity]\nmachine = \"" + std::string(3'000'000, 'N') + "\"\n");
+  REQUIRE_FALSE(endless.has_value());
+  CHECK(endless.error().line == 2);
+  CHECK(endless.error().message == "identity.machine: expected at most 200 bytes, found 3000000");
+}
+
 TEST_CASE("a missing file is a problem that names it") {
   const auto file = read_parameters("samples/params/none.toml");
   REQUIRE_FALSE(file.has_value());

@@ -97,6 +97,23 @@ TEST_CASE("a header key that does not exist is refused with the line it has in t
   CHECK(map.error().message.find("colour") != std::string::npos);
 }
 
+TEST_CASE("names in the header of a map hold no control characters and no more than a name has") {
+  const std::string rows = "axis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,100,1\n";
+  const auto map = parse_map_csv(
+      "# machine: mill\x1B]0;x\x07\n# processing: \xC2\x9B"
+      "2J\n" +
+          rows,
+      "map.csv");
+  REQUIRE(map);
+  CHECK(map->header.machine == "mill?]0;x?");
+  CHECK(map->header.processing == std::vector<std::string>{"?2J"});
+  const auto long_name = parse_map_csv("#\n# machine: " + std::string(3'000'000, 'N') + "\n" + rows, "map.csv");
+  REQUIRE_FALSE(long_name);
+  CHECK(to_text(long_name.error()) == "map.csv:2:1: header: \"machine\" has 3000000 bytes, expected at most 200");
+  CHECK_FALSE(parse_map_csv("# processing: " + std::string(70'000, 'N') + "\n" + rows, "map.csv"));
+  CHECK(parse_map_csv("# processing: " + std::string(60'000, 'N') + "\n" + rows, "map.csv"));
+}
+
 TEST_CASE("a map between its points is linear, and holds its end values beyond its ends") {
   const MapTable table{Component::EXX, Approach::unknown, {0.0, 10.0}, {1.0, 3.0}};
   CHECK(compensation_at(table, 5.0) == doctest::Approx(2.0));
