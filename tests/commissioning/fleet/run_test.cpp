@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/file.hpp"
 #include "base/interrupt.hpp"
 #include "commissioning/fleet/machine_set.hpp"
 #include "commissioning/fleet/under_way.hpp"
@@ -45,6 +46,23 @@ TEST_CASE("a run that was killed in the middle of a line goes on without loss") 
   CHECK(again->diagnosed == 2);
   CHECK(fleet.answers() == whole);
   CHECK_FALSE(std::filesystem::exists(fleet.results + ".work"));
+}
+
+TEST_CASE("a link or a file of another program beside the results is refused, and stays as it was") {
+  const FleetFolder fleet;
+  const std::string precious = fleet.results + ".precious", work = fleet.results + ".work";
+  std::ofstream(precious) << "keep me\n";
+  std::filesystem::create_symlink(precious, work);
+  const auto through_link = run_of(fleet, FleetFolder::row(0));
+  REQUIRE_FALSE(through_link);
+  CHECK(through_link.error().kind == ProblemKind::refused);
+  CHECK(through_link.error().message.find("symbolic link") != std::string::npos);
+  std::filesystem::remove(work);
+  std::filesystem::copy_file(precious, work);
+  const auto over_file = run_of(fleet, FleetFolder::row(0));
+  REQUIRE_FALSE(over_file);
+  CHECK(over_file.error().message.find("no file of `ecs fleet diagnose`") != std::string::npos);
+  for (const std::string& file : {precious, work}) CHECK(read_file(file) == "keep me\n");
 }
 
 TEST_CASE("a signal stops a fleet in good order") {
