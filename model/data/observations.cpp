@@ -70,7 +70,7 @@ auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool b
   if (paths.of[k] > 0) parked = {};
   const Vector3 place = r.rotary ? r.position_mm : Vector3{};
   return std::make_tuple(by_time ? *r.time_s : 0.0, paths.of[k], r.axis, r.sense, parked, r.run,
-                         -static_cast<int>(r.approach), travelled, place, r.error, r.feed_mm_min, r.load_kg, r.row);
+                         -static_cast<int>(r.approach), travelled, place, r.feed_mm_min, r.load_kg, r.error, r.row);
 }
 
 std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {

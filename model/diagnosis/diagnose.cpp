@@ -68,8 +68,7 @@ struct RankedCandidate {
 
 /// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
 std::vector<SetMember> credible_set(std::vector<SetMember> alternatives) {
-  std::stable_sort(alternatives.begin(), alternatives.end(),
-                   [](const SetMember& a, const SetMember& b) { return a.probability > b.probability; });
+  sort_greatest_first(alternatives, [](const SetMember& member) { return member.probability; });
   double sum = 0.0;
   std::size_t count = 0;
   while (count < alternatives.size() && sum < kCredible) sum += alternatives[count++].probability;
@@ -86,10 +85,9 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
   const auto standing_of = [&](const Group* group) {
     return standings[static_cast<std::size_t>(group - found.groups.data())];
   };
-  std::stable_sort(groups.begin(), groups.end(), [&](const Group* a, const Group* b) {
-    if (standing_of(a) != standing_of(b)) return standing_of(a) > standing_of(b);
-    return a->member.gain > b->member.gain;
-  });
+  sort_greatest_first(groups, [](const Group* group) { return group->member.gain; });
+  std::stable_sort(groups.begin(), groups.end(),
+                   [&](const Group* a, const Group* b) { return standing_of(a) > standing_of(b); });
   const auto listed = [&](const EffectInstance& effect) {
     return std::any_of(list.begin(), list.end(),
                        [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });

@@ -36,6 +36,10 @@ constexpr std::size_t kMostWeighed = 1200;
 /// are far from a half of them too.
 constexpr std::size_t kWanders = 8;
 
+/// Deviances closer than this are equal: where the fitted half is one run, a level of its own for every run changes
+/// nothing there. Of laws that suit it equally the first is taken, which is the noise without a wander.
+constexpr double kSameDeviance = 0.01;
+
 /// True: the first half.
 using Half = std::vector<bool>;
 
@@ -94,7 +98,7 @@ std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd&
   double likeliest = kBeyondAll, of_effect = kBeyondAll, of_null = kBeyondAll;
   for (const Wander& law : laws) {
     const double fitted = deviance_of(data, law, hidden_judged, effect_fitted, none, rest);
-    if (fitted < likeliest) {
+    if (fitted < likeliest - kSameDeviance) {
       likeliest = fitted;
       of_effect = deviance_of(data, law, on.left_out, effect, none, rest) - fitted;
     }

@@ -280,8 +280,7 @@ class NextSets {
     std::vector<Solution> list;
     for (auto& [key, solution] : best_)
       if (solution) list.push_back(std::move(*solution));
-    std::stable_sort(list.begin(), list.end(),
-                     [](const Solution& a, const Solution& b) { return a.score() > b.score(); });
+    sort_greatest_first(list, [](const Solution& solution) { return solution.score(); });
     if (list.size() > kBeam) list.resize(kBeam);
     return list;
   }
@@ -311,7 +310,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
     }
     beam = std::move(next).best_first();
     for (const Solution& solution : beam)
-      if (worth(solution, options.entry_score) > worth(best, options.entry_score)) best = solution;
+      if (worth(solution, options.entry_score) > worth(best, options.entry_score) + kLeastProgress) best = solution;
   }
   return merged(search, exchanged(search, std::move(best), options.entry_score), options.entry_score);
 }

@@ -124,8 +124,7 @@ std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseMo
     look_at({by_pass(noise, share)});
   }
   for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
-  std::stable_sort(tried.begin(), tried.end(),
-                   [](const LikelyWander& a, const LikelyWander& b) { return a.deviance < b.deviance; });
+  sort_greatest_first(tried, [](const LikelyWander& likely) { return -likely.deviance; });
   return tried;
 }
 

@@ -63,7 +63,7 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
   if (k > 0) {
     VectorXd norm = white.colwise().norm();
     for (Index j = 0; j < k; ++j)
-      if (norm(j) <= 1e-12 * std::max(unwhitened_norms(j), 1e-300) || norm(j) <= 0.0) norm(j) = 0.0;
+      norm(j) = norm(j) <= 1e-12 * std::max(unwhitened_norms(j), 1e-300) ? 0.0 : norm(j) / size_in_order(j);
     MatrixXd scaled = white;
     for (Index j = 0; j < k; ++j) scaled.col(j) *= norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
     const PivotedQr qr(scaled, kDependent);

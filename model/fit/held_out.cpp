@@ -83,7 +83,7 @@ namespace {
 VectorXd of_least_norm(const MatrixXd& white, const VectorXd& target, double dependent) {
   if (white.cols() == 0) return VectorXd(0);
   VectorXd norm = white.colwise().norm();
-  for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
+  for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? size_in_order(j) / norm(j) : 0.0;
   return norm.asDiagonal() * least_norm_solution(white * norm.asDiagonal(), target, dependent);
 }
 

@@ -29,8 +29,8 @@ constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
 /// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
 /// readings.
 constexpr std::size_t kFewestDeviations = 8;
-/// The last digit of a file is at least this [um]; steps below it are rounding of the arithmetic.
-constexpr double kNoStep_um = 1e-9, kFinestStep_um = 1e-4;
+/// The last digit of a file is at least this [um]; a hundredth of it and less is rounding of the arithmetic.
+constexpr double kFinestStep_um = 1e-4, kNoStep_um = 0.01 * kFinestStep_um;
 /// A reading is a multiple of the step where it is off by at most this share of the step.
 constexpr double kOffStep = 1e-3;
 /// A step of the readings q makes noise of q/√12 = 0.29 q; a little less, so that it is no more than a floor.
@@ -174,10 +174,13 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
     const double gap = sorted[i] - sorted[i - 1];
     if (gap > kNoStep_um && (smallest == 0.0 || gap < smallest)) smallest = gap;
   }
-  if (smallest < kFinestStep_um) return 0.0;
-  for (const double v : sorted)
-    if (std::abs(v / smallest - std::round(v / smallest)) > kOffStep) return 0.0;
-  return smallest;
+  // a step of a file has few digits; one of a scale, such as a part of a wavelength, may have many
+  for (const double step : {rounded(smallest, kNoStep_um), smallest})
+    if (step >= kFinestStep_um && std::all_of(sorted.begin(), sorted.end(), [&](double v) {
+          return std::abs(v / step - std::round(v / step)) <= kOffStep;
+        }))
+      return step;
+  return 0.0;
 }
 
 std::vector<NoiseGroup> groups_of(const Observations& data) {

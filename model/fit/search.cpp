@@ -32,8 +32,9 @@ constexpr double kBeyondNeighbour = 1.2;
 constexpr double kMostOfNoise = 3.0;
 /// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
 constexpr double kAtLimit = 0.005;
-/// A refinement ends at this share of its range: a period's peak is then missed by a thousandth of its height.
-constexpr double kRefined = 2e-3;
+/// A refinement ends at this share of its range: a peak is missed by the square of it, 1e-10 of its height, which no
+/// answer shows.
+constexpr double kRefined = 1e-5;
 constexpr std::size_t kMostKept = 128;  ///< whitened columns of choices
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
@@ -46,7 +47,7 @@ MatrixXd left_beside(const MatrixXd& q, MatrixXd columns) { return without(q, wi
 template <class Function>
 void seek_maximum(ValueRange range, double start, double f_start, double tolerance, const Function& f) {
   constexpr double kSection = 0.3819660112501051;  // 1 - golden ratio
-  constexpr int kMostSteps = 16;
+  constexpr int kMostSteps = 24;
   double low = range.least, high = range.greatest;
   double best = start, second = start, third = start;
   double f_best = f_start, f_second = f_best, f_third = f_best;

@@ -8,6 +8,7 @@
 #include "model/fit/gains.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
@@ -25,7 +26,7 @@ constexpr double kSamePeak = 0.02;
 /// frequency is off by half the rounding of the refinement.
 constexpr double kRefinedRise = 10.0;
 
-bool by_score(const Choice& a, const Choice& b) { return a.score() > b.score(); }
+double score_of(const Choice& choice) { return choice.score(); }
 
 /// What turns comes back: a period in degrees goes into a turn a whole number of times.
 bool is_fraction_of_turn(double period_deg) {
@@ -65,8 +66,7 @@ std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, con
       gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
     if (gain.gain > 0.0) list.push_back({gain, i});
   }
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Scored& a, const Scored& b) { return a.gain.score() > b.gain.score(); });
+  sort_greatest_first(list, [](const Scored& scored) { return scored.gain.score(); });
   std::vector<Choice> choices;
   for (const Scored& one : list) {
     if (choices.size() >= most) break;
@@ -125,7 +125,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
     peaks[f] = scores_of(f, more_q, y, kMostPeaks);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
-  std::stable_sort(list.begin(), list.end(), by_score);
+  sort_greatest_first(list, score_of);
   for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
     heed_cancel();
     const std::size_t f = list[i].family;
@@ -133,7 +133,9 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
                                                     : refined_choice(space, f, list[i].nonlinear);
   }
   std::erase_if(list, [](const Choice& choice) { return choice.gain <= 0.0; });
-  std::stable_sort(list.begin(), list.end(), by_score);
+  // of equals the first of the library is first
+  std::sort(list.begin(), list.end(), [](const Choice& a, const Choice& b) { return a.family < b.family; });
+  sort_greatest_first(list, score_of);
   return list;
 }
 

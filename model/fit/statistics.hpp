@@ -1,6 +1,11 @@
 // Tail probabilities, intervals and the constants that robust estimates share. Sources: statistics.cpp.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 namespace ecs::model {
@@ -41,6 +46,31 @@ struct Interval {
 
 /// The middle of the ordered values, of an even number the upper of the two. @pre  values are not empty
 [[nodiscard]] double upper_median(std::vector<double> values);
+
+/// Values this close, as a share of the larger and at least as much, are equal: the last digits are rounding of a
+/// search.
+inline constexpr double kEqualShare = 1e-5;
+
+/// Sorts the greatest first. Neighbours in that order that are equal keep the order that they had, so that no rounding
+/// ranks them. @param value  of one of the list
+template <class List, class Value>
+void sort_greatest_first(List& list, const Value& value) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < list.size(); ++i) order.emplace_back(value(list[i]), i);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto from = order.begin(); from != order.end();) {
+    auto to = std::next(from);
+    while (to != order.end() &&
+           std::prev(to)->first - to->first <= kEqualShare * std::max(1.0, std::abs(std::prev(to)->first)))
+      ++to;
+    std::sort(from, to, [](const auto& a, const auto& b) { return a.second < b.second; });
+    from = to;
+  }
+  List sorted;
+  sorted.reserve(list.size());
+  for (const auto& one : order) sorted.push_back(std::move(list[one.second]));
+  list = std::move(sorted);
+}
 
 /// √(mean of squares); 0 for none.
 [[nodiscard]] double rms_of(const std::vector<double>& values);

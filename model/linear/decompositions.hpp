@@ -6,6 +6,10 @@
 
 namespace ecs::model {
 
+/// Size of unit column j before a decomposition with pivoting: of columns that are equally large the first comes first,
+/// whatever rounding says. The steps are far above rounding and far below what tells columns apart.
+[[nodiscard]] constexpr double size_in_order(Eigen::Index j) { return 1.0 / (1.0 + 1e-6 * static_cast<double>(j)); }
+
 /// QR of columns with pivoting (Businger and Golub 1965): the columns that are independent come first. There may be
 /// none: rank 0, answers without entries.
 class PivotedQr {

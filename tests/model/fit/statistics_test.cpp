@@ -1,6 +1,9 @@
 #include "model/fit/statistics.hpp"
 
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -45,5 +48,16 @@ TEST_CASE("wealth is a fair game: what the next draw may bring is on average wha
     const double next = chance_of_one * wealth_of_bet(0.1, reached + 1, drawn + 1) +
                         (1.0 - chance_of_one) * wealth_of_bet(0.1, reached, drawn + 1);
     CHECK(next == Approx(wealth_of_bet(0.1, reached, drawn)));
+  }
+}
+
+TEST_CASE("values that differ by rounding keep the order that they had, all others are sorted") {
+  using Named = std::pair<char, double>;
+  for (const double rounding : {-1e-9, 0.0, 1e-9}) {
+    std::vector<Named> list{{'a', 700.0}, {'b', 700.0 + rounding}, {'c', 900.0}, {'d', 700.0 - rounding}, {'e', 0.5}};
+    sort_greatest_first(list, [](const Named& one) { return one.second; });
+    std::string order;
+    for (const Named& one : list) order += one.first;
+    CHECK(order == "cabde");
   }
 }
