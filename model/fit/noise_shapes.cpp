@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <span>
+#include <numbers>
 
 #include "model/fit/statistics.hpp"
 
@@ -24,6 +24,10 @@ constexpr double kReadings = 20.0, kSlow_s = 200.0;
 /// a minute; steps of less than two cost little likelihood between them.
 constexpr std::array kTimes_readings{1.0, 2.0, 4.0};
 constexpr std::array kTimes_s{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
+/// Shorter ones follow in steps of two down to the interval between readings, for filters and vibration correlate what
+/// is read faster, and in half such steps beside the likeliest; but not below this [s], which is faster than any
+/// display: finer steps of a file are rounding.
+constexpr double kShortest_s = 1e-3;
 /// Shares of the correlated part tried: an even grid, closer to 1, where the likelihood changes fastest.
 constexpr std::array kShares{0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97};
 /// A square counts as at most so many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
@@ -34,6 +38,8 @@ constexpr Index kMostDegree = 5, kReadingsAnOrder = 6;
 constexpr double kLeastWidth = 1e-9, kLeastPivot = 1e-12;
 /// Degrees of freedom of a pass, and of a group, below which their own level is not believed. A choice.
 constexpr double kFewestPassFreedom = 4.0, kFewestGroupFreedom = 6.0;
+/// Readings of a set whose passes are judged: they know a level to half a percent and a share to a few; more cost time.
+constexpr std::size_t kMostJudged = 20'000;
 /// Deviations of a group below which its scatter limits nothing.
 constexpr std::size_t kFewestDeviationsOfGroup = 4;
 /// Standard deviations beyond which a statistic is no chance.
@@ -75,6 +81,28 @@ void set_columns(Pass& pass, const std::vector<double>& deviation, double slow) 
   }
 }
 
+/// Takes out readings of a group until `most` are left or little more: passes evenly spread over it, of each a stretch
+/// in its middle where one is longer. Every odd one, so that both directions stay.
+void keep_evenly(std::map<std::size_t, Pass>& passes, std::size_t most) {
+  std::size_t readings = 0;
+  for (const auto& each : passes) readings += each.second.rows.size();
+  if (readings <= most) return;
+  const std::size_t stride = readings / most | 1U;
+  if (passes.size() >= stride) {
+    std::size_t number = 0;
+    std::erase_if(passes, [&](const auto&) { return number++ % stride != 0; });
+  }
+  const std::size_t each_most = most / passes.size() + 1;
+  for (auto& each : passes) {
+    Pass& pass = each.second;
+    if (pass.rows.size() <= each_most) continue;
+    const auto from = static_cast<std::ptrdiff_t>((pass.rows.size() - each_most) / 2);
+    const auto to = from + static_cast<std::ptrdiff_t>(each_most);
+    pass.rows = std::vector<std::size_t>(pass.rows.begin() + from, pass.rows.begin() + to);
+    pass.time = std::vector<double>(pass.time.begin() + from, pass.time.begin() + to);
+  }
+}
+
 std::vector<Pass> usable_passes(const Observations& data, const std::vector<NoiseGroup>& groups,
                                 const std::vector<double>& deviation, double slow) {
   const std::vector<std::size_t> number = passes_of(data);
@@ -88,12 +116,28 @@ std::vector<Pass> usable_passes(const Observations& data, const std::vector<Nois
       pass.time.push_back(data.time_s.empty() ? static_cast<double>(pass.rows.size()) : data.time_s[k]);
       pass.rows.push_back(k);
     }
+    if (data.size() > kMostJudged)
+      keep_evenly(of_group, std::max<std::size_t>(groups[g].rows.size() * kMostJudged / data.size(), 1));
     for (auto& each : of_group) {
       set_columns(each.second, deviation, slow);
       passes.push_back(std::move(each.second));
     }
   }
   return passes;
+}
+
+/// Correlation times tried for these passes: s, or readings.
+std::vector<double> times_tried(const std::vector<Pass>& passes, bool has_time) {
+  if (!has_time) return {kTimes_readings.begin(), kTimes_readings.end()};
+  std::vector<double> intervals;
+  for (const Pass& pass : passes)
+    for (std::size_t i = 1; i < pass.time.size(); ++i)
+      if (pass.time[i] > pass.time[i - 1]) intervals.push_back(pass.time[i] - pass.time[i - 1]);
+  std::vector<double> times(kTimes_s.begin(), kTimes_s.end());
+  if (intervals.empty()) return times;
+  const double least = std::max(upper_median(std::move(intervals)), kShortest_s);
+  for (double time = 0.5 * kTimes_s.front(); time >= least; time *= 0.5) times.push_back(time);
+  return times;
 }
 
 /// A pass made independent under one shape of noise, the polynomial taken off: the residuals left, ln of the
@@ -258,10 +302,8 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
                                       const std::vector<double>& deviation, double information) {
   const double slow = data.time_s.empty() ? kReadings : kSlow_s;
   const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation, slow), groups.size());
-  const std::span<const double> times =
-      data.time_s.empty() ? std::span<const double>(kTimes_readings) : std::span<const double>(kTimes_s);
   std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
-  for (const double time : times)
+  for (const double time : times_tried(passes, !data.time_s.empty()))
     for (const double share : kShares) shapes.push_back({share, time, 0.0, {}});
   double most = -kBeyondAll;
   std::vector<double> scatter;
@@ -271,8 +313,9 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
       if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
     scatter.push_back(squares.size() < kFewestDeviationsOfGroup ? kNotMeasured : robust_mean_square(squares));
   }
+  const double judged = std::min(1.0, static_cast<double>(kMostJudged) / static_cast<double>(data.size()));
   std::vector<double> nats_white;
-  for (NoiseShape& shape : shapes) {
+  const auto weigh = [&](NoiseShape& shape) {
     std::vector<std::vector<double>> squares(groups.size());
     std::vector<double> freedom(groups.size(), 0.0), count(groups.size(), 0.0), level(groups.size(), 0.0);
     std::vector<PassFit> fits;
@@ -315,9 +358,15 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
       rows += n;
     }
     if (there > 0.0 && claimed > there)
-      shape.weight -= kPriceOfExcess * rows * information * std::pow(claimed / there - 1.0, 2);
+      shape.weight -= kPriceOfExcess * rows * judged * information * std::pow(claimed / there - 1.0, 2);
     most = std::max(most, shape.weight);
-  }
+  };
+  for (NoiseShape& shape : shapes) weigh(shape);
+  const NoiseShape best = *std::max_element(
+      shapes.begin(), shapes.end(), [](const NoiseShape& a, const NoiseShape& b) { return a.weight < b.weight; });
+  if (!data.time_s.empty() && best.share > 0.0 && best.time < kTimes_s.front())
+    for (const double time : {best.time / std::numbers::sqrt2, best.time * std::numbers::sqrt2})
+      for (const double share : kShares) weigh(shapes.emplace_back(NoiseShape{share, time, 0.0, {}}));
   double sum = 0.0;
   for (NoiseShape& shape : shapes) {
     // white noise is one shape, the correlated ones are many: each half of the belief beforehand

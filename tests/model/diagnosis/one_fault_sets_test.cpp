@@ -141,3 +141,14 @@ TEST_CASE("five targets are enough for a curve") {
   REQUIRE(named.size() == 1);
   CHECK(to_text(named[0].effect) == "progressive:X:EX");
 }
+
+TEST_CASE("a wave that is read at 100 Hz has its name beside noise that lasts for a tenth of a second") {
+  const Diagnosis found = diagnosis_of("scan_with_time");
+  CHECK(found.verdict == Verdict::missing_effect);
+  const std::vector<Candidate> named = named_in(found);
+  REQUIRE_FALSE(named.empty());
+  CHECK(to_text(named[0].effect) == "cyclic:X:EX");
+  CHECK(parameter(named[0], "period_mm") == Approx(0.25).epsilon(1e-3));
+  CHECK(parameter(named[0], "amplitude_um") == Approx(20.6).epsilon(0.01));
+  CHECK(found.noise.noise_um == Approx(0.6).epsilon(0.2));
+}
