@@ -49,7 +49,7 @@ MatrixXd PivotedQr::inverse_gram() const {
 
 MatrixXd PivotedQr::basis() const {
   if (rank_ == 0) return MatrixXd(rows_, 0);
-  return MatrixXd(qr_.householderQ()).leftCols(rank_);
+  return qr_.householderQ() * MatrixXd::Identity(rows_, rank_);
 }
 
 double PivotedQr::condition() const {

@@ -22,6 +22,31 @@ TEST_CASE("a matrix without columns has rank 0 and answers without entries") {
   CHECK(least_norm_solution(none, y, 1e-9).size() == 0);
 }
 
+TEST_CASE("a basis takes no more room than its columns, however many rows there are") {
+  constexpr Eigen::Index kRows = 300'000;  // the square matrix would be 720 GB
+  Eigen::MatrixXd columns(kRows, 3);
+  for (Eigen::Index k = 0; k < kRows; ++k) {
+    const double p = static_cast<double>(k) / kRows;
+    columns.row(k) << 1.0, p, p * p;
+  }
+  const Eigen::MatrixXd basis = PivotedQr(columns).basis();
+  REQUIRE(basis.rows() == kRows);
+  REQUIRE(basis.cols() == 3);
+  CHECK((basis.transpose() * basis - Eigen::MatrixXd::Identity(3, 3)).norm() < 1e-9);
+  CHECK((columns - basis * (basis.transpose() * columns)).norm() < 1e-9 * columns.norm());
+}
+
+TEST_CASE("of columns that are alike the first is the one that counts, whatever the last digits say") {
+  Eigen::VectorXd column = Eigen::VectorXd::LinSpaced(7, 1.0, 2.0).normalized();
+  for (const double rounding : {-1e-12, 0.0, 1e-12}) {
+    Eigen::MatrixXd columns(7, 2);
+    columns << size_in_order(0) * column, size_in_order(1) * (1.0 + rounding) * column;
+    const PivotedQr qr(columns, 1e-9);
+    CHECK(qr.rank() == 1);
+    CHECK(qr.place(0) == 0);
+  }
+}
+
 TEST_CASE("columns of zeros have rank 0 and a solution of zeros") {
   const Eigen::MatrixXd zeros = Eigen::MatrixXd::Zero(5, 2);
   const PivotedQr qr(zeros);
