@@ -125,7 +125,7 @@ struct Recomputed {
   const LinearProblem& problem;
   const Eigen::VectorXd& before;
   const FittedWith& after;
-  bool plain = false;
+  const Claim& claim;
 };
 
 void check_member(const Member& member, const Regressors& regressors, const Recomputed& now, Check& check) {
@@ -133,8 +133,8 @@ void check_member(const Member& member, const Regressors& regressors, const Reco
   const Observations& data = regressors.data();
   const std::string name = to_text(member.effect) + " ";
   const LinearProblem problem = joined_with(now.problem, columns_on(regressors, member.effect, member.choice));
-  const Eigen::VectorXd left = residual_with(now.model, {member.effect, member.choice}, problem,
-                                             Whitener(data, after.noise, after.left_out), data, now.plain);
+  const Eigen::VectorXd left = residual_with(now.model, now.claim.own_terms, {member.effect, member.choice}, problem,
+                                             Whitener(data, after.noise, after.left_out), data, now.claim.plain);
   const TrialNumbers numbers = trial_numbers(now.before, left, after);
   const Candidate& claimed = member.claimed;
   check_number(check, name + "rms_after_um", claimed.rms_after_um, numbers.rms_after_um);
@@ -189,7 +189,7 @@ Result<Check> checked(const Model& model, const Observations& data, const Claim&
   std::size_t place = model.effects.size();
   for (const Member& member : members) {
     if (!member.claimed.in_answer()) continue;
-    check_member(member, regressors, {model, alone, before, *after, claim.plain}, check);
+    check_member(member, regressors, {model, alone, before, *after, claim}, check);
     check_parameters(member, after->fit.effects[place++], check);
   }
   if (named.empty()) return check;

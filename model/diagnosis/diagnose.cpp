@@ -188,8 +188,8 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.named = ranked.standing == Standing::proved;
   candidate.standing = ranked.standing;
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
-  const VectorXd left = residual_with(in.model, {ranked.effect, ranked.choice}, problem, whitener, in.regressors.data(),
-                                      in.options.plain);
+  const VectorXd left = residual_with(in.model, in.own, {ranked.effect, ranked.choice}, problem, whitener,
+                                      in.regressors.data(), in.options.plain);
   const TrialNumbers numbers = trial_numbers(before, left, after);
   candidate.rms_after_um = numbers.rms_after_um;
   candidate.explained = numbers.explained;

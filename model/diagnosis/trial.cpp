@@ -82,20 +82,32 @@ double explainable_share(double rms_um, double rms_after_um, double noise_um) {
   return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
 }
 
-VectorXd told_residual(const Model& model, const Observations& data, bool plain, VectorXd left) {
+VectorXd told_residual(const Model& model, const Observations& data, bool plain, VectorXd left, bool from_values) {
   if (std::none_of(model.effects.begin(), model.effects.end(),
                    [](const EffectInstance& effect) { return effect.traits().is_curve; }))
     return left;
-  const auto fitted = fit(model, data, {plain});
+  const auto fitted = fit(model, data, {plain, from_values});
   if (!fitted) return left;
   return Eigen::Map<const VectorXd>(fitted->residual.data(), static_cast<Index>(fitted->residual.size()));
 }
 
-VectorXd residual_with(const Model& model, const FoundEffect& found, const LinearProblem& problem,
-                       const Whitener& whitener, const Observations& data, bool plain) {
-  Model with = model;
+namespace {
+
+Model with_own_terms(Model model, const std::vector<OwnTerm>& own) {
+  for (const OwnTerm& term : own) {
+    EffectInstance& effect = model.effects[term.effect];
+    effect.fitted[std::string(effect.definition().searched_parameter())] = term.value;
+  }
+  return model;
+}
+
+}  // namespace
+
+VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own, const FoundEffect& found,
+                       const LinearProblem& problem, const Whitener& whitener, const Observations& data, bool plain) {
+  Model with = with_own_terms(model, own);
   with.effects.push_back(effect_of(found.effect, found.choice));
-  return told_residual(with, data, plain, residual_of(problem, whitener));
+  return told_residual(with, data, plain, residual_of(problem, whitener), true);
 }
 
 namespace {
@@ -116,11 +128,7 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
 
 Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
                                const std::vector<FoundEffect>& effects, const Regressors& regressors, bool plain) {
-  Model with = model;
-  for (const OwnTerm& term : own) {
-    EffectInstance& effect = with.effects[term.effect];
-    effect.fitted[std::string(effect.definition().searched_parameter())] = term.value;
-  }
+  const Model with = with_own_terms(model, own);
   std::vector<EffectInstance> complete, found;
   bool all_used = true;
   for (const FoundEffect& one : effects) {

@@ -30,8 +30,9 @@ namespace ecs::model {
 /// What a model leaves as fit() tells it: its curves as rough as the evidence asks for. A diagnosis searches beside all
 /// functions of the curves, so that nothing that a curve can follow is named.
 /// @param left  what the model leaves with all functions: the same where it has no curve, or the fit fails
+/// @param from_values  as in FitOptions
 [[nodiscard]] Eigen::VectorXd told_residual(const Model& model, const Observations& data, bool plain,
-                                            Eigen::VectorXd left);
+                                            Eigen::VectorXd left, bool from_values = false);
 
 /// The model with effects of a diagnosis, all fitted together from their values.
 struct FittedWith {
@@ -63,8 +64,9 @@ struct TrialNumbers {
 /// @param before  what the model leaves  @param left  what it leaves with the effect; both as told_residual()
 [[nodiscard]] TrialNumbers trial_numbers(const Eigen::VectorXd& before, const Eigen::VectorXd& left,
                                          const FittedWith& after);
-/// What the model leaves with one effect at the values of a choice, as told_residual().
-[[nodiscard]] Eigen::VectorXd residual_with(const Model& model, const FoundEffect& found, const LinearProblem& problem,
+/// What the model leaves with one effect, as told_residual(): effect and own terms at their values.
+[[nodiscard]] Eigen::VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own,
+                                            const FoundEffect& found, const LinearProblem& problem,
                                             const Whitener& whitener, const Observations& data, bool plain);
 
 }  // namespace ecs::model

@@ -277,7 +277,7 @@ std::vector<double> first_values(const Assembly& assembly, const std::vector<std
 /// Sets the nonlinear parameters of library effects to where they do best together, over their whole ranges: those
 /// that have no value yet; where the readings are few enough also those of a former fit, which may be a lesser minimum
 /// and is kept where nothing better is found.
-void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, bool from_values) {
   const Observations& data = regressors.data();
   const VectorXd y = readings_of(data);
   MatrixXd others(y.size(), 0);
@@ -288,7 +288,7 @@ void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whi
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     Slot& slot = assembly.slots[s];
     const bool without_value = !slot.formulas && !slot.nonlinear.empty() && std::isnan(slot.nonlinear.front());
-    if (slot.is_sought(regressors.motions()) && (without_value || data.size() <= kMostSoughtAnew)) {
+    if (slot.is_sought(regressors.motions()) && (without_value || (!from_values && data.size() <= kMostSoughtAnew))) {
       all_have_values = all_have_values && !without_value;
       sought.push_back(slot.effect);
       slots.push_back(s);
@@ -493,7 +493,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
   for (int round = 0; round < 4; ++round) {
     core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out);
     const Whitener whitener(data, core.noise, core.left_out);
-    if (round == 0) start_nonlinear(assembly, regressors, whitener);
+    if (round == 0) start_nonlinear(assembly, regressors, whitener, options.from_values);
     if (round == 0 && !options.all_curve_functions && !options.plain)
       choose_curve_functions(assembly, regressors, whitener);
     now = refined_in_ranges(assembly, regressors, whitener);

@@ -26,6 +26,7 @@ struct CoreFit {
 struct CoreOptions {
   bool plain = false;
   bool all_curve_functions = false;  ///< curves use every function instead of as many as the evidence asks for
+  bool from_values = false;          ///< as in FitOptions
 };
 
 /// Columns that a smooth machine could produce, for noise without repeats.

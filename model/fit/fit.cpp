@@ -318,6 +318,7 @@ Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& 
   if (!assembly) return tl::unexpected(assembly.error());
   CoreOptions core;
   core.plain = options.plain;
+  core.from_values = options.from_values;
   const CoreFit result = fitted(*assembly, regressors, core);
   return reported(*assembly, regressors, result);
 }

@@ -287,3 +287,19 @@ TEST_CASE("the length of a spike that all readings see at one distance is not de
     CHECK(found->rms_um == Approx(0.1).epsilon(0.2));
   }
 }
+
+TEST_CASE("a fit from values refines them; without that it seeks the whole range anew") {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  const auto set = measured({}, 0.05, [](const laser::Reading& r) {
+    return 6.0 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 210.0);
+  });
+  model.effects.back().fitted["period_mm"] = 208.0;
+  const Observations data = observations_of(set, model, mill());
+  const auto anew = fit(model, data);
+  const auto refined = fit(model, data, {.plain = false, .from_values = true});
+  REQUIRE(anew);
+  REQUIRE(refined);
+  CHECK(parameter(*anew, 2, "period_mm").value == Approx(90.0).epsilon(0.01));
+  CHECK(parameter(*refined, 2, "period_mm").value == Approx(210.0).epsilon(0.03));
+}
