@@ -366,7 +366,7 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
 bool noise_changed(const Observations& data, const VectorXd& residual, bool plain, NoiseModel& noise,
                    std::vector<bool>& left_out) {
   std::vector<bool> outliers = plain ? left_out : isolated_outliers(data, residual);
-  NoiseModel again = noise_of(data, residual, smooth_columns(data), outliers);
+  NoiseModel again = noise_of(data, residual, outliers);
   if (outliers == left_out && !changed(noise, again)) return false;
   left_out = std::move(outliers);
   noise = std::move(again);
@@ -391,7 +391,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   const std::vector<EffectInstance> others_than_own = others_than(base.at_limit, others_than(own, candidates));
   Found found;
   found.left_out = base.core.left_out;
-  found.noise = noise_of(data, base.residual, smooth_columns(data), found.left_out);
+  found.noise = noise_of(data, base.residual, found.left_out);
   std::size_t looks = 0;
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);

@@ -120,7 +120,7 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
   if (!base) return tl::unexpected(base.error());
   after.left = told_residual(model, regressors.data(), plain, base->residual);
   after.left_out = base->core.left_out;
-  after.noise = noise_of(regressors.data(), base->residual, smooth_columns(regressors.data()), after.left_out);
+  after.noise = noise_of(regressors.data(), base->residual, after.left_out);
   return after;
 }
 

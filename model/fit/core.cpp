@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
@@ -430,7 +431,10 @@ MatrixXd smooth_columns(const Observations& data) {
     if (!rows.empty()) add_smooth_along(data, rows, columns);
   }
   MatrixXd matrix(n, static_cast<Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    matrix.col(static_cast<Index>(j)) = columns[j];
+    columns[j].resize(0);  // large sets have room for one of both
+  }
   return matrix;
 }
 
@@ -487,7 +491,11 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
       slot.columns.resize(y.size(), 0);
     }
   }
-  const MatrixXd smooth = smooth_columns(data);
+  std::optional<MatrixXd> made;
+  const SmoothColumns smooth = [&]() -> const MatrixXd& {
+    if (!made) made = smooth_columns(data);
+    return *made;
+  };
   VectorXd residual = y - assembly.fixed(data.size());
   Solved now;
   for (int round = 0; round < 4; ++round) {

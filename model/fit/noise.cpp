@@ -8,9 +8,12 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <set>
 #include <tuple>
 
+#include "model/fit/core.hpp"
 #include "model/fit/noise_shapes.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"
@@ -133,31 +136,53 @@ void without_strange_runs(const Observations& data, const NoiseGroup& group, std
   for (const std::size_t k : group.rows) deviation[k] = halves.difference[k];
 }
 
-/// Deviations from what the smooth columns can produce.
-std::vector<double> deviations_from_smooth(const Eigen::VectorXd& residual, const Eigen::MatrixXd& smooth,
-                                           const std::vector<bool>& left_out) {
-  const auto n = residual.size();
-  Eigen::MatrixXd columns = smooth;
-  Eigen::VectorXd y = residual;
-  double kept = 0.0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (left_out[static_cast<std::size_t>(k)]) {
-      columns.row(k).setZero();
-      y(k) = 0.0;
-    } else {
-      kept += 1.0;
+/// Readings and columns that have nothing to do with the others: a column acts on readings of one sense, as a rule.
+struct SmoothBlock {
+  std::vector<Eigen::Index> rows, columns;
+};
+std::vector<SmoothBlock> blocks_of(const Observations& data, const Eigen::MatrixXd& smooth,
+                                   const std::vector<bool>& left_out) {
+  std::map<Channel, SmoothBlock> blocks;
+  SmoothBlock all;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k]) {
+      all.rows.push_back(static_cast<Eigen::Index>(k));
+      blocks[data.channel(k)].rows.push_back(all.rows.back());
     }
+  bool mixed = false;
+  for (Eigen::Index j = 0; j < smooth.cols(); ++j) {
+    all.columns.push_back(j);
+    std::set<Channel> acts_on;
+    for (const Eigen::Index k : all.rows)
+      if (smooth(k, j) != 0.0) acts_on.insert(data.channel(static_cast<std::size_t>(k)));
+    mixed = mixed || acts_on.size() > 1;
+    if (!acts_on.empty()) blocks[*acts_on.begin()].columns.push_back(j);
   }
-  double rank = 0.0;
-  if (columns.cols() > 0) {
-    const PivotedQr qr(columns);
-    y -= columns * qr.solve(y);
-    rank = static_cast<double>(qr.rank());
+  if (mixed) return {std::move(all)};
+  std::vector<SmoothBlock> list;
+  for (auto& each : blocks) list.push_back(std::move(each.second));
+  return list;
+}
+
+/// Deviations from what the smooth columns can produce.
+std::vector<double> deviations_from_smooth(const Observations& data, const Eigen::VectorXd& residual,
+                                           const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out) {
+  std::vector<double> deviation(data.size(), kNotMeasured);
+  double kept = 0.0, rank = 0.0;
+  for (const SmoothBlock& block : blocks_of(data, smooth, left_out)) {
+    kept += static_cast<double>(block.rows.size());
+    Eigen::VectorXd y = residual(block.rows);
+    if (!block.columns.empty()) {
+      const Eigen::MatrixXd columns = smooth(block.rows, block.columns);
+      const PivotedQr qr(columns);
+      y -= columns * qr.solve(y);
+      rank += static_cast<double>(qr.rank());
+    }
+    for (std::size_t i = 0; i < block.rows.size(); ++i)
+      deviation[static_cast<std::size_t>(block.rows[i])] = y(static_cast<Eigen::Index>(i));
   }
   const double widen = std::sqrt(kept / std::max(1.0, kept - rank));
-  std::vector<double> deviation(static_cast<std::size_t>(n), kNotMeasured);
-  for (std::size_t k = 0; k < deviation.size(); ++k)
-    if (!left_out[k]) deviation[k] = widen * y(static_cast<Eigen::Index>(k));
+  for (double& each : deviation) each *= widen;
   return deviation;
 }
 
@@ -267,6 +292,23 @@ NoiseModel plain_noise(const Observations& data, double sigma_um) {
 
 NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const Eigen::MatrixXd& smooth,
                     const std::vector<bool>& left_out) {
+  return noise_of(
+      data, residual, [&]() -> const Eigen::MatrixXd& { return smooth; }, left_out);
+}
+
+NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
+  std::optional<Eigen::MatrixXd> smooth;
+  return noise_of(
+      data, residual,
+      [&]() -> const Eigen::MatrixXd& {
+        if (!smooth) smooth = smooth_columns(data);
+        return *smooth;
+      },
+      left_out);
+}
+
+NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const SmoothColumns& smooth,
+                    const std::vector<bool>& left_out) {
   NoiseModel noise;
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
@@ -282,7 +324,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     from_places = many(deviation, of_poses);
   }
   if (!from_places) {
-    deviation = deviations_from_smooth(residual, smooth, left_out);
+    deviation = deviations_from_smooth(data, residual, smooth(), left_out);
   } else {
     for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
   }
@@ -294,7 +336,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       nodes += 1.0;
     }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
-  noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth.cols());
+  noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth().cols());
   noise.pure.dof = std::max(noise.pure.dof, 1.0);
 
   noise.shapes =

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -62,13 +63,22 @@ struct Repeats {
 /// Number of the pass of each reading: same run, approach, axis, sense and parked place.
 [[nodiscard]] std::vector<std::size_t> passes_of(const Observations& data);
 
+/// Gives columns that a smooth machine could produce (readings × columns); they are made when they are asked for first,
+/// for where readings are repeated nobody does.
+using SmoothColumns = std::function<const Eigen::MatrixXd&()>;
+
 /// White and correlated part of each group, from repeats where at least half the readings have them, else from what
 /// smooth columns leave.
 /// @param residual  readings less what the model says so far, um or um/m, canonical order
-/// @param smooth    columns that a smooth machine could produce (used where there are no repeats)
+/// @param smooth    used where there are no repeats
 /// @param left_out  outliers
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
+                                  const SmoothColumns& smooth, const std::vector<bool>& left_out);
+[[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
+/// The same with smooth_columns() (core.hpp).
+[[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
+                                  const std::vector<bool>& left_out);
 
 /// Whether what is taken for noise wanders: in some group it is more than three times what neighbouring readings of a
 /// pass scatter, and it is correlated over more than a minute, or nothing says over what time.

@@ -102,6 +102,72 @@ TEST_CASE("noise that lasts over several readings is recognised as correlated") 
   CHECK(noise.groups.front().sigma() == Approx(std::hypot(1.0, 0.2)).epsilon(0.3));
 }
 
+namespace {
+
+/// One pass of readings that follow each other in `interval_s`: a first order process over a tenth of a second.
+Measured scan(int readings, double interval_s, double sigma_um, unsigned seed) {
+  Plan plan;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.targets = readings;
+  plan.step_mm = 0.25;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double memory = std::exp(-interval_s / 0.1);
+  double state = normal(random);
+  Measured m = readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
+    state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
+    return sigma_um * state;
+  }));
+  for (std::size_t k = 0; k < m.data.size(); ++k) m.data.time_s[k] = interval_s * static_cast<double>(k);
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("noise that is read at 100 Hz and lasts for a tenth of a second is found in size and time") {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const NoiseModel noise = noise_in(scan(4000, 0.01, 0.6, seed));
+    // 400 correlation times: the variance is known to 10 % (sqrt(2·2/800)), the size to 5 %; three sigmas
+    CHECK(noise.groups.front().sigma() == Approx(0.6).epsilon(0.15));
+    CHECK(noise.groups.front().time > 0.05);
+    CHECK(noise.groups.front().time < 0.2);
+    CHECK(share_of_white(noise) < 0.01);
+  }
+}
+
+TEST_CASE("of a very long scan a part is judged, and its noise comes out as that of the whole") {
+  const NoiseModel noise = noise_in(scan(40'000, 0.01, 0.6, 4));
+  CHECK(noise.groups.front().sigma() == Approx(0.6).epsilon(0.1));  // 20,000 readings, 2,000 times: 2 %
+}
+
+TEST_CASE("where readings are repeated nobody asks for smooth columns") {
+  const Measured m = white();
+  int asked = 0;
+  const MatrixXd ones = MatrixXd::Ones(m.residual.size(), 1);
+  const SmoothColumns smooth = [&]() -> const MatrixXd& {
+    ++asked;
+    return ones;
+  };
+  CHECK(noise_of(m.data, m.residual, smooth, m.left_out).pure.from_repeats);
+  CHECK(asked == 0);
+}
+
+TEST_CASE("a step of the readings stays one where they move by less than its rounding") {
+  Measured m = white();
+  std::mt19937_64 random(5);
+  std::vector<double> floors;
+  for (const double moved_um : {0.0, 1e-9}) {
+    Measured stepped = m;
+    for (double& reading : stepped.data.reading)
+      reading = 0.5 * std::round(reading / 0.5) + (random() % 2 == 0 ? moved_um : -moved_um);
+    stepped.residual.setZero();
+    floors.push_back(noise_in(stepped).pure.noise_um);
+  }
+  CHECK(floors[0] == Approx(0.25 * 0.5));
+  CHECK(floors[1] == Approx(floors[0]).epsilon(1e-6));
+}
+
 TEST_CASE("the weights of all shapes of noise add up to one") {
   double sum = 0.0;
   for (const NoiseShape& shape : noise_in(white()).shapes) sum += shape.weight;
