@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <random>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -448,6 +450,19 @@ std::vector<T> taken(const std::vector<T>& from, const std::vector<std::size_t>&
 }
 
 }  // namespace
+
+std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted) {
+  constexpr std::uint64_t kSeed = 20261120;  // any number
+  std::vector<std::size_t> chosen;
+  std::mt19937_64 random(kSeed);
+  const double step = static_cast<double>(readings) / static_cast<double>(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
+    const auto k = std::min(static_cast<std::size_t>(place), readings - 1);
+    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
+  }
+  return chosen;
+}
 
 Observations subset(const Observations& all, const std::vector<std::size_t>& chosen) {
   Observations part;

@@ -181,6 +181,10 @@ struct Observations {
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const KnownTables& tables,
                                            const std::optional<params::Machine>& machine);
 
+/// Places of about `wanted` of so many readings, at random one from each stretch: an even step could fall in with the
+/// order of senses or targets. The same for the same numbers.
+[[nodiscard]] std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted);
+
 /// The rows `chosen` (places in canonical order, ascending), everything else the same.
 [[nodiscard]] Observations subset(const Observations& all, const std::vector<std::size_t>& chosen);
 

@@ -267,23 +267,22 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
                                     const std::vector<StructureTest>& tests) {
   std::vector<Dependence> list;
-  for (const Variable& variable : variables_of(data)) {
+  for (const NamedShare& of : shares_by_variable(data, residual, noise.pure.noise_um)) {
     Dependence one;
-    one.variable = variable.name;
+    one.variable = of.variable;
     for (const StructureTest& test : tests)
-      if (test.variable == variable.name) one.p_value = probability_from(test.minus_log_p);
+      if (test.variable == of.variable) one.p_value = probability_from(test.minus_log_p);
     if (one.p_value >= kTellingChance) continue;
-    one.strength = share_beyond_position(data, variable, residual, noise.pure.noise_um);
+    one.strength = of.share;
     const ResidualView view = residual_view(
-        data, std::vector<double>(residual.data(), residual.data() + residual.size()), variable.name, kMostBins);
+        data, std::vector<double>(residual.data(), residual.data() + residual.size()), of.variable, kMostBins);
     for (const ResidualBin& bin : view.bins) {
       one.at.push_back(0.5 * (bin.from + bin.to));
       one.mean_um.push_back(bin.mean_um);
     }
     if (one.strength > kTellingShare) list.push_back(std::move(one));
   }
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Dependence& a, const Dependence& b) { return a.strength > b.strength; });
+  sort_greatest_first(list, [](const Dependence& one) { return one.strength; });
   return list;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "model/data/curve_basis.hpp"
 #include "model/effects/definition.hpp"
@@ -16,9 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Any number: the same data always give the same choice.
-constexpr std::uint64_t kSeed = 20261120;
-
 }  // namespace
 
 std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
@@ -28,15 +24,7 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Regressors&
 }
 
 Observations searched_part(const Observations& data, std::size_t wanted) {
-  std::vector<std::size_t> chosen;
-  std::mt19937_64 random(kSeed);
-  const double step = static_cast<double>(data.size()) / static_cast<double>(wanted);
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
-    const auto k = std::min(static_cast<std::size_t>(place), data.size() - 1);
-    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
-  }
-  return subset(data, chosen);
+  return subset(data, even_choice(data.size(), wanted));
 }
 
 Columns columns_on(const Regressors& regressors, const EffectInstance& effect, const Choice& choice) {

@@ -179,9 +179,9 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   comparison.directions = directions_of(fit, data);
   comparison.worst = worst_of(fit, data, worst_count);
   const Eigen::Map<const Eigen::VectorXd> residual(fit.residual.data(), static_cast<Eigen::Index>(fit.residual.size()));
-  for (const Variable& variable : variables_of(data)) {
-    ResidualView view = residual_view(data, fit.residual, variable.name);
-    view.share = share_beyond_position(data, variable, residual, fit.noise.noise_um);
+  for (const NamedShare& of : shares_by_variable(data, residual, fit.noise.noise_um)) {
+    ResidualView view = residual_view(data, fit.residual, of.variable);
+    view.share = of.share;
     if (view.bins.size() != 1) comparison.views.push_back(std::move(view));
   }
   return comparison;

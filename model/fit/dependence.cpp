@@ -409,4 +409,20 @@ double share_beyond_position(const Observations& data, const Variable& variable,
   return std::clamp((explained - by_noise) / total, 0.0, 1.0);
 }
 
+std::vector<NamedShare> shares_by_variable(const Observations& data, const VectorXd& residual, double noise_um) {
+  // their shares are known to a hundredth; the functions of a large set take hundreds of megabytes
+  constexpr std::size_t kMostLookedAt = 20'000;
+  if (data.size() > kMostLookedAt) {
+    const std::vector<std::size_t> chosen = even_choice(data.size(), kMostLookedAt);
+    VectorXd part(static_cast<Index>(chosen.size()));
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      part(static_cast<Index>(i)) = residual(static_cast<Index>(chosen[i]));
+    return shares_by_variable(subset(data, chosen), part, noise_um);
+  }
+  std::vector<NamedShare> shares;
+  for (const Variable& variable : variables_of(data))
+    shares.push_back({variable.name, share_beyond_position(data, variable, residual, noise_um)});
+  return shares;
+}
+
 }  // namespace ecs::model

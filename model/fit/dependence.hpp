@@ -24,6 +24,15 @@ struct Variable {
 /// variables_of()
 [[nodiscard]] Eigen::MatrixXd position_beside(const Observations& data, const std::string& variable);
 
+/// share_beyond_position() of a variable.
+struct NamedShare {
+  std::string variable;
+  double share = 0.0;
+};
+/// Of all variables, in the order of variables_of(); of large sets from an even choice of the readings.
+[[nodiscard]] std::vector<NamedShare> shares_by_variable(const Observations& data, const Eigen::VectorXd& residual,
+                                                         double noise_um);
+
 /// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
 /// does, and beyond the position along the measured line, 0 … 1.
 [[nodiscard]] double share_beyond_position(const Observations& data, const Variable& variable,
