@@ -37,7 +37,7 @@ struct ResidualBin {
 struct ResidualView {
   std::string variable;
   std::vector<ResidualBin> bins;
-  double share = 0.0;  ///< of Σ r² that the variable explains beyond noise, 0 … 1: share_of()
+  double share = 0.0;  ///< of Σ r² that the variable explains beyond noise, 0 … 1: share_beyond_position()
 };
 
 struct WorstPlace {
