@@ -57,6 +57,8 @@ class TextLine {
   void set(const std::string& text);
   /// A text that the first letter typed replaces; every other key keeps it.
   void propose(const std::string& text);
+  /// Nobody has typed it: it is empty, or still as it was proposed.
+  [[nodiscard]] bool is_untouched() const { return text_.empty() || proposed_; }
   void draw(Canvas& canvas, const Area& area, int row, int column, int columns, bool active) const;
   /// Column of the cursor within `columns`.
   [[nodiscard]] int cursor_column(int columns) const;

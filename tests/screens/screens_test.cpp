@@ -131,10 +131,11 @@ TEST_CASE("the finder puts a screen before the verb of its name") {
 }
 
 TEST_CASE("an answer that says that something does not hold is no failure of the form") {
-  const ecs::Folder folder;
-  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "params check"), no_link());
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "params diff"), no_link());
   Screen& form = *form_made;
-  type(form, folder.with("p.toml", "[axis.X]\ndeadband_um = -1.0\n"));
+  type(form, "samples/mill/parameters.toml");
+  (void)press(form, Key::Name::down);
+  type(form, "samples/lathe/parameters.toml");
   (void)press(form, Key::Name::enter);
   finish(form);
   CHECK(contains(picture(form), "something does not hold, see below"));
@@ -160,6 +161,16 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
     SUBCASE("the first letter begins anew") {
       type(form, "n");
       CHECK_FALSE(contains(picture(form, 24, 200), "data.csv"));
+    }
+    SUBCASE("another model proposes its own files in place of those that nobody typed") {
+      const ecs::Folder other;
+      (void)press(form, Key::Name::up);
+      clear_line(form);
+      type(form, other.with("model.toml", ecs::content_of(one.files.model)));
+      const std::string machine = other.with("machine.toml", ecs::content_of("samples/mill/machine.toml"));
+      (void)press(form, Key::Name::enter);
+      CHECK_FALSE(contains(picture(form, 24, 200), "data.csv"));
+      CHECK(contains(picture(form, 24, 200), machine));
     }
   }
   SUBCASE("a model named on the command line") {

@@ -23,11 +23,9 @@ std::vector<std::string> commands_in(const std::string& text) {
   return commands;
 }
 
-/// As a person would, with what is typed into it.
-Output pasted(const std::string& command, const std::string& typed = {}) {
+Output pasted(const std::string& command) {
   const std::string build = ECS_BUILD_FOLDER;
-  return output_of("export PATH=" + build + "/app:" + build + "/ecs_emulator:$PATH; { printf '" + typed + "' | " +
-                   command + "; }");
+  return output_of("export PATH=" + build + "/app:" + build + "/ecs_emulator:$PATH; " + command);
 }
 
 /// Files whose names a shell takes apart unless they are quoted.
@@ -40,9 +38,9 @@ struct AwkwardFolder : StateFolder {
   }
 };
 
-class Typed final : public Keyboard {
+class HintTyped final : public Keyboard {
  public:
-  explicit Typed(std::deque<std::string> lines) : lines_(std::move(lines)) {}
+  explicit HintTyped(std::deque<std::string> lines) : lines_(std::move(lines)) {}
   std::optional<std::string> line() override {
     if (lines_.empty()) return std::nullopt;
     std::string line = std::move(lines_.front());
@@ -54,6 +52,14 @@ class Typed final : public Keyboard {
  private:
   std::deque<std::string> lines_;
 };
+
+Ran run_typed(const std::vector<std::string>& words, std::deque<std::string> lines) {
+  std::ostringstream out, messages;
+  ConsoleOptions options;
+  options.keyboard = std::make_shared<HintTyped>(std::move(lines));
+  const int code = run_program(words, out, messages, options);
+  return {code, out.str(), messages.str()};
+}
 
 TEST_CASE("commands that name files: a new model, new parameters, a memory dump") {
   const AwkwardFolder folder;
@@ -73,9 +79,30 @@ TEST_CASE("commands that name files: a new model, new parameters, a memory dump"
   CHECK(contains(commands_in(made.out).front(), "--machine"));
 }
 
+TEST_CASE("the command that leaves outliers out names their file and rows") {
+  const AwkwardFolder folder;
+  std::string text = "axis,x_mm,sense,reading,approach,run\n";
+  for (int run = 1; run <= 5; ++run)
+    for (const int approach : {1, -1})
+      for (int k = 0; k < 6; ++k)
+        text +=
+            fmt::format("X,{},EX,{:.2f},{},{}\n", 50 * k,
+                        0.1 * ((7 * k + 3 * run + approach) % 5) + (run == 2 && k == 3 && approach > 0 ? 40.0 : 0.0),
+                        approach, run);
+  const Ran stats = ran({"laser", "stats", folder.with("x axis.csv", text)});
+  REQUIRE(stats.code == 0);
+  const auto commands = commands_in(stats.out);
+  REQUIRE_MESSAGE(commands.size() == 1, stats.out);
+  CHECK(contains(commands.front(), "--exclude-row 16"));
+  const Output output = pasted(commands.front());
+  CHECK_MESSAGE(output.status == 0, output.text);
+  CHECK(contains(output.text, "1 of 60 readings left out"));
+}
+
 TEST_CASE("the command that ends an output names the link that it went over") {
   const AwkwardFolder folder;
   const std::string machine = folder.with("machine.toml", content_of("samples/mill/machine.toml"));
+  (void)folder.with("errors.toml", content_of("samples/mill/errors.toml"));
   const Ran put = ran({"utility", "output", "X", "5", "--link", "emulator:" + machine});
   REQUIRE_MESSAGE(put.code == 0, put.messages);
   const auto commands = commands_in(put.all());
@@ -87,21 +114,25 @@ TEST_CASE("the command that ends an output names the link that it went over") {
 
 TEST_CASE("the command that goes on with a capture, when it is left and when it is begun again") {
   const AwkwardFolder folder;
-  const std::string out = folder.with("x.csv", "");
+  (void)folder.with("notes.txt", "");
+  const std::string out = folder / "x.csv";
   const std::vector<std::string> words{"laser",  "capture", "--axis", "X",  "--sense",        "EX",
                                        "--from", "0",       "--to",   "50", "--step",         "50",
                                        "--runs", "1",       "-o",     out,  "--min-interval", "0"};
-  std::ostringstream answer, messages;
-  ConsoleOptions options;
-  options.keyboard = std::make_shared<Typed>(std::deque<std::string>{"0.5", "q"});
-  CHECK(run_program(words, answer, messages, options) == 1);
-  const auto left = commands_in(answer.str() + messages.str());
-  REQUIRE_MESSAGE(left.size() == 1, answer.str() + messages.str());
-  const auto again = commands_in(ran(words).messages);
-  CHECK(again == left);
-  const Output output = pasted(left.front(), "0.1\\n0.2\\n0.3\\n");
-  CHECK_MESSAGE(output.status == 0, output.text);
-  CHECK(contains(output.text, "4 readings of 4 targets"));
+  const Ran stopped = run_typed(words, {"0.5", "q"});
+  CHECK(stopped.code == 1);
+  const auto left = commands_in(stopped.all());
+  REQUIRE_MESSAGE(left.size() == 1, stopped.all());
+  CHECK(commands_in(ran(words).messages) == left);
+  const std::string parted = output_of("printf '%s\\n' " + left.front()).text;  // as a shell parts it
+  std::vector<std::string> again;
+  for (const std::string_view word : lines_of(parted))
+    if (!word.empty()) again.emplace_back(word);
+  REQUIRE(again.front() == "ecs");
+  again.erase(again.begin());
+  const Ran gone_on = run_typed(again, {"0.1", "0.2", "0.3"});
+  CHECK_MESSAGE(gone_on.code == 0, gone_on.all());
+  CHECK(contains(gone_on.out, "4 readings of 4 targets"));
 }
 
 }  // namespace

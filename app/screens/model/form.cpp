@@ -111,14 +111,15 @@ class ModelForm final : public Screen {
     fields_[1].set(before.empty() ? quoted : before + " " + quoted);
   }
 
-  /// What is still empty is proposed from the folder of the model, else of the measurements.
+  /// What nobody has typed is proposed from the folder of the model, else of the measurements.
   void fill_from_folder() {
     const auto data = split_words(fields_[1].text());
     const std::string model = fields_[0].text().empty() && !data.empty() ? data.front() : fields_[0].text();
     if (model.empty()) return;
     const commissioning::FilesBeside beside = commissioning::files_beside(model);
-    if (fields_[2].text().empty()) fields_[2].propose(beside.machine);
-    if (!fields_[1].text().empty()) return;
+    if (fields_[2].is_untouched()) fields_[2].propose(beside.machine);
+    if (!fields_[1].is_untouched()) return;
+    fields_[1].set("");
     for (const std::string& path : beside.data) add_data(path);
     fields_[1].propose(fields_[1].text());
   }

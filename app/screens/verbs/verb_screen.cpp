@@ -190,7 +190,7 @@ class VerbScreen final : public Screen {
     return nullptr;
   }
 
-  /// What is still empty is proposed from the folder of the model. @return whether anything was
+  /// What nobody has typed is proposed from the folder of the model. @return whether anything was
   bool fill_from_folder() {
     const TextLine* model = field_for(FileKind::model);
     if (model == nullptr || model->text().empty()) return false;
@@ -198,7 +198,7 @@ class VerbScreen final : public Screen {
     bool filled = false;
     const auto propose = [&](FileKind kind, const std::string& text) {
       TextLine* field = field_for(kind);
-      if (field == nullptr || text.empty() || !field->text().empty()) return;
+      if (field == nullptr || !field->is_untouched() || field->text() == text) return;
       field->propose(text);
       filled = true;
     };

@@ -14,9 +14,11 @@
 #include "app/verbs/laser/stats_uncertainty.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
+#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/quantities.hpp"
+#include "commissioning/session/shell_word.hpp"
 #include "laser/analysis/growth.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
@@ -68,12 +70,27 @@ struct MeasuredLine {
   std::function<std::string(std::size_t)> file_of;
 };
 
+/// The command that leaves them out of the file that the first of them is in.
+std::string leaving_out(const MeasuredLine& line, const std::vector<std::size_t>& outliers,
+                        const ImportArguments& import) {
+  const std::string file = line.file_of(outliers.front());
+  std::string rows;
+  for (const std::size_t i : outliers)
+    if (line.file_of(i) == file) rows += fmt::format("{}{}", rows.empty() ? "" : ",", line.set.readings[i].row);
+  std::vector<std::string> words{"ecs", "laser", "process", file, "--exclude-row", rows};
+  const std::vector<std::string> given = import_words(import);
+  words.insert(words.end(), given.begin(), given.end());
+  return shell_command(words);
+}
+
 /// @param most  outliers in the text
-Cell outliers_cell(const MeasuredLine& line, std::size_t most) {
+Cell outliers_cell(const MeasuredLine& line, std::size_t most, const ImportArguments& import) {
   Cell list{Json::array(), {}};
+  std::vector<std::size_t> named;
   for (const std::size_t i : laser::outliers_of(line.set, line.group)) {
     const laser::Reading& reading = line.set.readings[i];
     const bool shown = list.json.size() < most;
+    if (shown) named.push_back(i);
     list.add({{{"file", line.file_of(i)},
                {"line", reading.line},
                {"row", reading.row},
@@ -87,7 +104,9 @@ Cell outliers_cell(const MeasuredLine& line, std::size_t most) {
   }
   if (list.json.size() > most)
     list.text += fmt::format("  and {} more outliers: --all shows them\n", list.json.size() - most);
-  if (!list.text.empty()) list.text += "  `ecs laser process --exclude-row N` leaves a row out\n";
+  if (!named.empty() && !line.group.rotary)  // `laser process` takes linear axes
+    list.text +=
+        fmt::format("  `{}` leaves {} out\n", leaving_out(line, named, import), named.size() == 1 ? "it" : "them");
   return list;
 }
 
@@ -214,7 +233,7 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
                                           return Cell{target_json(target, iso.rotary), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
-                  {"outliers", outliers_cell(line, arguments.all ? SIZE_MAX : kMostOutliers)},
+                  {"outliers", outliers_cell(line, arguments.all ? SIZE_MAX : kMostOutliers, arguments.import)},
                   {"drift", drift_cell(line)},
                   {"growth", growth_cell(line)},
                   {"turn", turn_cell(line)},

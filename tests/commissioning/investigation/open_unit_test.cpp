@@ -16,10 +16,11 @@ namespace {
 TEST_CASE("the map goes to the unit over the link that is open; its port cannot be opened a second time") {
   const StateFolder folder;
   const std::string machine_file = folder / "machine.toml";
-  std::filesystem::copy_file("samples/investigation/machine.toml", machine_file);
+  for (const char* name : {"machine.toml", "errors.toml"})
+    std::filesystem::copy_file(std::string("samples/investigation/") + name, folder / name);
   const auto unit = std::make_shared<UnitConnection>("emulator:" + machine_file);
   for (int k = 0; k < 3000 && !unit->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  REQUIRE(unit->newest());
+  REQUIRE_MESSAGE(unit->newest(), unit->snapshot().problem);
   const WatchedUnit seen = unit->snapshot();
   REQUIRE_FALSE(seen.workshop.empty());
   const auto machine = params::read_machine(machine_file);
