@@ -139,6 +139,15 @@ Result<Logbook*> book_at(const std::filesystem::path& path) {
   return &found->second.book;
 }
 
+/// Where a logbook begins, one of the same machine may be there that this program refuses.
+void say_what_cannot_be_read() {
+  const auto setting = logbook_setting();
+  if (!setting) return;
+  for (const std::filesystem::path& path : logbooks(*setting))
+    if (const auto book = Logbook::open_to_read(path); !book)
+      say_once(true, fmt::format("nothing is added to a logbook that cannot be read: {}", to_text(book.error())));
+}
+
 Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
   const auto book = book_at(path);
   if (!book) return tl::unexpected(book.error());
@@ -152,6 +161,7 @@ Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogR
     open_books().books.erase(path);
     return tl::unexpected(entries.error());
   }
+  if ((*book)->is_new()) say_what_cannot_be_read();
   if ((*book)->is_new())
     say_once(false, fmt::format("a logbook of {} was begun: {} (docs/logbook.md; ECS_LOGBOOK=off keeps none)",
                                 in_words({records.back().machine, records.back().serial_number}), path.string()));

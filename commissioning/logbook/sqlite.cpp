@@ -1,5 +1,9 @@
 #include "commissioning/logbook/sqlite.hpp"
 
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
 #include <fmt/format.h>
 
 namespace ecs::commissioning {
@@ -19,6 +23,12 @@ Problem sqlite_fault(const std::filesystem::path& path, sqlite3* file) {
     case SQLITE_PERM:
     case SQLITE_CANTOPEN:
       return file_fault(path, ProblemKind::output, "no permission to write it, or to make files in its folder");
+    case SQLITE_INTERRUPT:
+      return file_fault(path, ProblemKind::output, "reading the logbook was stopped before its end");
+    case SQLITE_TOOBIG:
+      return file_fault(
+          path, ProblemKind::bad_input,
+          fmt::format("a value is longer than {} MiB: it is damaged, or no entry of ECS", kLongestLogValue >> 20));
     case SQLITE_NOTADB:
       return file_fault(path, ProblemKind::bad_input, "is no logbook of ECS");
     default:
@@ -26,6 +36,18 @@ Problem sqlite_fault(const std::filesystem::path& path, sqlite3* file) {
                         fmt::format("the logbook: {}", file == nullptr ? "out of memory" : sqlite3_errmsg(file)));
   }
 }
+
+StopsReading::StopsReading(sqlite3* file, const std::atomic<bool>& asked)
+    : watch_([file, &asked](const std::stop_token& over) {
+        using namespace std::chrono_literals;
+        constexpr auto kLook = 50ms, kInNoTime = 500ms;
+        const auto begun = std::chrono::steady_clock::now();
+        std::mutex mutex;
+        std::condition_variable_any never;
+        std::unique_lock lock(mutex);
+        while (!never.wait_for(lock, over, kLook, [] { return false; }) && !over.stop_requested())
+          if (asked && std::chrono::steady_clock::now() - begun > kInNoTime) sqlite3_interrupt(file);
+      }) {}
 
 std::int64_t pragma(sqlite3* file, const char* name) {
   Statement one(file, fmt::format("PRAGMA {}", name));

@@ -5,12 +5,17 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include <sqlite3.h>
 
+#include "base/interrupt.hpp"
 #include "base/result.hpp"
 
 namespace ecs::commissioning {
+
+/// Longest text or blob in a logbook, twice the longest file that it keeps (packing.hpp).
+inline constexpr int kLongestLogValue = 64 << 20;
 
 [[nodiscard]] Problem file_fault(const std::filesystem::path& path, ProblemKind kind, std::string what);
 /// What went wrong last, in words.
@@ -28,11 +33,13 @@ class Statement {
 
   Statement& with(std::string_view text) {
     const char* bytes = text.data() == nullptr ? "" : text.data();  // no bytes are an empty text, not NULL
-    sqlite3_bind_text(statement_, ++bound_, bytes, static_cast<int>(text.size()), SQLITE_TRANSIENT);
+    too_long_ |=
+        sqlite3_bind_text64(statement_, ++bound_, bytes, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8) == SQLITE_TOOBIG;
     return *this;
   }
   Statement& with_bytes(const std::string& bytes) {
-    sqlite3_bind_blob(statement_, ++bound_, bytes.data(), static_cast<int>(bytes.size()), SQLITE_TRANSIENT);
+    too_long_ |=
+        sqlite3_bind_blob64(statement_, ++bound_, bytes.data(), bytes.size(), SQLITE_TRANSIENT) == SQLITE_TOOBIG;
     return *this;
   }
   Statement& with(std::int64_t number) {
@@ -40,18 +47,35 @@ class Statement {
     return *this;
   }
   /// SQLITE_ROW, SQLITE_DONE or what went wrong.
-  [[nodiscard]] int step() { return statement_ == nullptr ? SQLITE_ERROR : sqlite3_step(statement_); }
+  [[nodiscard]] int step() {
+    if (too_long_) return SQLITE_TOOBIG;
+    return statement_ == nullptr ? SQLITE_ERROR : sqlite3_step(statement_);
+  }
   [[nodiscard]] std::string text(int column) const {
     const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
     return bytes == nullptr ? std::string()
                             : std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
   }
   [[nodiscard]] std::int64_t number(int column) const { return sqlite3_column_int64(statement_, column); }
+  [[nodiscard]] int bytes(int column) const { return sqlite3_column_bytes(statement_, column); }
   [[nodiscard]] int type(int column) const { return sqlite3_column_type(statement_, column); }
 
  private:
   sqlite3_stmt* statement_ = nullptr;
   int bound_ = 0;
+  bool too_long_ = false;
+};
+
+/// While it lives, reading that takes long ends with SQLITE_INTERRUPT once the flag is set: a file made to that end
+/// keeps SQLite busy for ever. What is read in no time is read also after a signal, for the entry about what it has
+/// ended.
+/// @pre the file stays open
+class StopsReading {
+ public:
+  explicit StopsReading(sqlite3* file, const std::atomic<bool>& asked = interrupted());
+
+ private:
+  std::jthread watch_;
 };
 
 /// The value of a pragma that is a number; -1: it cannot be asked.

@@ -20,17 +20,48 @@ constexpr int kFormat = 1;
 constexpr int kMostWaiting_ms = 5000;  // for another program that writes
 constexpr const char* kWriteAhead = "-wal";
 
-constexpr const char* kTables =
+constexpr const char* kEntryTable =
     "CREATE TABLE entry(number INTEGER PRIMARY KEY, time TEXT NOT NULL, kind TEXT NOT NULL, machine TEXT NOT NULL, "
     "serial_number TEXT NOT NULL, operator TEXT NOT NULL, instrument TEXT NOT NULL, summary TEXT NOT NULL, "
-    "content TEXT NOT NULL, previous TEXT NOT NULL, hash TEXT NOT NULL);"
-    "CREATE TABLE original(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL, packed BLOB NOT NULL) WITHOUT ROWID;";
+    "content TEXT NOT NULL, previous TEXT NOT NULL, hash TEXT NOT NULL)";
+constexpr const char* kOriginalTable =
+    "CREATE TABLE original(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL, packed BLOB NOT NULL) WITHOUT ROWID";
 
 /// A new file, or one whose beginning was cut by a crash and is taken back.
 bool is_empty(sqlite3* file) {
   Statement tables(file, "SELECT count(*) FROM sqlite_master");
   return tables.step() == SQLITE_ROW && tables.number(0) == 0 && pragma(file, "application_id") == 0 &&
          pragma(file, "user_version") == 0;
+}
+
+/// Why a logbook holds something else than its two tables, word for word; nothing: it does not. A trigger acts with the
+/// next entry, and a view answers in the place of a table: entries that fit prove nothing then.
+std::optional<Problem> schema_fault(const fs::path& path, sqlite3* file) {
+  constexpr std::size_t kLongestName = 60;
+  const auto changed = [&path](std::string_view found) {
+    return file_fault(
+        path, ProblemKind::bad_input,
+        fmt::format("is damaged, or was changed by another program: expected the tables entry and original "
+                    "of a logbook and nothing else, found {}. Restore an older copy, or look at it with "
+                    "`sqlite3`",
+                    found));
+  };
+  Statement rows(file, "SELECT type, name, sql FROM sqlite_master");
+  bool entry = false, original = false;
+  int step = rows.step();
+  for (; step == SQLITE_ROW; step = rows.step()) {
+    bool& known = rows.text(2) == kEntryTable ? entry : original;
+    if (known || (rows.text(2) != kEntryTable && rows.text(2) != kOriginalTable))
+      return changed(fmt::format("{} \"{}\"{}", rows.text(0).substr(0, kLongestName),
+                                 rows.text(1).substr(0, kLongestName),
+                                 rows.text(1) == "entry" ? " with another definition" : ""));
+    known = true;
+  }
+  const int code = sqlite3_errcode(file);
+  if (code == SQLITE_CORRUPT || code == SQLITE_ERROR) return changed(sqlite3_errmsg(file));
+  if (step != SQLITE_DONE) return sqlite_fault(path, file);
+  if (!entry || !original) return changed(entry ? "no table original" : "no table entry");
+  return std::nullopt;
 }
 
 bool done(sqlite3* file, const char* sql) { return sqlite3_exec(file, sql, nullptr, nullptr, nullptr) == SQLITE_OK; }
@@ -157,10 +188,16 @@ Result<Logbook> Logbook::opened(const fs::path& path, const std::string& name, i
   Logbook book(path, file);
   if (result != SQLITE_OK) return tl::unexpected(sqlite_fault(path, file));
   sqlite3_busy_timeout(file, kMostWaiting_ms);
+  sqlite3_limit(file, SQLITE_LIMIT_LENGTH, kLongestLogValue);
+  const StopsReading stops(file);
   if (!done(file,
             "PRAGMA synchronous=EXTRA; PRAGMA wal_autocheckpoint=0; PRAGMA cell_size_check=ON; PRAGMA "
-            "trusted_schema=OFF"))
+            "trusted_schema=OFF")) {
+    const int code = sqlite3_errcode(file);
+    if (code == SQLITE_CORRUPT || code == SQLITE_ERROR)  // the definitions of its tables are no SQL
+      if (auto changed = schema_fault(path, file)) return tl::unexpected(std::move(*changed));
     return tl::unexpected(sqlite_fault(path, file));
+  }
   return book;
 }
 
@@ -191,12 +228,13 @@ Result<Logbook> Logbook::open(const fs::path& path) {
   auto book = opened(path, path.string(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   if (!book) return book;
   sqlite3* file = book->file_.get();
+  const StopsReading stops(file);
   if (is_empty(file)) {
     Transaction all(file);
     if (!all.open()) return tl::unexpected(sqlite_fault(path, file));
     if (is_empty(file)) {  // no other program was faster
-      const std::string begun =
-          fmt::format("{} PRAGMA application_id={}; PRAGMA user_version={};", kTables, kApplication, kFormat);
+      const std::string begun = fmt::format("{}; {}; PRAGMA application_id={}; PRAGMA user_version={};", kEntryTable,
+                                            kOriginalTable, kApplication, kFormat);
       if (!done(file, begun.c_str())) return tl::unexpected(sqlite_fault(path, file));
       book->is_new_ = true;
     }
@@ -212,6 +250,7 @@ Result<Logbook> Logbook::open(const fs::path& path) {
     return tl::unexpected(
         file_fault(path, ProblemKind::bad_input,
                    fmt::format("is a logbook of format {}; this program writes format {}", format, kFormat)));
+  if (auto changed = schema_fault(path, file)) return tl::unexpected(std::move(*changed));
   choose_journal(file);
   return book;
 }
@@ -231,10 +270,12 @@ Result<Logbook> Logbook::open_to_read(const fs::path& path) {
     if (!book) return book;
   }
   sqlite3* file = book->file_.get();
+  const StopsReading stops(file);
   const std::int64_t application = pragma(file, "application_id");
   if (application == -1 && sqlite3_errcode(file) != SQLITE_NOTADB) return tl::unexpected(sqlite_fault(path, file));
   if (application != kApplication || pragma(file, "user_version") != kFormat)
     return tl::unexpected(file_fault(path, ProblemKind::bad_input, "is no logbook of ECS, or of another format"));
+  if (auto changed = schema_fault(path, file)) return tl::unexpected(std::move(*changed));
   return book;
 }
 

@@ -4,6 +4,7 @@
 // it carries them into the file and removes the log, after a crash the next one does.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/interrupt.hpp"
 #include "base/result.hpp"
 #include "commissioning/logbook/entry.hpp"
 
@@ -47,7 +49,8 @@ struct LogVerdict {
 
 class Logbook {
  public:
-  /// For reading and adding; made if it is missing. Refused, saying why, if the file is no logbook.
+  /// For reading and adding; made if it is missing. Refused, saying why, if the file is no logbook, or holds a table, a
+  /// trigger or a view that is none of a logbook.
   [[nodiscard]] static Result<Logbook> open(const std::filesystem::path& path);
   /// For reading, also where nothing can be written; `bad_input` where it is missing.
   [[nodiscard]] static Result<Logbook> open_to_read(const std::filesystem::path& path);
@@ -77,7 +80,8 @@ class Logbook {
   /// Reads everything: each entry against its hash and the one before, each kept file against its hash, then the
   /// structure of the file.
   /// @param expected  a hash that an entry must have, as a report or certificate states it; empty: none
-  [[nodiscard]] LogVerdict verified(const std::string& expected = {}) const;
+  [[nodiscard]] LogVerdict verified(const std::string& expected = {},
+                                    const std::atomic<bool>& cancelled = interrupted()) const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Its file has still its name: nobody removed it or put another in its place.

@@ -16,6 +16,8 @@ constexpr const char* kColumns =
 constexpr const char* kColumnsWithoutContent =
     "SELECT number, time, kind, machine, serial_number, operator, instrument, summary, '', previous, hash FROM entry ";
 
+constexpr int kFields = 11;  ///< of an entry
+
 LogbookEntry entry_in(const Statement& row) {
   return {row.number(0), row.text(1), row.text(2), row.text(3), row.text(4), row.text(5),
           row.text(6),   row.text(7), row.text(8), row.text(9), row.text(10)};
@@ -23,7 +25,7 @@ LogbookEntry entry_in(const Statement& row) {
 
 bool is_as_written(const Statement& row) {
   if (row.type(0) != SQLITE_INTEGER) return false;
-  for (int column = 1; column <= 10; ++column)
+  for (int column = 1; column < kFields; ++column)
     if (row.type(column) != SQLITE_TEXT) return false;
   return true;
 }
@@ -42,25 +44,58 @@ bool Logbook::is_in_place() const {
   return sqlite3_file_control(file_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved == 0;
 }
 
-Result<std::vector<LogbookEntry>> Logbook::entries(bool without_content) const {
-  Statement rows(file_.get(), std::string(without_content ? kColumnsWithoutContent : kColumns) + "ORDER BY number");
+namespace {
+
+/// Rows cannot be longer than the file that holds them; those of pages that are linked in a ring are.
+class RowsWithinFile {
+ public:
+  explicit RowsWithinFile(sqlite3* file) : file_(file) {}
+  /// @param columns  of the row at hand  @pre that row is being read: the file does not grow for it meanwhile
+  [[nodiscard]] bool hold(const Statement& row, int columns) {
+    if (left_ < 0) left_ = pragma(file_, "page_count") * pragma(file_, "page_size");
+    constexpr std::int64_t kLeastRow = 4;
+    left_ -= kLeastRow;
+    for (int column = 0; column < columns; ++column)
+      if (row.type(column) == SQLITE_TEXT || row.type(column) == SQLITE_BLOB) left_ -= row.bytes(column);
+    return left_ >= 0;
+  }
+
+ private:
+  sqlite3* file_;
+  std::int64_t left_ = -1;
+};
+
+constexpr const char* kMoreThanFile = "the file is damaged: it gives more than it holds";
+
+/// All that the statement gives.
+Result<std::vector<LogbookEntry>> entries_of(Statement rows, sqlite3* file, const std::filesystem::path& path) {
   std::vector<LogbookEntry> all;
+  RowsWithinFile within(file);
   int step = rows.step();
-  for (; step == SQLITE_ROW; step = rows.step()) all.push_back(entry_in(rows));
-  if (step != SQLITE_DONE) return tl::unexpected(sqlite_fault(path_, file_.get()));
+  for (; step == SQLITE_ROW; step = rows.step()) {
+    if (!within.hold(rows, kFields)) return tl::unexpected(file_fault(path, ProblemKind::bad_input, kMoreThanFile));
+    all.push_back(entry_in(rows));
+  }
+  if (step != SQLITE_DONE) return tl::unexpected(sqlite_fault(path, file));
   return all;
+}
+
+}  // namespace
+
+Result<std::vector<LogbookEntry>> Logbook::entries(bool without_content) const {
+  const StopsReading stops(file_.get());
+  return entries_of({file_.get(), std::string(without_content ? kColumnsWithoutContent : kColumns) + "ORDER BY number"},
+                    file_.get(), path_);
 }
 
 Result<std::vector<LogbookEntry>> Logbook::activations() const {
-  Statement rows(file_.get(), std::string(kColumns) + "WHERE kind IN ('activation', 'rollback') ORDER BY number");
-  std::vector<LogbookEntry> all;
-  int step = rows.step();
-  for (; step == SQLITE_ROW; step = rows.step()) all.push_back(entry_in(rows));
-  if (step != SQLITE_DONE) return tl::unexpected(sqlite_fault(path_, file_.get()));
-  return all;
+  const StopsReading stops(file_.get());
+  return entries_of({file_.get(), std::string(kColumns) + "WHERE kind IN ('activation', 'rollback') ORDER BY number"},
+                    file_.get(), path_);
 }
 
 Result<LogbookEntry> Logbook::entry(std::int64_t number) const {
+  const StopsReading stops(file_.get());
   Statement row(file_.get(), std::string(kColumns) + "WHERE number = ?");
   const int step = row.with(number).step();
   if (step == SQLITE_ROW) return entry_in(row);
@@ -71,6 +106,7 @@ Result<LogbookEntry> Logbook::entry(std::int64_t number) const {
 }
 
 Result<std::optional<LogbookEntry>> Logbook::last_of(std::string_view kind, std::string_view until) const {
+  const StopsReading stops(file_.get());
   Statement row(file_.get(),
                 std::string(kColumns) + "WHERE kind = ? AND (? = '' OR time <= ?) ORDER BY number DESC LIMIT 1");
   const int step = row.with(kind).with(until).with(until).step();
@@ -99,6 +135,7 @@ Result<std::string> Logbook::original(const std::string& sha256) const {
 }
 
 Result<LogOwner> Logbook::owner() const {
+  const StopsReading stops(file_.get());
   LogOwner found;
   for (auto& [column, into] :
        {std::pair<const char*, std::string*>{"machine", &found.machine}, {"serial_number", &found.serial_number}}) {
@@ -113,6 +150,7 @@ Result<LogOwner> Logbook::owner() const {
 }
 
 Result<std::size_t> Logbook::count() const {
+  const StopsReading stops(file_.get());
   Statement row(file_.get(), "SELECT count(*) FROM entry");
   if (row.step() != SQLITE_ROW) return tl::unexpected(sqlite_fault(path_, file_.get()));
   return static_cast<std::size_t>(row.number(0));
@@ -128,14 +166,16 @@ Result<std::string> Logbook::last_hash() const {
 
 namespace {
 
-/// Hashes of the files that are held whole.
-std::set<std::string> whole_originals(sqlite3* file) {
-  std::set<std::string> whole;
+/// Hashes of the files that are held whole, up to where the table can be read.
+/// @return SQLITE_DONE, or what went wrong
+int whole_originals(sqlite3* file, std::set<std::string>& whole) {
   Statement rows(file, "SELECT sha256, bytes, packed FROM original");
-  while (rows.step() == SQLITE_ROW)
+  RowsWithinFile within(file);
+  int step = rows.step();
+  for (; step == SQLITE_ROW && within.hold(rows, 3); step = rows.step())
     if (std::string sha256 = rows.text(0); unpacked(rows.text(2), rows.number(1), sha256))
       whole.insert(std::move(sha256));
-  return whole;
+  return step;
 }
 
 /// Why the entry does not follow the one before; empty: it does.
@@ -153,12 +193,18 @@ std::string misfit(const Statement& row, const LogbookEntry& entry, std::int64_t
 
 }  // namespace
 
-LogVerdict Logbook::verified(const std::string& expected) const {
+LogVerdict Logbook::verified(const std::string& expected, const std::atomic<bool>& cancelled) const {
   sqlite3* file = file_.get();
+  const StopsReading stops(file, cancelled);
+  constexpr const char* kStopped = "stopped before the end";
   LogVerdict verdict;
   bool found = expected.empty();
   {
-    const std::set<std::string> originals = whole_originals(file);
+    std::set<std::string> originals;
+    if (whole_originals(file, originals) == SQLITE_INTERRUPT) {
+      verdict.why = kStopped;
+      return verdict;
+    }
     Statement rows(file, std::string(kColumns) + "ORDER BY number");
     std::string previous = no_previous();
     int step = rows.step();
@@ -174,6 +220,10 @@ LogVerdict Logbook::verified(const std::string& expected) const {
       found = found || entry.hash == expected;
       ++verdict.entries;
     }
+    if (step == SQLITE_INTERRUPT) {
+      verdict.why = fmt::format("{}: {} entries fit so far", kStopped, verdict.entries);
+      return verdict;
+    }
     if (step != SQLITE_DONE) {
       verdict.first = static_cast<std::int64_t>(verdict.entries) + 1;
       verdict.why = fmt::format("it cannot be read: {}", sqlite3_errmsg(file));
@@ -187,7 +237,9 @@ LogVerdict Logbook::verified(const std::string& expected) const {
     return verdict;
   }
   Statement check(file, "PRAGMA integrity_check(1)");
-  if (check.step() != SQLITE_ROW)
+  if (const int step = check.step(); step == SQLITE_INTERRUPT)
+    verdict.why = fmt::format("{}: every entry fits, the structure of the file was not checked", kStopped);
+  else if (step != SQLITE_ROW)
     verdict.why = fmt::format("every entry fits, but the file cannot be checked: {}", sqlite3_errmsg(file));
   else if (const std::string said = check.text(0); said != "ok")
     verdict.why = fmt::format("every entry fits, but the file is damaged: {}", said);

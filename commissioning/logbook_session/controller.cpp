@@ -65,10 +65,10 @@ void LogbookController::verify() {
   if (running() || books_.empty()) return;
   task_.start(
       "checking every entry",
-      [path = book()](JobControl&) -> Found {
+      [path = book()](JobControl& control) -> Found {
         const auto open = Logbook::open_to_read(path);
         if (!open) return {{}, to_text(open.error()), false};
-        const LogVerdict verdict = open->verified();
+        const LogVerdict verdict = open->verified({}, control.cancelled);
         const std::string text = verdict_cell(verdict, path).text;
         return {{}, std::string(trimmed(text)), verdict.whole()};
       },

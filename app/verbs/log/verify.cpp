@@ -25,7 +25,7 @@ Result<Outcome> verify_log(VerbContext& context, const VerifyLogArguments& argum
   } else if (book.error().kind == ProblemKind::bad_input && !arguments.log.empty() &&
              is_damaged_logbook(arguments.log)) {
     verdict.first = 1;
-    verdict.why = "the file is damaged: it cannot be read as a logbook";
+    verdict.why = fmt::format("the file cannot be read as a logbook: it {}", book.error().message);
   } else {
     return tl::unexpected(book.error());
   }

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -16,6 +17,8 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "commissioning/logbook/packing.hpp"
+#include "commissioning/logbook/sqlite.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/test.hpp"
@@ -421,6 +424,117 @@ TEST_CASE("in a folder without permission to write a logbook is read, and says t
     CHECK(contains(entry.error().message, "permission"));
   }
   ::chmod(folder.path.c_str(), 0755);
+}
+
+/// What another program does to the file.
+void changed_by(const std::string& path, const std::string& sql) {
+  sqlite3* file = nullptr;
+  REQUIRE(sqlite3_open(path.c_str(), &file) == SQLITE_OK);
+  char* fault = nullptr;
+  sqlite3_exec(file, sql.c_str(), nullptr, nullptr, &fault);
+  CHECK_MESSAGE(fault == nullptr, fault);
+  sqlite3_free(fault);
+  sqlite3_close(file);
+}
+
+TEST_CASE("a logbook with a trigger, a view or another table is refused by name, before anything is read or added") {
+  constexpr const char* kRename = "PRAGMA writable_schema=ON; ALTER TABLE entry RENAME TO entries; ";
+  const std::pair<std::string, const char*> changes[] = {
+      {"CREATE TRIGGER empties AFTER INSERT ON entry BEGIN DELETE FROM entry; END", "trigger \"empties\""},
+      {"CREATE VIEW seen AS SELECT * FROM entry", "view \"seen\""},
+      {"CREATE TABLE more(x)", "table \"more\""},
+      {"CREATE INDEX by_time ON entry(time)", "index \"by_time\""},
+      {"ALTER TABLE entry ADD COLUMN more TEXT", "table \"entry\""},
+      {"DROP TABLE original", "no table original"},
+      {std::string(kRename) + "CREATE VIEW entry AS WITH RECURSIVE c(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM c) "
+                              "SELECT n AS number FROM c WHERE n < 0",
+       "table \"entries\""},
+      {"PRAGMA writable_schema=ON; UPDATE sqlite_master SET sql='nonsense' WHERE name='entry'", "malformed"}};
+  for (const auto& [sql, named] : changes) {
+    CAPTURE(sql);
+    const Folder folder;
+    const std::string path = folder / "a.ecslog";
+    { const Logbook book = book_of(path, 2); }
+    changed_by(path, sql);
+    const std::string before = content_of(path);
+    for (const auto& opened : {Logbook::open(path), Logbook::open_to_read(path)}) {
+      REQUIRE_FALSE(opened);
+      CHECK(opened.error().kind == ProblemKind::bad_input);
+      CHECK(contains(opened.error().message, "changed by another program"));
+      CHECK_MESSAGE(contains(opened.error().message, named), opened.error().message);
+    }
+    CHECK(content_of(path) == before);
+  }
+}
+
+TEST_CASE("the check of a logbook ends soon after it was asked to stop") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 1); }
+  // 400 files of 32 MiB of one letter, each to be unpacked and hashed: minutes, from a file of 13 MB
+  const std::string zeros = packed(std::string(kLargestKept, 'x'));
+  {
+    sqlite3* file = nullptr;
+    REQUIRE(sqlite3_open(path.c_str(), &file) == SQLITE_OK);
+    for (int i = 0; i < 400; ++i) {
+      Statement row(file, "INSERT INTO original VALUES(?, ?, ?)");
+      REQUIRE(row.with(fmt::format("{:064}", i)).with(std::int64_t{kLargestKept}).with_bytes(zeros).step() ==
+              SQLITE_DONE);
+    }
+    sqlite3_close(file);
+  }
+  const auto book = Logbook::open_to_read(path);
+  REQUIRE(book);
+  std::atomic<bool> asked{false};
+  std::jthread later([&asked] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    asked = true;
+  });
+  const auto begun = std::chrono::steady_clock::now();
+  const LogVerdict verdict = book->verified({}, asked);
+  CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(20));
+  CHECK_FALSE(verdict.whole());
+  CHECK(contains(verdict.why, "stopped before the end"));
+  CHECK(book->count() == 1U);  // what is short is answered all the same
+}
+
+TEST_CASE("a logbook that gives more rows than its file can hold is damaged, not read without end") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 60); }
+  std::string bytes = content_of(path);
+  const auto byte = [&bytes](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
+  const auto put_two = [&bytes](std::size_t at, std::size_t value) {
+    bytes[at] = static_cast<char>(value >> 8);
+    bytes[at + 1] = static_cast<char>(value & 0xFF);
+  };
+  // The root of the table entry, page 2 (sqlite.org/fileformat2.html, 1.6): 600 cells in place of its few, all of
+  // them the first one, which leads to one leaf.
+  constexpr std::size_t kRoot = 4096, kCells = 600;
+  REQUIRE(byte(kRoot) == 5);  // an interior page
+  const std::size_t first = byte(kRoot + 12) * std::size_t{256} + byte(kRoot + 13);
+  put_two(kRoot + 3, kCells);
+  for (std::size_t i = 0; i < kCells; ++i) put_two(kRoot + 12 + 2 * i, first);
+  std::ofstream(path, std::ios::binary) << bytes;
+  const auto book = Logbook::open_to_read(path);
+  REQUIRE(book);
+  const auto entries = book->entries();
+  REQUIRE_FALSE(entries);
+  CHECK(contains(entries.error().message, "it gives more than it holds"));
+  CHECK_FALSE(book->verified().whole());
+}
+
+TEST_CASE("a value longer than any entry of ECS is refused, not read") {
+  const Folder folder;
+  const std::string path = folder / "a.ecslog";
+  { const Logbook book = book_of(path, 1); }
+  changed_by(path, "UPDATE entry SET summary = printf('%.*c', 70000000, 'x')");
+  const auto book = Logbook::open_to_read(path);
+  REQUIRE(book);
+  const auto entries = book->entries();
+  REQUIRE_FALSE(entries);
+  CHECK(contains(entries.error().message, "longer than 64 MiB"));
+  CHECK_FALSE(book->verified().whole());
 }
 
 TEST_CASE("bytes that are no UTF-8 are replaced, and the entry fits its hash") {
