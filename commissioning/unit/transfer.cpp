@@ -1,5 +1,7 @@
 #include "commissioning/unit/transfer.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "commissioning/logbook/transfers.hpp"
@@ -168,6 +170,68 @@ TransferToUnit in_log(const protocol::Identity& unit, const Image& image, const 
 
 }  // namespace
 
+namespace {
+
+/// How the active image differs from the one that was sent; empty: they have the same values. A problem where it is not
+/// that of the commit any more.
+Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image& sent, std::uint32_t commit,
+                                       const protocol::ProgressCallback& progress) {
+  const auto active = read_active_image(client, progress);
+  if (!active && active.error().kind != ProblemKind::refused) return tl::unexpected(active.error());
+  const auto now = client.active_map();
+  if (!now) return tl::unexpected(now.error());
+  if (!active || now->commit_sequence != commit)
+    return problem(ProblemKind::refused,
+                   fmt::format("the unit has taken the map (commit {}), but meanwhile the active map is another one "
+                               "(commit {}): another host uses the unit; compare before compensating",
+                               commit, now->commit_sequence));
+  if (!*active) return std::string("the unit holds none");
+  const Image& held = **active;
+  if (held.size() != sent.size()) return fmt::format("it has {} bytes in place of {}", held.size(), sent.size());
+  const auto [first, its] = std::mismatch(held.begin(), held.end(), sent.begin());
+  if (first == held.end()) return std::string();
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    if (held[i] != sent[i]) ++differ;
+  return fmt::format("{} of {} bytes differ, the first is byte {}", differ, sent.size(), first - held.begin());
+}
+
+/// What became of an image that was sent.
+struct Upload {
+  Result<protocol::UploadReport> sent;    ///< as the unit's checks say
+  std::optional<Problem> not_compared{};  ///< why its values could not be read back
+};
+
+/// The image is active with the same values. CRC-32 finds what a line spoils and not what somebody has made to agree
+/// with it: where only the checks agree, nothing that the unit holds counts, and all of the image is sent.
+Upload upload(protocol::UnitClient& client, const Image& image, const protocol::ProgressCallback& progress) {
+  std::string differs;
+  for (const auto held : {protocol::Held::by_checks, protocol::Held::nothing}) {
+    auto sent = client.upload_image(image, progress, held);
+    if (!sent) return {std::move(sent)};
+    const auto difference = difference_in_unit(client, image, sent->commit_sequence, progress);
+    if (!difference) {
+      Problem why = difference.error();
+      if (why.kind != ProblemKind::refused)
+        why.message = fmt::format(
+            "the unit {}, it is active (commit {}); its values could not be compared: {}; "
+            "compare them with `ecs map verify`",
+            sent->already_held ? "holds this map by its checks" : "has taken the new map", sent->commit_sequence,
+            why.message);
+      return {std::move(sent), std::move(why)};
+    }
+    if (difference->empty()) return {std::move(sent)};
+    differs = *difference;
+  }
+  return {problem(ProblemKind::link,
+                  fmt::format("the active map in the unit is another one, although all of the map was sent and the "
+                              "checks agree: {}; another host uses the unit, or its memory is damaged. Do not "
+                              "compensate with it; run the RAM test and send again",
+                              differs))};
+}
+
+}  // namespace
+
 Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
   const auto identity = client.identity();
@@ -181,9 +245,10 @@ Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::I
   if (auto refused = refused_map(no_room_for(bytes, unit), {})) return tl::unexpected(std::move(*refused));
   const auto image = addressed(bytes, unit, addressee);
   if (!image) return tl::unexpected(image.error());
-  const auto sent = client.upload_image(*image, progress);
+  const auto [sent, not_compared] = upload(client, *image, progress);
   record_transfer(in_log(unit, *image, sent));
   if (!sent) return tl::unexpected(sent.error());
+  if (not_compared) return tl::unexpected(*not_compared);
   return SendReport{image->size(),
                     ImageView(*image).check(),
                     sent->commit_sequence,

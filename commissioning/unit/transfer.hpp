@@ -70,7 +70,8 @@ enum class Addressee {
 [[nodiscard]] Result<std::vector<std::uint8_t>> addressed(std::span<const std::uint8_t> image,
                                                           const protocol::Identity& unit, Addressee addressee);
 
-/// Makes an image active, all or nothing; of it only what the unit does not hold travels. Refused, before anything is
+/// Makes an image active, all or nothing; of it only what the unit does not hold travels. Then the active image is read
+/// back: success means that its values are those sent, also where it was held already. Refused, before anything is
 /// sent, if the unit is another one or has too little axis memory for it.
 [[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
                                             Addressee addressee = Addressee::as_stated,

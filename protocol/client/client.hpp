@@ -36,7 +36,13 @@ struct UploadReport {
   std::size_t bytes = 0;              ///< of the image
   std::size_t bytes_sent = 0;         ///< of these, what the unit did not hold yet
   std::uint32_t commit_sequence = 0;  ///< of the map that is active now
-  bool already_held = false;          ///< the image was active before: nothing was sent or committed
+  bool already_held = false;          ///< by its checks the image was active before: nothing was sent or committed
+};
+
+/// What of an image counts as held by the unit and is not sent.
+enum class Held {
+  by_checks,  ///< what has the same CRC-32: another content with the same check is taken for it
+  nothing,    ///< the whole image is sent
 };
 
 /// Who asks, for the unit's records.
@@ -116,13 +122,14 @@ class UnitClient {
 
   /// A map: compare with what the unit holds, begin staging, write what differs, commit. A map that is active already
   /// ends at once; what an earlier transfer has brought, or the active map, is not sent again. The unit computes the
-  /// check of every window and of the whole over its memory, not over what came in: nothing is read back. Until the
+  /// check of every window and of the whole over its memory, not over what came in: nothing is read back. So success
+  /// means that checks agree; whoever calls it verified compares the values (read_memory). Until the
   /// commit the old map stays active and whole; after a problem or a cancel what was staged is abandoned, as far as the
   /// link allows. A unit that names the active bank to write to, another unit on the link and another host's commit are
   /// found before the commit. From the commit on a cancel waits until the unit has said which map is active; every
   /// problem names that map, or says that it is not known.
   [[nodiscard]] Result<UploadReport> upload_image(std::span<const std::uint8_t> image,
-                                                  const ProgressCallback& progress = {});
+                                                  const ProgressCallback& progress = {}, Held held = Held::by_checks);
 
  private:
   struct SentImage {
@@ -162,7 +169,7 @@ class UnitClient {
   [[nodiscard]] Result<void> send_missing(const WindowOpen& window, const WindowFrames& frames, std::uint64_t received,
                                           const FrameCallback& sent);
   [[nodiscard]] Result<std::vector<bool>> held_at(Address bank, std::span<const std::uint8_t> image);
-  [[nodiscard]] Result<Beginning> beginning_for(const ActiveMap& before, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<Beginning> beginning_for(const ActiveMap& before, std::span<const std::uint8_t> image, Held by);
   [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const std::vector<bool>& held,
                                    const ProgressCallback& progress, UploadReport& report);
   [[nodiscard]] Problem given_up(Problem why, const ActiveMap& before);

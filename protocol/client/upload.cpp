@@ -107,7 +107,9 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
 
 /// Where the staging begins: the active map, or what an earlier transfer has left, whichever has more of the image.
 /// What was left is not asked for where the active map has nearly all.
-Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image) {
+Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image, Held by) {
+  if (by == Held::nothing)
+    return Beginning{StagingFrom::cleared, std::vector<bool>((image.size() + kPieceBytes - 1) / kPieceBytes)};
   Beginning beginning{StagingFrom::active, {}};
   if (before.active_bank != Bank::none) {
     auto active = held_at(address_of(before.active_bank), image);
@@ -151,16 +153,16 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
   return {};
 }
 
-Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress) {
+Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
   const auto before = active_map();
   if (!before) return tl::unexpected(before.error());
   const SentImage sent{image, crc32_of(image)};
   UploadReport report{image.size(), 0, before->commit_sequence, true};
-  if (names(*before, image)) {
+  if (held == Held::by_checks && names(*before, image)) {
     if (progress) progress({image.size(), image.size(), 0.0});
     return report;
   }
-  const auto beginning = beginning_for(*before, image);
+  const auto beginning = beginning_for(*before, image, held);
   if (!beginning) return tl::unexpected(given_up(beginning.error(), *before));
   const auto address = begin_staging(beginning->from);
   if (!address) return tl::unexpected(given_up(address.error(), *before));

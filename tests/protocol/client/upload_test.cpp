@@ -274,6 +274,27 @@ TEST_CASE("a map that is active already is not sent again, and nothing is commit
   CHECK(unit.link().statistics().requests - requests == 1);
 }
 
+/// Another content with the same CRC-32: the generator of that CRC is added to it, 33 bits from byte `at` on.
+std::vector<std::uint8_t> with_same_crc(std::vector<std::uint8_t> image, std::size_t at) {
+  for (const std::uint8_t bits : std::initializer_list<std::uint8_t>{0x41, 0x06, 0x71, 0xDB, 0x01}) image[at++] ^= bits;
+  return image;
+}
+
+TEST_CASE("where nothing counts as held the whole image is sent, whatever the checks say") {
+  auto shop = Workshop::on_tcp();
+  const auto image = sealed_image(2000);
+  const auto forged = with_same_crc(image, 900);
+  REQUIRE(crc32_of(forged) == crc32_of(image));
+  shop.in_server([&](ModbusServer&, UnitModel& model) { model.install(forged); });
+  auto unit = shop.client();
+  CHECK(unit.upload_image(image)->already_held);
+  CHECK(active_image(shop) == forged);
+  const auto sent = unit.upload_image(image, {}, Held::nothing);
+  REQUIRE(sent.has_value());
+  CHECK(sent->bytes_sent == image.size());
+  CHECK(active_image(shop) == image);
+}
+
 TEST_CASE("an upload that was cancelled goes on with the pieces that have not arrived") {
   auto shop = Workshop::on_tcp();
   install_old(shop);
@@ -563,4 +584,19 @@ TEST_CASE("a cancel after the commit was answered does not hide that the map is 
   const auto sent = unit.upload_image(noise_image(4000));
   const bool told = sent.has_value() || says(sent, "it is active (commit 1)");
   CHECK(told);
+}
+
+TEST_CASE("wrong checks of another program on a serial line end the upload, and the message names both causes") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client();
+  bool happened = false;
+  const auto sent = unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
+    if (std::exchange(happened, progress.bytes_done > 3'000) || !happened) return;
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.wrong_blocks_to_come = 3; });
+  });
+  CHECK(says(sent, "several came with a wrong check: another program writes on this link"));
+  CHECK(says(sent, "old map is active"));
+  CHECK(active_image(shop) == kOldImage);
+  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
 }

@@ -1,0 +1,96 @@
+// An image that is called verified has the values that were sent, whatever its checks say.
+#include <doctest/doctest.h>
+
+#include "commissioning/unit/transfer.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map/image.hpp"
+#include "tests/support/unit_model.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using protocol::ModbusServer;
+using protocol::UnitModel;
+using protocol::Workshop;
+using Bytes = std::vector<std::uint8_t>;
+
+/// Another content with the same CRC-32: the generator of that CRC is added to it, 33 bits from byte `at` on.
+void forge(Bytes& image, std::size_t at) {
+  for (const std::uint8_t bits : std::initializer_list<std::uint8_t>{0x41, 0x06, 0x71, 0xDB, 0x01}) image[at++] ^= bits;
+}
+
+/// A place where that changes a value and leaves a sound image.
+std::size_t place_in(const Bytes& image) {
+  std::size_t at = kPrefixBytes;
+  for (Bytes changed = image; at + 5 < image.size(); ++at, changed = image) {
+    forge(changed, at);
+    if (check_image(changed).fault == ImageFault::none) break;
+  }
+  return at;
+}
+
+Bytes active_in(Workshop& shop) {
+  return shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); });
+}
+
+/// The image of these parameters as that unit holds it.
+Bytes sent_to(Workshop& shop) {
+  auto unit = shop.client();
+  const auto sent = send_image(unit, laser::image_of(UnitParameters{}));
+  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
+  CHECK_FALSE(sent->already_held);
+  return active_in(shop);
+}
+
+TEST_CASE("an image is held already only if its values are the same") {
+  auto shop = Workshop::on_tcp();
+  const Bytes image = sent_to(shop);
+  auto unit = shop.client();
+  CHECK(send_image(unit, image)->already_held);
+  shop.in_server([at = place_in(image)](ModbusServer&, UnitModel& model) {
+    forge(model.active == protocol::Bank::A ? model.bank_a : model.bank_b, at);
+  });
+  const Bytes forged = active_in(shop);
+  REQUIRE(forged != image);
+  REQUIRE(check_image(forged).fault == ImageFault::none);
+  const auto sent = send_image(unit, image);
+  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
+  CHECK_FALSE(sent->already_held);
+  CHECK(sent->bytes_sent == image.size());
+  CHECK(active_in(shop) == image);
+}
+
+TEST_CASE("an image whose values change although its checks agree is not called verified") {
+  auto shop = Workshop::on_tcp();
+  shop.in_server([at = place_in(sent_to(shop))](ModbusServer&, UnitModel& model) {
+    model.after_commit = [&model, at] { forge(model.active == protocol::Bank::A ? model.bank_a : model.bank_b, at); };
+  });
+  UnitParameters other;
+  other.axes[0].position_loop_gain_per_s += 1.0;
+  auto unit = shop.client();
+  const auto sent = send_image(unit, laser::image_of(other), Addressee::this_unit);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("the active map in the unit is another one") != std::string::npos);
+  CHECK(sent.error().message.find("Do not compensate with it") != std::string::npos);
+}
+
+TEST_CASE("a map that another host sends before the values are compared is left as it is") {
+  auto shop = Workshop::on_tcp();
+  (void)sent_to(shop);
+  UnitParameters other;
+  other.axes[0].position_loop_gain_per_s += 1.0;
+  auto unit = shop.client();
+  bool all_sent = false, happened = false;
+  const auto sent = send_image(unit, laser::image_of(other), Addressee::this_unit, [&](const protocol::Progress& now) {
+    all_sent = all_sent || now.bytes_done == now.bytes_total;
+    const bool reads_back = all_sent && now.bytes_done < now.bytes_total;
+    if (!reads_back || std::exchange(happened, true)) return;
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.switch_banks(model.image_length); });
+  });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("meanwhile the active map is another one (commit 3)") != std::string::npos);
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 3);
+}
+
+}  // namespace
+}  // namespace ecs::commissioning
