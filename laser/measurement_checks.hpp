@@ -13,6 +13,6 @@ namespace ecs::laser {
 [[nodiscard]] std::optional<Problem> implausible(const MeasurementSet& set, const std::string& file_name);
 
 /// parse_measurement_set(), but where the column `approach` is absent it stays unknown.
-[[nodiscard]] Result<MeasurementSet> parse_with_approach_open(std::string_view text, const std::string& file_name);
+[[nodiscard]] Result<MeasurementSet> set_with_approach_open(std::string_view text, const std::string& file_name);
 
 }  // namespace ecs::laser

@@ -237,7 +237,7 @@ Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::s
   return parsed(text, file_name, true);
 }
 
-Result<MeasurementSet> parse_with_approach_open(std::string_view text, const std::string& file_name) {
+Result<MeasurementSet> set_with_approach_open(std::string_view text, const std::string& file_name) {
   return parsed(text, file_name, false);
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/json.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -213,7 +214,7 @@ Result<MemoryDump> dump_in(std::string_view bytes, const std::string& name) {
 }
 
 Result<MemoryDump> read_dump(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file_of(FileKind::memory, path);
   if (!bytes) return tl::unexpected(bytes.error());
   return dump_in(*bytes, path.string());
 }

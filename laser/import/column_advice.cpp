@@ -89,8 +89,12 @@ Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) 
   if (has({"feucht", "humid"})) return Meaning::humidity;
   if (has({"approach", "direction", "richtung", "anfahr", "approche"}) || is_word({"dir", "sens"}))
     return Meaning::approach;
-  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur", "cart",
-           "displacement"}) ||
+  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur",
+           "\xC3\xA9"
+           "cart",
+           "\xC3\x89"
+           "cart",
+           "ecart", "displacement"}) ||
       is_word({"err", "dev", "abw", "diff", "delta", "disp", "exx", "eyy", "ezz"}))
     return Meaning::reading;
   if (unit && unit->kind == UnitKind::time) return Meaning::time;
@@ -245,11 +249,11 @@ std::string sensor_of(const TableColumn& column) {
   for (const std::string& word : heading_words(column.heading)) {
     if (word.find("luft") != word.npos || word == "air") return "t_air_degC";
     if (word.find("material") != word.npos || word.find("werkst") != word.npos) return "t_material_degC";
-    if (is_one_of(word, {"t", "temp", "temperature", "temperatur", "c", "f", "k", "degc", "degf", "deg", "in"}))
-      continue;
     std::string plain;
     for (const char c : word)
       if (static_cast<unsigned char>(c) < 0x80) plain += c;
+    if (is_one_of(plain, {"t", "temp", "temperature", "temperatur", "c", "f", "k", "degc", "degf", "deg", "in"}))
+      continue;
     if (!plain.empty()) name += (name.empty() ? "" : "_") + plain;
   }
   return fmt::format("t_{}_degC", name.empty() ? std::to_string(column.number) : name);

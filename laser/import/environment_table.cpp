@@ -168,6 +168,14 @@ Result<EnvironmentSeries> read_environment_table(std::string_view text, const st
 
 Recognition recognises_environment_table(const FileStart& file) {
   if (file.has("wavelength") || file.has("refractive")) return Recognition::no;
+  const std::string heading = lower(file.first_line);
+  for (const char* error : {"deviation", "error", "abweichung", "fehler",
+                            "\xC3\xA9"
+                            "cart",
+                            "\xC3\x89"
+                            "cart",
+                            "erreur"})  // readings beside the air
+    if (heading.find(error) != std::string::npos) return Recognition::no;
   for (const char delimiter : {',', ';', '\t'})
     if (is_environment(columns_named(cells_of(file.first_line, delimiter)))) return Recognition::likely;
   return Recognition::no;

@@ -97,6 +97,12 @@ std::optional<Unit> at_end(std::string_view heading) {
 }
 
 std::optional<Unit> behind_underscore(std::string_view heading) {
+  constexpr std::string_view kPer = "_per_";  // "error_um_per_m"
+  if (const std::size_t per = lower(heading).rfind(kPer); per != std::string::npos) {
+    const std::string_view above = heading.substr(0, per);
+    return spelt(std::string(above.substr(above.rfind('_') + 1)) + "/" +
+                 std::string(heading.substr(per + kPer.size())));
+  }
   const std::size_t at = heading.rfind('_');
   if (at == std::string_view::npos || at == 0) return std::nullopt;
   const std::string_view word = heading.substr(at + 1);

@@ -37,7 +37,7 @@ extern const FileFormat kMeasurementCsv{
     .recognises = recognises_csv,
     .read =
         [](std::string_view text, const std::string& file_name, const ImportOptions& options) {
-          return options.approach_unknown ? parse_with_approach_open(text, file_name)
+          return options.approach_unknown ? set_with_approach_open(text, file_name)
                                           : parse_measurement_set(text, file_name);
         },
     .written_extensions = {".csv"},

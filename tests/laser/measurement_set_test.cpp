@@ -220,8 +220,7 @@ namespace {
 
 /// Approaches in the order of the file.
 std::vector<int> approaches_in(const std::string& text, bool order_gives_approach = true) {
-  const auto set =
-      order_gives_approach ? parse_measurement_set(text, "m.csv") : parse_with_approach_open(text, "m.csv");
+  const auto set = order_gives_approach ? parse_measurement_set(text, "m.csv") : set_with_approach_open(text, "m.csv");
   REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
   std::vector<int> approaches;
   for (const Reading& reading : set->readings) approaches.push_back(static_cast<int>(reading.approach));
@@ -270,7 +269,7 @@ TEST_CASE("an approach that the file states stays, 0 too, and it can be left unk
         std::vector<int>(3, 0));
   const std::string text = to_targets({0, 100, 200, 100, 0});
   CHECK(approaches_in(text, false) == std::vector<int>(5, 0));
-  const auto set = parse_with_approach_open(text, "m.csv");
+  const auto set = set_with_approach_open(text, "m.csv");
   REQUIRE(set.has_value());
   CHECK(approaches_in(to_csv(*set)) == std::vector<int>(5, 0));  // written as said
 }

@@ -30,6 +30,8 @@ TEST_CASE("a unit is found between brackets, behind an underscore and at the end
   CHECK(unit_of_heading("Winkel (Grad)") == "deg");
   CHECK(unit_of_heading("Nick [arcsec]") == "arcsec");
   CHECK(unit_of_heading("Zeit [s]") == "s");
+  CHECK(unit_of_heading("error_um_per_m") == "um/m");
+  CHECK(unit_of_heading("slope_um_per_degC").empty());
   CHECK(unit_of_heading("Temp (C)") == "degC");
 }
 
