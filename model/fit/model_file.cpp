@@ -465,19 +465,33 @@ void take_alternatives(std::string_view text, Model& model) {
   }
 }
 
+bool counts_time(const EffectInstance& effect) {
+  return (effect.traits().from_origin && effect.definition().has_need(Need::time)) ||
+         std::any_of(effect.formulas.begin(), effect.formulas.end(),
+                     [](const UserFormula& formula) { return formula.text.find("time_s") != std::string::npos; });
+}
+
+/// What of its origin the effects of a model count from; nothing where none does.
+std::optional<Origin> counting_origin(const Model& model) {
+  if (!model.origin || !counts_from_origin(model)) return std::nullopt;
+  Origin origin = *model.origin;
+  if (std::none_of(model.effects.begin(), model.effects.end(), counts_time)) {
+    origin.time_s.reset();
+    origin.date.clear();
+  }
+  return origin;
+}
+
 }  // namespace
 
 bool counts_from_origin(const Model& model) {
-  const auto counts_time = [](const UserFormula& formula) { return formula.text.find("time_s") != std::string::npos; };
-  return std::any_of(model.effects.begin(), model.effects.end(), [&](const EffectInstance& effect) {
-    return effect.traits().from_origin || std::any_of(effect.formulas.begin(), effect.formulas.end(), counts_time);
-  });
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [](const EffectInstance& effect) { return effect.traits().from_origin || counts_time(effect); });
 }
 
 Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,
                                  const std::optional<params::Machine>& machine) {
-  const auto origin = counts_from_origin(model) ? model.origin : std::nullopt;
-  return observations_of(set, KnownTables{model.map, model.known, origin}, machine);
+  return observations_of(set, KnownTables{model.map, model.known, counting_origin(model)}, machine);
 }
 
 Observations observations_of(const laser::MeasurementSet& set, const Model& model,

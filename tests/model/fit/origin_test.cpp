@@ -144,6 +144,13 @@ TEST_CASE("readings without a common clock say so") {
   const Observations dated = observations_of(begun(drifting(), "2026-02-01 08:00:00"), model, mill());
   CHECK(dated.clock_note.starts_with("no common clock: the readings of the fit have no date"));
   CHECK(observations_of(drifting(), drift_and_growth(), mill()).clock_note.empty());  // nothing was fitted yet
+
+  Model growth_alone = drift_and_growth();
+  growth_alone.effects.erase(growth_alone.effects.end() - 2);
+  const Model grown = fitted_to(growth_alone, drifting());
+  const Observations later = observations_of(last_half(drifting()), grown, mill());
+  CHECK(later.clock_note.empty());  // nothing counts time
+  CHECK(later.origin.sensors_degC == grown.origin->sensors_degC);
 }
 
 TEST_CASE("faults of an origin are refused with file and line") {

@@ -87,7 +87,7 @@ TEST_CASE("every real and made-up file here comes in as suggested, or is refused
   CHECK(real.by_suggestion >= 2);
   CHECK(real.bad_cells == 0);
   const Tried made = tried("samples/made_up");
-  CHECK(made.read == 6);
+  CHECK(made.read >= 8);
   CHECK(made.refused == 1);  // blank.csv, which has an empty cell in each column
   CHECK(made.bad_cells == 0);
 }
