@@ -336,7 +336,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     if (group.denied) continue;
     if (!group.wander && (group.e_value ? *group.e_value >= kProved : explained))
       proved.push_back(g);
-    else if ((explained || (!group.wander && group.e_value.value_or(0.0) >= kSpeaksFor)) &&
+    else if ((explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
              tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
@@ -437,20 +437,14 @@ struct Doubt {
   std::string but, decide;
 };
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
-  const bool repeated = found.noise.pure.from_repeats;
-  const std::string again = "Measure the same lines again, also backwards";
+  const std::string again = "Measure the same lines again in both directions";
   if (ranked.wander)
-    return {repeated ? "a slow wander of the readings explains it as well"
-                     : "nothing was measured twice, and a slow wander of the readings explains it as well",
-            ranked.effect.traits().of_condition || !ranked.effect.sensor.empty()
-                ? again + ", while the conditions take another course"
-                : again};
+    return {"nothing was measured twice, and a slow wander of the readings explains it as well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   if (ranked.e_value)
-    return {
-        fmt::format("readings that it was not fitted to speak for it with an e-value of {:.2g} only, and {:g} proves",
-                    *ranked.e_value, kProved),
-        again};
+    return {fmt::format("readings that it was not fitted to do not settle it (e-value {:.2g}; {:g} proves)",
+                        *ranked.e_value, kProved),
+            again};
   return {"no half of the readings shows it by itself", again};
 }
 

@@ -193,6 +193,8 @@ std::string likely_text(const Diagnosis& diagnosis, const Observations& data) {
 
 std::string structure_text(const Diagnosis& diagnosis) {
   const std::string variables = variables_text(diagnosis);
+  if (variables.empty() && !diagnosis.best_sum_leaves)
+    return "The residual is not noise, but no dependence stands out: see the notes.";
   return fmt::format(
       "The residual is not noise{}{}{}.",
       diagnosis.best_sum_leaves ? ", and no effects of the library, alone or together, explain all of it" : "",

@@ -122,11 +122,11 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
 TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
   const auto model = read_model("samples/made_up/bending_head.toml");
   const auto machine = params::read_machine("samples/made_up/head_machine.toml");
-  const auto readings = laser::read_measurement_set("samples/made_up/bending_head.csv");
+  const auto readings = laser::read_any("samples/made_up/bending_head.csv", {.takes_rotary = true});
   REQUIRE(model);
   REQUIRE(machine);
   REQUIRE(readings);
-  const auto found = diagnose(*model, observations_of(*readings, *model, machine->machine));
+  const auto found = diagnose(*model, observations_of(readings->set, *model, machine->machine));
   REQUIRE(found);
   CHECK(found->noise.from_repeats);
   CHECK(found->noise.noise_um == Approx(8.0).epsilon(0.25));  // 27 of 75 readings repeat a pose
