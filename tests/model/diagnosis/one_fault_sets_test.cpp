@@ -122,7 +122,9 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
 TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
   const auto model = read_model("samples/made_up/bending_head.toml");
   const auto machine = params::read_machine("samples/made_up/head_machine.toml");
-  const auto readings = laser::read_any("samples/made_up/bending_head.csv", {.takes_rotary = true});
+  laser::ImportOptions options;
+  options.takes_rotary = true;
+  const auto readings = laser::read_any("samples/made_up/bending_head.csv", options);
   REQUIRE(model);
   REQUIRE(machine);
   REQUIRE(readings);
