@@ -119,6 +119,14 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
   CHECK(found.add->held_out_rms_um == Approx(3.8).epsilon(0.1));
 }
 
+TEST_CASE("a model whose wave and curve cancel each other beyond the readings is not adequate") {
+  const Diagnosis found = diagnosis_of("wave_against_curve");
+  CHECK(found.verdict == Verdict::cannot_tell);
+  CHECK_MESSAGE(found.headline.find("progressive:X:EX and cyclic:X:EX, which cancel each other") != std::string::npos,
+                found.headline);
+  CHECK(found.headline.find("adequate") == std::string::npos);
+}
+
 TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
   const auto model = read_model("samples/made_up/bending_head.toml");
   const auto machine = params::read_machine("samples/made_up/head_machine.toml");
