@@ -18,6 +18,14 @@ TEST_CASE("results, notes, warnings and problems are printed without control cha
   CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
 }
 
+TEST_CASE("a line of a message with a name of megabytes in it is cut, and its length is told") {
+  std::ostringstream out, messages;
+  Console console(out, messages);
+  console.show({ProblemKind::refused, "machine " + std::string(3'000'000, 'N') + "\nsecond line", {}, 0, 0, {}});
+  CHECK(messages.str().size() < 5'000);
+  CHECK(contains(messages.str(), "(cut: 3000008 bytes)\nsecond line\n"));
+}
+
 TEST_CASE("a map header with escapes and broken UTF-8 is shown harmless and is valid JSON") {
   const Folder folder;
   const std::string map = folder.with("map.csv",
