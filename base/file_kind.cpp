@@ -168,6 +168,7 @@ FileKind kind_of_content(std::string_view beginning) {
 std::optional<Problem> wrong_kind(FileKind wanted, std::string_view content, const std::string& file) {
   const FileKind found = kind_of_content(content);
   if (found == wanted || found == FileKind::other) return std::nullopt;
+  if (wanted == FileKind::map && found == FileKind::rotary_errors) return std::nullopt;  // the reader of maps says more
   const bool swapped = wanted == FileKind::model && found == FileKind::measurements;
   const bool is_table = found == FileKind::map || found == FileKind::measurements || found == FileKind::circle_test ||
                         found == FileKind::diagonal_test || found == FileKind::surface ||
