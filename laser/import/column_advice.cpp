@@ -28,6 +28,8 @@ constexpr double kGreatestOffset = 3.0;
 /// Actual positions are as close to their targets as this part of the travel.
 constexpr double kClose = 0.001;
 constexpr std::size_t kMostNamed = 12;
+/// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
+constexpr double kFarthest_mm = 1e6;
 
 /// What a heading says that its column holds.
 enum class Meaning { none, reading, position, counter, run, approach, temperature, pressure, humidity, time, other };
@@ -208,6 +210,7 @@ bool could_be_targets(const TableColumn& column, const Columns& columns) {
   const auto numbers = std::count_if(columns.begin(), columns.end(), [](const auto& one) { return one.is_number(); });
   const bool is_first = std::none_of(columns.begin(), columns.end(),
                                      [&](const auto& one) { return one.is_number() && one.number < column.number; });
+  if (std::max(std::abs(column.least()), std::abs(column.most())) * column.as_target() > kFarthest_mm) return false;
   return are_positions(column) &&
          (column.meaning == Meaning::position || numbers < 3 || !is_first || !counts_rows(column));
 }
