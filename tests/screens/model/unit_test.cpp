@@ -235,5 +235,24 @@ TEST_CASE("compensation is not asked about before a map was sent") {
   CHECK(reads(picture(screen), "there is no map to send yet: m builds it"));
 }
 
+TEST_CASE("what was measured again is told by its shapes on the page of what compensation leaves") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  auto controller = ModelController::open(mill.files, nullptr);
+  REQUIRE(controller);
+  std::string readings = measured_csv(kPositioning, [](double) { return -0.5; });
+  for (std::size_t at = 0; (at = readings.find(",0\n", at)) != std::string::npos;) readings.replace(at, 2, ",1");
+  const std::string again = folder.with("again.csv", readings);
+  (*controller)->start_after({again});
+  while ((*controller)->busy()) (void)(*controller)->advance();
+  std::string page;
+  for (const auto& line : (*controller)->after()) page += line + " ";
+  // -0.5, and of measured_csv the mean of runs 1 to 3, half of 2 um in reverse and about 0.25 of its pattern
+  CHECK_MESSAGE(reads(page,
+                      "2.8 um rms of it is a constant +2.8 um of X positions: zero or datum; 1 um rms of it is a "
+                      "difference of -2 um between forward and reverse of X positions: lost motion."),
+                page);
+}
+
 }  // namespace
 }  // namespace ecs::app
