@@ -292,14 +292,15 @@ TEST_CASE("a fit from values refines them; without that it seeks the whole range
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
   const auto set = measured({}, 0.05, [](const laser::Reading& r) {
-    return 6.0 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 210.0);
+    return 6.0 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 337.0);
   });
-  model.effects.back().fitted["period_mm"] = 208.0;
+  model.effects.back().fitted["period_mm"] = 330.0;
   const Observations data = observations_of(set, model, mill());
   const auto anew = fit(model, data);
   const auto refined = fit(model, data, {.plain = false, .from_values = true});
   REQUIRE(anew);
   REQUIRE(refined);
-  CHECK(parameter(*anew, 2, "period_mm").value == Approx(90.0).epsilon(0.01));
-  CHECK(parameter(*refined, 2, "period_mm").value == Approx(210.0).epsilon(0.03));
+  CHECK(parameter(*refined, 2, "period_mm").value == Approx(337.0).epsilon(0.05));
+  CHECK(parameter(*anew, 2, "period_mm").value < 200.0);  // 90 mm, or 180 with it as the second harmonic
+  CHECK(anew->rms_um < 0.6 * refined->rms_um);
 }
