@@ -43,6 +43,9 @@ constexpr double kFewestSpare = 6.0;
 /// A credible set holds the cause with this probability; proved causes explain the residual in part from this share of
 /// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
 constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
+/// Least share of what an effect explains that it predicts at left-out targets where more is left than noise: as where
+/// nothing but the effect speaks against noise (investigation.hpp).
+constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
 /// Readings that an effect was not fitted to speak for it from this e-value on.
 constexpr double kSpeaksFor = 1.0;
 /// A model fails where repeats say so at this level; without repeats what it leaves is no noise where readings left out
@@ -315,6 +318,33 @@ double share_of_found(const ReportInput& in, const std::vector<std::size_t>& cho
                            in.found.noise.pure.noise_um);
 }
 
+/// Whether an effect predicts, beside the others that are proved, at targets that it was not fitted to at least half of
+/// what it explains at those that it was: what is left besides repeats from run to run, and so do the errors of a fit
+/// to it.
+bool predicts_at_targets(const ReportInput& in, const std::vector<std::size_t>& proved, std::size_t g) {
+  const Observations& data = in.regressors.data();
+  if (!has_targets_to_leave_out(data)) return true;
+  const auto with = [&](LinearProblem problem, std::size_t i) {
+    const Choice& choice = in.found.groups[i].member;
+    return joined_with(problem, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
+  };
+  LinearProblem others = in.problem;
+  for (const std::size_t i : proved)
+    if (i != g) others = with(std::move(others), i);
+  const LinearProblem all = with(others, g);
+  const CoreFit& core = in.base.core;
+  const Whitener whitener(data, core.noise, core.left_out);
+  const Parts parts = parts_by_target(data);
+  const auto square = [](double value) { return value * value; };
+  const auto fitted = [&](const LinearProblem& of) {
+    return square(rms_without(residual_of(of, whitener), core.left_out));
+  };
+  const auto held_out = [&](const LinearProblem& of) {
+    return square(held_out_rms(data, core.noise, core.left_out, parts, of.columns, of.target));
+  };
+  return held_out(others) - held_out(all) >= kLeastPredicted * (fitted(others) - fitted(all));
+}
+
 /// Whether these effects may stand although more is left: any shape can be written as enough waves, so each wave is a
 /// pitch of the machine, or all are whole fractions of one period.
 bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
@@ -340,7 +370,11 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
              tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
-  if (!explained && !may_be_part(found, proved)) proved.clear();
+  if (!explained) {
+    const std::vector<std::size_t> all = proved;
+    std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
+    if (!may_be_part(found, proved)) proved.clear();
+  }
   for (const std::size_t g : proved) standings[g] = Standing::proved;
   std::vector<std::size_t> all = proved;
   all.insert(all.end(), likely.begin(), likely.end());
@@ -364,11 +398,15 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   return share_of_found(in, proved) >= kPartExplained ? Verdict::partly_explained : Verdict::unexplained_structure;
 }
 
-/// Effects of the model that cancel each other beyond the range of the readings that they act on: the readings do not
-/// determine them, and whatever lies between them is hidden in their freedom.
-std::vector<std::string> cancelling_effects(const Observations& data, const Fit& fit) {
+/// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the
+/// readings that they act on: the readings do not determine them, and whatever is missing is hidden in their freedom.
+/// @param own  those with a free searched parameter, by their number
+std::vector<std::string> cancelling_effects(const Observations& data, const Fit& fit,
+                                            const std::vector<std::size_t>& own) {
   std::vector<std::string> names;
-  for (const EffectFit& effect : fit.effects) {
+  bool any_free = false;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    const EffectFit& effect = fit.effects[i];
     if (!effect.effect.undetermined || effect.effect.undetermined->empty()) continue;
     double least = kBeyondAll, greatest = -kBeyondAll, low = kBeyondAll, high = -kBeyondAll;
     for (std::size_t k = 0; k < data.size(); ++k) {
@@ -378,16 +416,18 @@ std::vector<std::string> cancelling_effects(const Observations& data, const Fit&
       low = std::min(low, data.reading[k]);
       high = std::max(high, data.reading[k]);
     }
-    if (greatest - least > high - low) names.push_back(to_text(effect.effect));
+    if (greatest - least <= high - low) continue;
+    names.push_back(to_text(effect.effect));
+    any_free = any_free || std::find(own.begin(), own.end(), i) != own.end();
   }
-  return names;
+  return any_free ? names : std::vector<std::string>();
 }
 
 /// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
 /// @param fit  of the model as it is
 std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   const Observations& data = in.regressors.data();
-  const std::vector<std::string> cancelling = cancelling_effects(data, fit);
+  const std::vector<std::string> cancelling = cancelling_effects(data, fit, in.base.own);
   if (!cancelling.empty())
     return fmt::format("the readings do not determine {}, which cancel each other: hold one of them, or measure more",
                        fmt::join(cancelling, " and "));
@@ -400,8 +440,12 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "measure more places",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
-  const double held_out_um = held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts_of(data),
-                                          in.problem.columns, in.problem.target);
+  const auto held_out = [&](const Parts& parts) {
+    return held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
+  };
+  double held_out_um = held_out(parts_of(data));
+  if (held_out_um > kMostHeldOut * rms_um && has_targets_to_leave_out(data))  // between targets rather than beyond them
+    held_out_um = std::min(held_out_um, held_out(parts_by_target(data)));
   if (held_out_um <= kMostHeldOut * rms_um) return "";
   return fmt::format(
       "nothing was repeated, and readings left out of the fit are missed by {:.3g} {}, those in it by {:.3g}: measure "

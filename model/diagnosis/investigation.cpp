@@ -210,13 +210,13 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
 /// having been chosen among all candidates. A wander has no price: whichever it is, it is no effect. That an effect of
 /// approach coincides with passes was planned, not chosen: it pays for its coefficients only. What people set by hand
 /// may coincide with runs; it pays nothing. Of the others those that a wander only rivals because nothing repeats are
-/// in doubt; those that change as a wander does, or than which it is likelier without any price, are denied.
+/// in doubt; those that change as a wander does, or than which it is likelier whatever the choice, are denied.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const double evidence = 2.0 * std::log(kPositive * static_cast<double>(found.candidates_tried));
   struct Doubtful {
     std::vector<std::size_t> effects;
-    double price = 0.0;
+    double coefficients = 0.0, price = 0.0;
   };
   std::vector<Doubtful> sets;
   Doubtful together;
@@ -224,10 +224,12 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
     const EffectInstance& effect = found.families[chosen[i].family].effect;
     if (!may_be_wander(found.noise, effect)) continue;
     const bool by_hand = effect.definition().is_set_by_hand();
-    const double price = found.groups[i].member.cost + (effect.traits().of_approach ? 0.0 : evidence);
-    sets.push_back({{i}, by_hand ? 0.0 : price});
+    const double cost = found.groups[i].member.cost;
+    const double price = cost + (effect.traits().of_approach ? 0.0 : evidence);
+    sets.push_back({{i}, by_hand ? 0.0 : cost, by_hand ? 0.0 : price});
     if (by_hand) continue;
     together.effects.push_back(i);
+    together.coefficients += cost;
     together.price += price;
   }
   if (together.effects.size() > 1) sets.push_back(together);
@@ -238,7 +240,7 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
     bool denied = false;
     for (const std::size_t i : set.effects) {
       const EffectInstance& effect = found.families[chosen[i].family].effect;
-      const bool rivals = better > 0.0 && !is_like_wander(effect);
+      const bool rivals = better > set.coefficients && !is_like_wander(effect);
       (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
       denied = denied || !rivals;
       names.push_back(to_text(effect));

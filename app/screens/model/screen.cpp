@@ -209,6 +209,10 @@ void ModelScreen::add_chosen() {
                         "readings better.",
                         "add it", "not now"},
                        add);
+  if (controller_->diagnosis()->verdict == model::Verdict::cannot_tell && !candidates.empty())
+    return asking_.ask({fmt::format("Add {} on these data?", place_text(candidates[chosen].effect)),
+                        controller_->diagnosis()->headline, "add it", "not now"},
+                       add);
   if (!candidates.empty() && candidates[chosen].standing == model::Standing::likely) return ask_to_add_likely(add);
   if (candidates.empty() || candidates[chosen].rivals.empty()) return add();
   std::vector<std::string> rivals;

@@ -86,6 +86,29 @@ TEST_CASE("gross outliers are listed by row") {
   CHECK(r.json()["outliers"] == nlohmann::json::array({number}));
 }
 
+TEST_CASE(
+    "what is likely is told as likely, with what is not excluded, what would decide and what adding it would do") {
+  const std::vector<std::string> verb{"model", "diagnose", "samples/made_up/two_zeros.toml",
+                                      "samples/made_up/two_zeros.csv"};
+  std::vector<std::string> as_json = verb;
+  as_json.emplace_back("--json");
+  const nlohmann::json answer = ran(as_json).json();
+  CHECK(answer["verdict"] == "likely_effect");
+  const nlohmann::json& first = answer["candidates"][0];
+  CHECK(first["standing"] == "likely");
+  CHECK(first["named"] == false);
+  CHECK(first["but"].is_string());
+  CHECK(first["decide"].is_string());
+  CHECK(answer["candidates"].back()["standing"] == "possible");
+  CHECK(answer["candidates"].back()["but"].is_null());
+  CHECK(answer["add"]["effects"] == nlohmann::json::array({"offset:Y:EY", "offset:X:EX"}));
+  CHECK(answer["add"]["held_out_rms_um"] < answer["add"]["held_out_rms_before_um"]);
+  const std::string text = ran(verb).out;
+  CHECK(text.starts_with("Probably Y positions"));
+  CHECK(text.find("what is likely, but not proved") != std::string::npos);
+  CHECK(text.find("To try it: add offset:Y:EY, then offset:X:EX") != std::string::npos);
+}
+
 TEST_CASE("bad measurements get a clear answer, never a confident name") {
   const ModelWorkspace workspace;
   const auto verdict = [&](const std::string& name, const std::string& text) {
