@@ -25,9 +25,9 @@ constexpr double kReadings = 20.0, kSlow_s = 200.0;
 constexpr std::array kTimes_readings{1.0, 2.0, 4.0};
 constexpr std::array kTimes_s{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
 /// Shorter ones follow in steps of two down to the interval between readings, for filters and vibration correlate what
-/// is read faster, and in half such steps beside the likeliest; but not below this [s], which is faster than any
-/// display: finer steps of a file are rounding.
-constexpr double kShortest_s = 1e-3;
+/// is read faster, and in half such steps beside the likeliest where so many readings are within it; but not below
+/// this [s], which is faster than any display: finer steps of a file are rounding.
+constexpr double kResolved = 4.0, kShortest_s = 1e-3;
 /// Shares of the correlated part tried: an even grid, closer to 1, where the likelihood changes fastest.
 constexpr std::array kShares{0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97};
 /// A square counts as at most so many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
@@ -126,17 +126,20 @@ std::vector<Pass> usable_passes(const Observations& data, const std::vector<Nois
   return passes;
 }
 
-/// Correlation times tried for these passes: s, or readings.
-std::vector<double> times_tried(const std::vector<Pass>& passes, bool has_time) {
-  if (!has_time) return {kTimes_readings.begin(), kTimes_readings.end()};
+/// Median time from one reading of a pass to the next [s]; kBeyondAll where there is no time.
+double interval_between(const std::vector<Pass>& passes, bool has_time) {
   std::vector<double> intervals;
   for (const Pass& pass : passes)
-    for (std::size_t i = 1; i < pass.time.size(); ++i)
+    for (std::size_t i = 1; has_time && i < pass.time.size(); ++i)
       if (pass.time[i] > pass.time[i - 1]) intervals.push_back(pass.time[i] - pass.time[i - 1]);
+  return intervals.empty() ? kBeyondAll : std::max(upper_median(std::move(intervals)), kShortest_s);
+}
+
+/// Correlation times tried: s, or readings.
+std::vector<double> times_tried(bool has_time, double interval_s) {
+  if (!has_time) return {kTimes_readings.begin(), kTimes_readings.end()};
   std::vector<double> times(kTimes_s.begin(), kTimes_s.end());
-  if (intervals.empty()) return times;
-  const double least = std::max(upper_median(std::move(intervals)), kShortest_s);
-  for (double time = 0.5 * kTimes_s.front(); time >= least; time *= 0.5) times.push_back(time);
+  for (double time = 0.5 * kTimes_s.front(); time >= interval_s; time *= 0.5) times.push_back(time);
   return times;
 }
 
@@ -303,7 +306,8 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
   const double slow = data.time_s.empty() ? kReadings : kSlow_s;
   const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation, slow), groups.size());
   std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
-  for (const double time : times_tried(passes, !data.time_s.empty()))
+  const double interval_s = interval_between(passes, !data.time_s.empty());
+  for (const double time : times_tried(!data.time_s.empty(), interval_s))
     for (const double share : kShares) shapes.push_back({share, time, 0.0, {}});
   double most = -kBeyondAll;
   std::vector<double> scatter;
@@ -364,7 +368,7 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
   for (NoiseShape& shape : shapes) weigh(shape);
   const NoiseShape best = *std::max_element(
       shapes.begin(), shapes.end(), [](const NoiseShape& a, const NoiseShape& b) { return a.weight < b.weight; });
-  if (!data.time_s.empty() && best.share > 0.0 && best.time < kTimes_s.front())
+  if (best.share > 0.0 && best.time < kTimes_s.front() && best.time >= kResolved * interval_s)
     for (const double time : {best.time / std::numbers::sqrt2, best.time * std::numbers::sqrt2})
       for (const double share : kShares) weigh(shapes.emplace_back(NoiseShape{share, time, 0.0, {}}));
   double sum = 0.0;
