@@ -37,8 +37,10 @@ VectorXd PivotedQr::share(Index i) const {
 }
 
 VectorXd PivotedQr::solve(const VectorXd& y) const {
-  if (rank_ == 0) return VectorXd::Zero(qr_.cols());
-  return qr_.solve(y);
+  VectorXd sizes = VectorXd::Zero(qr_.cols());  // Eigen's own divides by pivots that are nothing but rounding
+  const VectorXd independent = independent_sizes(y);
+  for (Index i = 0; i < rank_; ++i) sizes(place(i)) = independent(i);
+  return sizes;
 }
 
 MatrixXd PivotedQr::inverse_gram() const {

@@ -1,6 +1,8 @@
 // Decompositions where there is nothing to decompose.
 #include "model/linear/decompositions.hpp"
 
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 namespace ecs::model {
@@ -45,6 +47,22 @@ TEST_CASE("of columns that are alike the first is the one that counts, whatever 
     CHECK(qr.rank() == 1);
     CHECK(qr.place(0) == 0);
   }
+}
+
+TEST_CASE("a solution leaves the least where columns depend on each other") {
+  constexpr Eigen::Index kRows = 40;
+  Eigen::MatrixXd columns(kRows, 9);
+  Eigen::VectorXd y(kRows);
+  for (Eigen::Index k = 0; k < kRows; ++k) {
+    const double p = static_cast<double>(k) / kRows;
+    for (Eigen::Index j = 0; j < 5; ++j) columns(k, j) = std::cos(static_cast<double>(j) * 3.0 * p);
+    for (Eigen::Index j = 5; j < 9; ++j) columns(k, j) = columns(k, j - 5) / 3.0 - 0.1 * columns(k, j - 4);
+    y(k) = std::sin(50.0 * p);
+  }
+  const PivotedQr qr(columns);
+  CHECK(qr.rank() == 5);
+  const Eigen::VectorXd left = y - columns * qr.solve(y);
+  CHECK((columns.transpose() * left).norm() < 1e-9);
 }
 
 TEST_CASE("columns of zeros have rank 0 and a solution of zeros") {
