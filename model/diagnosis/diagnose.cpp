@@ -51,6 +51,9 @@ constexpr double kSpeaksFor = 1.0;
 /// A model fails where repeats say so at this level; without repeats what it leaves is no noise where readings left out
 /// are missed by more than so many times the rms of those fitted: two, for four times the squares are no chance.
 constexpr double kLackOfFitLevel = 0.01, kMostHeldOut = 2.0;
+constexpr std::size_t kPartsLeftOut = 5;
+/// What is left below this is rounding: no instrument reads a nanometre [um].
+constexpr double kNothingLeft_um = 1e-3;
 
 double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
 
@@ -434,18 +437,17 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   const auto lack_of_fit = lack_of_fit_of(data, in.base.residual, in.base.core.noise, in.base.core.left_out,
                                           static_cast<double>(in.base.core.rank));
   const double rms_um = rms_without(in.base.residual, in.base.core.left_out);
+  if (rms_um < kNothingLeft_um) return "";
   if (lack_of_fit && lack_of_fit->p < kLackOfFitLevel)
     return fmt::format(
         "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure more places",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
-  const auto held_out = [&](const Parts& parts) {
-    return held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
-  };
-  double held_out_um = held_out(parts_of(data));
-  if (held_out_um > kMostHeldOut * rms_um && has_targets_to_leave_out(data))  // between targets rather than beyond them
-    held_out_um = std::min(held_out_um, held_out(parts_by_target(data)));
+  Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
+  for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;
+  const double held_out_um =
+      held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
   if (held_out_um <= kMostHeldOut * rms_um) return "";
   return fmt::format(
       "nothing was repeated, and readings left out of the fit are missed by {:.3g} {}, those in it by {:.3g}: measure "

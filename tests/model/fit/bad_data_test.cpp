@@ -65,14 +65,15 @@ void check_nothing_named(const Diagnosis& found) {
 /// Whatever is named stands for a true cause.
 void check_only(const Diagnosis& found, const std::vector<std::string>& true_places) {
   for (const Candidate& c : found.candidates) {
-    if (!c.named) continue;
+    if (!c.in_answer()) continue;
     const bool right = std::any_of(true_places.begin(), true_places.end(), [&](const auto& t) { return names(c, t); });
     CHECK_MESSAGE(right, "named ", to_text(c.effect));
   }
 }
 
 void check_found(const Diagnosis& found, const std::string& true_place) {
-  CHECK(found.verdict == missing_effect);
+  CHECK((found.verdict == missing_effect || found.verdict == likely_effect));
+  CHECK((!found.candidates.empty() && found.candidates.front().in_answer()));
   check_only(found, {true_place});
 }
 
