@@ -381,7 +381,8 @@ void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagno
   take_repetition(next, in);
 }
 
-Result<void> ask_power(NextMeasurement& next, const Setting& in) {
+/// @param few  too few readings to say whether the model is adequate
+Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
   const WithProposals all = with_proposals(part, options);
@@ -393,17 +394,18 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in) {
   const double noise_um = belief->noise.pure.noise_um;
   if (unseen.empty()) {
     next.notes.push_back(fmt::format(
-        "nothing to separate: the model is adequate, and any cause of one size as large as the noise of one reading "
-        "({:.2g} {}) would have been seen",
+        "nothing to separate: any cause of one size as large as the noise of one reading ({:.2g} {}) would have been "
+        "seen",
         noise_um, part.reading_unit()));
     return {};
   }
   std::vector<std::string> names;
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
-  next.notes.push_back(fmt::format(
-      "the model is adequate, but these could be there unseen, as large as the noise of one reading ({:.2g} {}): {}",
-      noise_um, part.reading_unit(), fmt::join(names, ", ")));
+  next.notes.push_back(
+      fmt::format("{} these could be there unseen, as large as the noise of one reading ({:.2g} {}): {}",
+                  few ? "too few readings to say whether anything is missing;" : "the model is adequate, but", noise_um,
+                  part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, *belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
@@ -471,14 +473,15 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   Result<void> asked;
   const bool is_named = diagnosis.verdict == Verdict::missing_effect ||
                         diagnosis.verdict == Verdict::partly_explained || diagnosis.verdict == Verdict::likely_effect;
-  if (diagnosis.verdict == Verdict::cannot_tell)
+  const bool few = diagnosis.verdict == Verdict::cannot_tell && diagnosis.candidates_tried == 0;  // not even searched
+  if (diagnosis.verdict == Verdict::cannot_tell && !few)
     ask_again(next, setting, diagnosis);
   else if (is_named && !diagnosis.candidates.empty())
     asked = ask_group(next, setting, open_group(diagnosis));
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
-    asked = ask_power(next, setting);
+    asked = ask_power(next, setting, few);
   if (!asked) next.notes.push_back(to_text(asked.error()));
   return next;
 }

@@ -111,7 +111,7 @@ TEST_CASE("three readings, no machine, no times, no approach: an answer without 
   CHECK_FALSE(next_measurement(model, Observations{}, Diagnosis{}).notes.empty());
 }
 
-TEST_CASE("an adequate model with few readings says what it could not have seen, and what would show it") {
+TEST_CASE("a model with too few readings says what it could not have seen, and what would show it") {
   Plan plan;
   plan.targets = 6;
   plan.runs = 1;
@@ -124,7 +124,7 @@ TEST_CASE("an adequate model with few readings says what it could not have seen,
   const Observations data = observations_of(set, model, mill());
   const auto found = diagnose(model, data);
   REQUIRE(found);
-  REQUIRE(found->verdict == Verdict::adequate);
+  REQUIRE(found->verdict == Verdict::cannot_tell);
   const NextMeasurement next = next_measurement(model, data, *found);
   CHECK(next.rivals.size() >= 2);
   REQUIRE_FALSE(next.proposals.empty());
