@@ -43,6 +43,9 @@ constexpr double kFewestSpare = 6.0;
 /// A credible set holds the cause with this probability; proved causes explain the residual in part from this share of
 /// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
 constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
+/// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than
+/// half of it along the travel does (1 - 1/12).
+constexpr double kNearlyAll = 0.9;
 /// Least share of what an effect explains that it predicts at left-out targets where more is left than noise: as where
 /// nothing but the effect speaks against noise (investigation.hpp).
 constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
@@ -356,6 +359,21 @@ bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
   return are_pitches_or_fractions(found.families, members);
 }
 
+/// The wave that explains nearly all by itself, although a weak one beside it beats with it or it changes a little: of
+/// a wave whose size grows from nothing the best steady one explains three quarters. Nothing where there is none.
+std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
+  const Found& found = in.found;
+  if (found.bad_run) return std::nullopt;
+  for (std::size_t g = 0; g < found.groups.size(); ++g) {
+    const Group& group = found.groups[g];
+    if (found.families[group.member.family].effect.traits().periodic && group.denied &&
+        group.e_value.value_or(0.0) >= kProved && share_of_found(in, {g}) >= kNearlyAll &&
+        predicts_at_targets(in, {g}, g))
+      return g;
+  }
+  return std::nullopt;
+}
+
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
 /// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide. Where
 /// more is left, noise replicates decide nothing: likely is what those readings speak for.
@@ -378,10 +396,16 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
     if (!may_be_part(found, proved)) proved.clear();
   }
+  if (proved.empty())
+    if (const auto wave = nearly_steady_wave(in)) proved.push_back(*wave);
   for (const std::size_t g : proved) standings[g] = Standing::proved;
   std::vector<std::size_t> all = proved;
   all.insert(all.end(), likely.begin(), likely.end());
-  if (!explained && (!may_be_part(found, all) || share_of_found(in, all) < kPartExplained)) return standings;
+  if (!explained) {  // beyond what is proved
+    const double before = proved.empty() ? 0.0 : share_of_found(in, proved);
+    const double beyond = (share_of_found(in, all) - before) / std::max(1.0 - before, kLeastDivisor);
+    if (!may_be_part(found, all) || beyond < kPartExplained) return standings;
+  }
   for (const std::size_t g : likely) standings[g] = Standing::likely;
   return standings;
 }

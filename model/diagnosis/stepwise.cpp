@@ -43,6 +43,8 @@ constexpr double kLeastProgress = 0.01;
 constexpr double kNearGain = 0.8, kNearGainMovable = 0.5;
 /// Fits of equal evidence may differ by three times what cannot be told apart, where the other is simpler.
 constexpr double kSimplerMargin = 3.0 * kIndistinguishable;
+/// A rotation explains this share of what two opposite slopes explain where one is half of the other.
+constexpr double kMostOfBoth = 0.9;
 /// Weaker explanations kept for the list of a group.
 constexpr std::size_t kMostWeaker = 6;
 /// Values of a searched parameter listed, at the utmost; a peak on the grid may be lower than itself refined by this
@@ -222,7 +224,9 @@ bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, c
   return both.definition().place == Place::set_up && one.sense != other.sense;
 }
 
-/// One effect in the place of two of which each is a part of it, where that is as good.
+/// One effect in the place of two of which each is a part of it, where that is as good. Slopes of both senses that are
+/// nearly equal and opposite are a rotation of the set-up, which hardly anybody avoids, and beside it the small rest of
+/// one of them: the same readings, and no coincidence.
 Solution merged(const Search& search, Solution best, double entry_score) {
   const auto instance = [&](const Choice& choice) -> const EffectInstance& {
     return search.families()[choice.family].effect;
@@ -237,6 +241,12 @@ Solution merged(const Search& search, Solution best, double entry_score) {
         Solution tried = search.refined(with(rest.chosen, choice), rest.own);
         if (choice.gain > 0.0 && worth(tried, entry_score) >= worth(best, entry_score))
           return merged(search, std::move(tried), entry_score);
+        if (both.definition().place != Place::set_up || instance(best.chosen[i]).definition().place == Place::set_up ||
+            choice.gain < kMostOfBoth * (rest.space.chi2() - best.space.chi2()))
+          continue;
+        const std::size_t kept = best.chosen[i].gain < best.chosen[j].gain ? i : j;  // what it is beside the rotation
+        tried = search.refined(with(with(rest.chosen, choice), best.chosen[kept]), rest.own);
+        if (worth(tried, entry_score) >= worth(best, entry_score) - kIndistinguishable) return tried;
       }
     }
   return best;
@@ -349,8 +359,16 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // of equals the one with fewer parameters, then the one that comes first in the library
+    const auto instance = [&](const Choice& choice) -> const EffectInstance& {
+      return search.families()[choice.family].effect;
+    };
+    // of equals the one with fewer parameters, then the one that comes first in the library; a rotation that stands for
+    // slopes of both senses stays
     for (Choice& rival : group.rivals) {
+      const bool is_part = std::any_of(rest.chosen.begin(), rest.chosen.end(), [&](const Choice& other) {
+        return may_stand_for_both(instance(group.member), instance(rival), instance(other));
+      });
+      if (is_part) continue;
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
       if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;

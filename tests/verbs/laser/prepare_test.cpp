@@ -1,4 +1,6 @@
 // `ecs laser prepare`.
+#include <fmt/format.h>
+
 #include "tests/support/test.hpp"
 #include "tests/support/verb_run.hpp"
 
