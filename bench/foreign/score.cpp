@@ -125,7 +125,8 @@ const Json* stands_for(const Json& hidden, const std::vector<Json>& named, const
 }
 
 bool says_causes(const Answer& answer) {
-  return answer.verdict == "missing_effect" || answer.verdict == "likely_effect" || answer.verdict == "partly_explained";
+  return answer.verdict == "missing_effect" || answer.verdict == "likely_effect" ||
+         answer.verdict == "partly_explained";
 }
 
 bool right_names(const Json& truth, const Answer& answer, const Names& rivals) {

@@ -1,8 +1,9 @@
 // Scores `ecs model diagnose` on written cases (its JSON: docs/verbs.md). The rules:
-//  - Rows with hidden effects: right if the verdict is missing_effect, likely_effect or partly_explained and the effects
-//    proved or likely, here called named, are exactly the hidden ones. A hidden effect counts as named too where a rival that the case's own algebra lists as
-//    required or allowed is named in its place and the answer's group holds the truth. A cyclic must have its approach,
-//    a thermal effect its sensor.
+//  - Rows with hidden effects: right if the verdict is missing_effect, likely_effect or partly_explained and the
+//  effects
+//    proved or likely, here called named, are exactly the hidden ones. A hidden effect counts as named too where a
+//    rival that the case's own algebra lists as required or allowed is named in its place and the answer's group holds
+//    the truth. A cyclic must have its approach, a thermal effect its sensor.
 //  - `adequate` on a hidden effect: right only where a least-squares fit that knows the effect has p > 0.01.
 //  - confounded: right if the first candidate and its indistinguishable_from hold the truth and every required rival,
 //    and nothing that is neither required nor allowed.

@@ -279,16 +279,24 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
                                          std::all_of(found.groups.begin(), found.groups.end(), [](const Group& group) {
                                            return group.e_value.value_or(0.0) >= kProved;
                                          }));
-  const bool of_waves = !found.bad_run && !found.objection.empty();
-  for (std::size_t i = 0; i < chosen.size(); ++i) {  // a step that waves need is as little a cause as they are
-    const EffectDefinition& definition = found.families[chosen[i].family].effect.definition();
-    const bool is_jump = definition.traits.shape_of_position && !definition.search.has_slope;
-    if (of_waves && (definition.traits.periodic || is_jump)) found.groups[i].denied = true;
-  }
+  const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
+    return found.families[chosen[i].family].effect;
+  };
+  // a step that waves need, or another wave on their line, is as little a cause as they are
+  const auto deny_beside_waves = [&](const auto& is_on_line) {
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const EffectDefinition& definition = effect_of_member(i).definition();
+      const bool is_jump = definition.traits.shape_of_position && !definition.search.has_slope;
+      if ((definition.traits.periodic || is_jump) && is_on_line(effect_of_member(i))) found.groups[i].denied = true;
+    }
+  };
+  if (!found.bad_run && !found.objection.empty()) deny_beside_waves([](const EffectInstance&) { return true; });
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
     found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
-    found.groups[i].denied = !found.objection.empty();
+    if (found.objection.empty()) continue;
+    const EffectInstance& wave = effect_of_member(i);
+    deny_beside_waves([&](const EffectInstance& one) { return one.axis == wave.axis && one.sense == wave.sense; });
   }
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
 }

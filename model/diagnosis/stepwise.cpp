@@ -363,10 +363,11 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       return search.families()[choice.family].effect;
     };
     // of equals the one with fewer parameters, then the one that comes first in the library; a rotation that stands for
-    // slopes of both senses stays
+    // slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
       const bool is_part = std::any_of(rest.chosen.begin(), rest.chosen.end(), [&](const Choice& other) {
-        return may_stand_for_both(instance(group.member), instance(rival), instance(other));
+        return may_stand_for_both(instance(group.member), instance(rival), instance(other)) ||
+               may_stand_for_both(instance(other), instance(group.member), instance(rival));
       });
       if (is_part) continue;
       const bool same_evidence =

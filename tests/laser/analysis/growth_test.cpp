@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/file.hpp"
 #include "tests/support/readings.hpp"
 
 using namespace ecs;
@@ -109,4 +110,16 @@ TEST_CASE("several targets, or readings without times, are no growth at one targ
   MeasurementSet untimed = warmed(0.0, 0.0);
   untimed.readings[5].time_s.reset();
   CHECK_FALSE(growth_of(untimed, groups_of(untimed).front()).has_value());
+}
+
+TEST_CASE("six warm-ups with clocks of their own, as a file has them: the lag is that of one warm-up") {
+  const auto text = read_file("samples/made_up/runs_from_zero.csv");
+  REQUIRE(text);
+  const auto set = parse_measurement_set(*text, "runs_from_zero.csv");
+  REQUIRE(set);
+  const Growth growth = growth_in(*set);
+  CHECK(growth.stretches == 6);
+  REQUIRE(growth.sensors.size() == 1);
+  CHECK(std::abs(growth.sensors[0].lag_s) < 600.0);  // 2080 s where the six are taken as one
+  CHECK(growth.sensors[0].rms_left < 0.1 * growth.range);
 }

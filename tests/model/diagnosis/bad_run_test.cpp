@@ -214,9 +214,8 @@ namespace {
 /// Readings of eight runs, 50 a run, whose means are these.
 std::optional<StepOfRuns> step_in(const std::vector<double>& means_um, double noise_um = 0.4) {
   Plan plan = line_of_runs(static_cast<int>(means_um.size()), 25);
-  const auto set = measured(plan, noise_um, [&](const laser::Reading& r) {
-    return means_um[static_cast<std::size_t>(r.run) - 1];
-  });
+  const auto set =
+      measured(plan, noise_um, [&](const laser::Reading& r) { return means_um[static_cast<std::size_t>(r.run) - 1]; });
   const Observations data = observations_of(set, straight(), mill());
   const VectorXd residual = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
   return step_of_runs(data, residual, std::vector<bool>(data.size()));

@@ -61,6 +61,23 @@ TEST_CASE("a proved cause is named beside structure that nothing explains: partl
   }
 }
 
+TEST_CASE("a wave whose size changes a little along the travel is named, one that grows from nothing is not") {
+  const auto found_with = [](double change) {
+    return diagnosed(straight(), measured({.step_mm = 10.0, .targets = 101}, kNoise_um, [=](const laser::Reading& r) {
+                       const double u = p(r) / 500.0 - 1.0;  // -1 to 1
+                       return 8.0 * (1.0 + change * u) * std::sin(2.0 * std::numbers::pi * p(r) / 90.0);
+                     }));
+  };
+  const Diagnosis steady = found_with(0.3);
+  CHECK(steady.verdict == Verdict::partly_explained);
+  REQUIRE(named_causes(steady) == 1);
+  CHECK(to_text(steady.candidates.front().effect) == "cyclic:X:EX");
+  CHECK(steady.candidates.front().parameters.front().value == doctest::Approx(90.0).epsilon(0.01));
+  const Diagnosis growing = found_with(1.0);
+  CHECK(growing.verdict == Verdict::unexplained_structure);
+  CHECK(named_causes(growing) == 0);
+}
+
 TEST_CASE("an adequate model lists the closest candidates with their probability, none of them named") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, nothing, seed));
