@@ -182,7 +182,7 @@ double rms_about_centre(const laser::CircleTest& test) {
   std::size_t count = 0;
   for (const laser::CirclePass& pass : laser::circle_values_of(test).passes)
     for (const laser::CircleReading& reading : pass.readings) {
-      const double left = laser::deviation_at(pass, reading.angle_deg) - pass.mean_um;
+      const double left = laser::deviation_at(pass, reading.angle_deg, pass.centre_um) - pass.mean_um;
       squares += left * left;
       ++count;
     }

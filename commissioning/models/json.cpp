@@ -89,10 +89,11 @@ std::optional<EffectInstance> effect_in(const Json& object) {
 
 Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   if (!test) return null_cell("too few repeats to judge");
-  constexpr double kLevel = 0.01;  // below, repeats say that the model is not right
   return record_cell("F = {F}, p = {p}: {word}", {{"F", {number_or_null(test->F), few_digits(test->F)}},
                                                   {"p", {number_or_null(test->p), fmt::format("{:.1g}", test->p)}},
-                                                  {"word", shown_cell(test->p < kLevel ? "fails" : "holds")}});
+                                                  {"word", shown_cell(test->fails()         ? "fails"
+                                                                      : test->is_in_doubt() ? "in doubt"
+                                                                                            : "holds")}});
 }
 
 AnswerFields fields_of(const ParameterEstimate& p) {

@@ -51,9 +51,9 @@ constexpr double kNearlyAll = 0.9;
 constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
 /// Readings that an effect was not fitted to speak for it from this e-value on.
 constexpr double kSpeaksFor = 1.0;
-/// A model fails where repeats say so at this level; without repeats what it leaves is no noise where readings left out
-/// are missed by more than so many times the rms of those fitted: two, for four times the squares are no chance.
-constexpr double kLackOfFitLevel = 0.01, kMostHeldOut = 2.0;
+/// Without repeats what a model leaves is no noise where readings left out are missed by more than so many times the
+/// rms of those fitted: two, for four times the squares are no chance.
+constexpr double kMostHeldOut = 2.0;
 constexpr std::size_t kPartsLeftOut = 5;
 /// What is left below this is rounding: no instrument reads a nanometre [um].
 constexpr double kNothingLeft_um = 1e-3;
@@ -462,7 +462,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
                                           static_cast<double>(in.base.core.rank));
   const double rms_um = rms_without(in.base.residual, in.base.core.left_out);
   if (rms_um < kNothingLeft_um) return "";
-  if (lack_of_fit && lack_of_fit->p < kLackOfFitLevel)
+  if (lack_of_fit && lack_of_fit->fails())
     return fmt::format(
         "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure more places",

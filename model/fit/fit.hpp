@@ -38,7 +38,11 @@ struct PureError {
 
 struct LackOfFit {
   double F = 0.0;
-  double p = 1.0;
+  double p = 1.0;  ///< nominal: of normal noise without correlation
+  /// Repeats say that the model is not right. Heavy tails, rounding and correlation make small p commoner: one in ten
+  /// thousand fails, below one in a hundred is in doubt.
+  [[nodiscard]] bool fails() const { return p < 1e-4; }
+  [[nodiscard]] bool is_in_doubt() const { return p < 0.01 && !fails(); }
 };
 
 struct Correlation {
