@@ -164,10 +164,12 @@ std::string closest_text(const Diagnosis& d) {
 /// What adding the likely effects would do, and how.
 std::string add_text(const Diagnosis& d) {
   if (!d.add) return {};
+  const bool proved =
+      std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
   return "\n" +
-         paragraph(fmt::format("To try it: add {} with `ecs model add`. On readings left out of the fit the residual "
+         paragraph(fmt::format("To try it: add {}{} with `ecs model add`. On readings left out of the fit the residual "
                                "is then expected to {} from {:.3g} to {:.3g} {} rms.",
-                               fmt::join(d.add->effects, ", then "),
+                               proved ? "what is proved, then " : "", fmt::join(d.add->effects, ", then "),
                                d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
                                d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
                    0, 2);

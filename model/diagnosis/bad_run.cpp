@@ -125,16 +125,16 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
   return worst;
 }
 
-std::string words_for(const NoisyRun& run) {
+std::string words_for(const NoisyRun& run, std::string_view unit) {
   if (run.shifted)
-    return fmt::format("run {} lies {:+.2g} um off the model, {:.2g} times as far as the others", run.run, run.off_um,
-                       run.ratio);
+    return fmt::format("run {} lies {:+.2g} {} off the model, {:.2g} times as far as the others", run.run, run.off_um,
+                       unit, run.ratio);
   return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
 }
 
 std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
                                        const std::vector<bool>& left_out) {
-  constexpr std::size_t kFewestRunsOfStep = 5;
+  constexpr std::size_t kFewestRunsOfStep = 4;
   struct Run {
     int number = 0;
     double readings = 0.0, time = 0.0, mean = 0.0, squares = 0.0;

@@ -28,7 +28,7 @@ struct NoisyRun {
   bool shifted = false;  ///< the mean is more of it than the scatter about the mean
 };
 /// "run 5 scatters 3 times as much as the others", or "run 5 lies -3.9 um off the model, …" where it is shifted.
-[[nodiscard]] std::string words_for(const NoisyRun& run);
+[[nodiscard]] std::string words_for(const NoisyRun& run, std::string_view unit);
 /// The run of three or more that scatters more than the others, far beyond what chance does.
 /// Both residuals must show it: whitening may mistake one run, correlated noise the other.
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted
@@ -41,7 +41,7 @@ struct StepOfRuns {
   double height_um = 0.0;     ///< beside a trend over the runs, um or um/m
 };
 /// The step between two runs, beside a trend in time, if it explains a hundred times better than the offset of any one
-/// run does; nothing with fewer than five runs, where a trend and a step fit anything.
+/// run does; nothing with fewer than four runs, where a trend and a step fit anything.
 /// @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
                                                      const std::vector<bool>& left_out);

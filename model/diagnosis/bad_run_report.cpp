@@ -50,7 +50,7 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
                          const VectorXd& residual) {
   const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
   if (found.noisy) {
-    std::string words = words_for(*found.noisy);
+    std::string words = words_for(*found.noisy, diagnosis.noise.unit);
     words.front() = 'R';
     return first(words);
   }

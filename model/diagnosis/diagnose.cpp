@@ -13,6 +13,7 @@
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/trial.hpp"
+#include "model/diagnosis/wander.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
@@ -44,8 +45,8 @@ constexpr double kFewestSpare = 6.0;
 /// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
 constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
 /// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than
-/// half of it along the travel does (1 - 1/12).
-constexpr double kNearlyAll = 0.9;
+/// two fifths of it along the travel does (1 - 0.16/3).
+constexpr double kNearlyAll = 0.95;
 /// Least share of what an effect explains that it predicts at left-out targets where more is left than noise: as where
 /// nothing but the effect speaks against noise (investigation.hpp).
 constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
@@ -374,6 +375,19 @@ std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
   return std::nullopt;
 }
 
+/// A curve, or what looks like one, beside which the residual still depends on the position along the same axis: the
+/// shape as a whole is no smooth one, and a curve follows the most of any (physics: faster shapes are other effects).
+bool bends_to_structure(const Found& found, std::size_t g, const Observations& data) {
+  const auto is_curve = [&](const Choice& choice) { return found.families[choice.family].effect.traits().is_curve; };
+  const Group& group = found.groups[g];
+  const std::optional<Axis>& axis = found.families[group.member.family].effect.axis;
+  if (!axis || (!is_curve(group.member) && std::none_of(group.rivals.begin(), group.rivals.end(), is_curve)))
+    return false;
+  return std::any_of(found.after.begin(), found.after.end(), [&](const StructureTest& test) {
+    return test.variable == data.position_name(*axis) && probability_from(test.minus_log_p) < kTellingChance;
+  });
+}
+
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
 /// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide. Where
 /// more is left, noise replicates decide nothing: likely is what those readings speak for.
@@ -387,17 +401,18 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     if (group.denied) continue;
     if (!group.wander && (group.e_value ? *group.e_value >= kProved : explained))
       proved.push_back(g);
-    else if ((explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
+    else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
+             (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
              tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
   if (!explained) {
     const std::vector<std::size_t> all = proved;
     std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
+    std::erase_if(proved, [&](std::size_t g) { return bends_to_structure(found, g, in.regressors.data()); });
     if (!may_be_part(found, proved)) proved.clear();
   }
-  if (proved.empty())
-    if (const auto wave = nearly_steady_wave(in)) proved.push_back(*wave);
+  if (const auto wave = nearly_steady_wave(in)) proved.insert(proved.begin(), *wave);
   for (const std::size_t g : proved) standings[g] = Standing::proved;
   std::vector<std::size_t> all = proved;
   all.insert(all.end(), likely.begin(), likely.end());
@@ -410,9 +425,13 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   return standings;
 }
 
+bool found_proved(const std::vector<Standing>& standings) {
+  return std::find(standings.begin(), standings.end(), Standing::proved) != standings.end();
+}
+
 Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings, bool noise) {
   if (standings.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
-  if (in.found.bad_run) return Verdict::unexplained_structure;
+  if (in.found.bad_run || (in.found.step && !found_proved(standings))) return Verdict::unexplained_structure;
   std::vector<std::size_t> proved;
   bool likely = false, all_said = true;
   for (std::size_t g = 0; g < standings.size(); ++g) {
@@ -483,7 +502,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
   if (!found.doubt.empty()) return found.doubt;
-  if (found.noisy) return words_for(*found.noisy) + ": look at that run first";
+  if (found.noisy) return words_for(*found.noisy, found.noise.pure.unit) + ": look at that run first";
   if (found.odd_pass)
     return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
                        found.odd_pass->run, found.odd_pass->off_um);

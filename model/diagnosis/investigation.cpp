@@ -373,7 +373,7 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
 
 bool noise_changed(const Observations& data, const VectorXd& residual, bool plain, NoiseModel& noise,
                    std::vector<bool>& left_out) {
-  std::vector<bool> outliers = plain ? left_out : isolated_outliers(data, residual);
+  std::vector<bool> outliers = plain ? left_out : rows_left_out(data, residual);
   NoiseModel again = noise_of(data, residual, outliers);
   if (outliers == left_out && !changed(noise, again)) return false;
   left_out = std::move(outliers);

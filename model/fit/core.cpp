@@ -509,7 +509,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     const MatrixXd columns = assembly.columns();
     if (columns.cols() > 0) residual -= columns * now.sizes;
     if (options.plain) break;
-    const std::vector<bool> outliers = isolated_outliers(data, residual);
+    const std::vector<bool> outliers = rows_left_out(data, residual);
     if (outliers == core.left_out && round > 0) break;
     core.left_out = outliers;
   }

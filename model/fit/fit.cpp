@@ -298,8 +298,9 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   fit.condition = core.condition;
   name_undetermined(assembly, core, fit);
   add_correlations(assembly, core, fit);
+  const std::vector<bool> unknown = of_unknown_approach(data);
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (core.left_out[k]) fit.outliers.push_back(data.row[k]);
+    if (core.left_out[k] && !unknown[k]) fit.outliers.push_back(data.row[k]);
   std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.noise = core.noise.pure;
   for (const NoiseGroup& group : core.noise.groups)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <tuple>
 
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
@@ -201,6 +202,30 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
   keep_streaks(data, oddness, out);
   keep_after_reversal(data, out);
   keep_on_circles(data, out);
+  return out;
+}
+
+std::vector<bool> of_unknown_approach(const Observations& data) {
+  constexpr std::size_t kReadingsAnUnknown = 5;
+  std::map<std::tuple<Channel, Axis, int>, std::pair<std::size_t, std::size_t>> runs;  // unknown, of all
+  const auto key = [&](std::size_t k) { return std::tuple(data.channel(k), data.axis[k], data.run[k]); };
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    auto& [unknown, all] = runs[key(k)];
+    unknown += data.approach[k] == 0 ? 1U : 0U;
+    ++all;
+  }
+  std::vector<bool> out(data.size(), false);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto& [unknown, all] = runs[key(k)];
+    out[k] = data.approach[k] == 0 && !data.on_path(k) && kReadingsAnUnknown * unknown <= all;
+  }
+  return out;
+}
+
+std::vector<bool> rows_left_out(const Observations& data, const Eigen::VectorXd& residual) {
+  std::vector<bool> out = isolated_outliers(data, residual);
+  const std::vector<bool> unknown = of_unknown_approach(data);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = out[k] || unknown[k];
   return out;
 }
 

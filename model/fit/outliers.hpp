@@ -15,4 +15,11 @@ namespace ecs::model {
 /// @param residual  readings less what the model says, um or um/m
 [[nodiscard]] std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual);
 
+/// Readings of unknown approach in a run whose other readings, four fifths or more, have one, as its first reading: an
+/// effect of approach acts on them with a sign that nobody knows, so they judge none.
+[[nodiscard]] std::vector<bool> of_unknown_approach(const Observations& data);
+
+/// Both of these.
+[[nodiscard]] std::vector<bool> rows_left_out(const Observations& data, const Eigen::VectorXd& residual);
+
 }  // namespace ecs::model
