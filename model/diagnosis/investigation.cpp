@@ -282,21 +282,25 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
   };
-  // a step that waves need, or another wave on their line, is as little a cause as they are
-  const auto deny_beside_waves = [&](const auto& is_on_line) {
+  // a step that waves need, or another wave beside them, is as little a cause as they are
+  const auto deny_waves_and_jumps = [&](const auto& is_meant) {
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const EffectDefinition& definition = effect_of_member(i).definition();
       const bool is_jump = definition.traits.shape_of_position && !definition.search.has_slope;
-      if ((definition.traits.periodic || is_jump) && is_on_line(effect_of_member(i))) found.groups[i].denied = true;
+      if ((definition.traits.periodic || is_jump) && is_meant(i)) found.groups[i].denied = true;
     }
   };
-  if (!found.bad_run && !found.objection.empty()) deny_beside_waves([](const EffectInstance&) { return true; });
+  if (!found.bad_run && !found.objection.empty()) deny_waves_and_jumps([](std::size_t) { return true; });
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
     found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
     if (found.objection.empty()) continue;
     const EffectInstance& wave = effect_of_member(i);
-    deny_beside_waves([&](const EffectInstance& one) { return one.axis == wave.axis && one.sense == wave.sense; });
+    deny_waves_and_jumps([&](std::size_t j) {  // a pitch of the machine needs no other wave
+      const EffectInstance& one = effect_of_member(j);
+      const bool is_pitch = one.traits().periodic && is_pitch_or_no_wave(found.families[chosen[j].family], chosen[j]);
+      return one.axis == wave.axis && one.sense == wave.sense && (j == i || !is_pitch);
+    });
   }
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
 }
