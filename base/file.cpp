@@ -59,6 +59,14 @@ std::string files_in_words(const std::filesystem::path& folder) {
                      more > 0 ? fmt::format(" and {} more", more) : "", first);
 }
 
+/// A serial line, or the terminal of an emulated unit: reading it would wait without end.
+bool is_terminal(const std::filesystem::path& path) {
+  const int handle = ::open(path.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const bool terminal = handle >= 0 && ::isatty(handle) == 1;
+  if (handle >= 0) ::close(handle);
+  return terminal;
+}
+
 Result<std::string> read_from_disc(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
@@ -67,6 +75,9 @@ Result<std::string> read_from_disc(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(status))
     return tl::unexpected(
         file_problem(ProblemKind::bad_input, path, "expected a file, found a directory" + files_in_words(path)));
+  if (std::filesystem::is_character_file(status) && is_terminal(path))
+    return tl::unexpected(
+        file_problem(ProblemKind::bad_input, path, "expected a file, found a serial line or terminal"));
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > kLargest)
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
   std::ifstream in(path, std::ios::binary);

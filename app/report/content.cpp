@@ -288,15 +288,21 @@ std::string latest(const ReportContent& content, std::string_view key) {
   return last;
 }
 
+/// Of one file: `date`, else the day of `begun`.
+template <class Source>
+std::string date_of(const Source& source) {
+  if (const auto date = laser::metadata_value(source, "date")) return *date;
+  return laser::metadata_value(source, "begun").value_or("");
+}
+
 /// Of all that went in; what is no date of ISO 8601 only where nothing else is stated.
 std::string last_date(const ReportContent& content) {
   std::vector<std::string> dates;
   for (const TableRow& row : content.rows)
     for (const auto* phase : {&row.before, &row.after})
-      if (*phase) dates.push_back(laser::metadata_value((*phase)->readings.before, "date").value_or(""));
+      if (*phase) dates.push_back(date_of((*phase)->readings.before));
   if (content.map) dates.push_back(content.map->map.header.date);
-  for (const CircleWork& circle : content.circles)
-    dates.push_back(laser::metadata_value(circle.test.metadata, "date").value_or(""));
+  for (const CircleWork& circle : content.circles) dates.push_back(date_of(circle.test.metadata));
   if (content.status) dates.push_back(content.status->taken);
   std::string last;
   for (const std::string& date : dates)

@@ -153,13 +153,13 @@ CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
   return one;
 }
 
-/// When it was measured: `# date:` of its header, else when it came into the logbook, which is said.
+/// When it was measured: `# date:` or `# begun:` of its header, else when it came into the logbook, which is said.
 std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry& entry, Certificate& certificate) {
-  constexpr std::string_view kDate = "# date:";
   const auto content = book.original(file.sha256);
-  const std::size_t at = content ? content->find(kDate) : std::string::npos;
-  if (at != std::string::npos) {
-    const std::size_t begin = at + kDate.size();
+  for (const std::string_view key : {"# date:", "# begun:"}) {
+    const std::size_t at = content ? content->find(key) : std::string::npos;
+    if (at == std::string::npos) continue;
+    const std::size_t begin = at + key.size();
     const std::string date(trimmed(std::string_view(*content).substr(begin, content->find('\n', begin) - begin)));
     if (is_iso_date(date)) return date.substr(0, kDay);
   }

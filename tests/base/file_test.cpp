@@ -199,3 +199,14 @@ TEST_CASE("a FIFO is written into, not replaced") {
   ::close(reader);
   CHECK(std::filesystem::is_fifo(fifo));
 }
+
+TEST_CASE("a serial line given as a file is refused; it is not waited for") {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(master >= 0);
+  REQUIRE(::grantpt(master) == 0);
+  REQUIRE(::unlockpt(master) == 0);
+  const auto content = read_file(::ptsname(master));
+  REQUIRE_FALSE(content);
+  CHECK(to_text(content.error()).find("expected a file, found a serial line or terminal") != std::string::npos);
+  ::close(master);
+}
