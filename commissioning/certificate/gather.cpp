@@ -96,7 +96,7 @@ const char* state_of(const Json& line) {
 }
 
 /// One line of a measurement set, what is taken off it and the answer of `laser stats` for what is left.
-struct LineToCertify {
+struct LineToCertify {  // NOLINT(bugprone-exception-escape): moves of nlohmann::json
   LineKind kind = LineKind::positioning;
   std::optional<laser::ProcessedReadings> levelled;  ///< where a slope was taken off
   std::optional<laser::Squareness> square;           ///< of a square alone
@@ -209,7 +209,7 @@ Result<LineToCertify> measured_line(const std::string& name, const laser::Measur
   if (!answer) return tl::unexpected(answer.error());
   line.answer = std::move(*answer);
   if (line.kind == LineKind::square)
-    if (auto square = laser::squareness_of(processed->before_curve)) line.square = std::move(*square);
+    if (auto square = laser::squareness_of(processed->before_curve)) line.square = *square;
   if (across && !group.rotary) line.levelled = std::move(*processed);
   return line;
 }

@@ -331,13 +331,13 @@ double share_of_found(const ReportInput& in, const std::vector<std::size_t>& cho
 bool predicts_at_targets(const ReportInput& in, const std::vector<std::size_t>& proved, std::size_t g) {
   const Observations& data = in.regressors.data();
   if (!has_targets_to_leave_out(data)) return true;
-  const auto with = [&](LinearProblem problem, std::size_t i) {
+  const auto with = [&](const LinearProblem& problem, std::size_t i) {
     const Choice& choice = in.found.groups[i].member;
     return joined_with(problem, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
   };
   LinearProblem others = in.problem;
   for (const std::size_t i : proved)
-    if (i != g) others = with(std::move(others), i);
+    if (i != g) others = with(others, i);
   const LinearProblem all = with(others, g);
   const CoreFit& core = in.base.core;
   const Whitener whitener(data, core.noise, core.left_out);

@@ -8,6 +8,7 @@
 
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
+#include "model/fit/outliers.hpp"
 #include "model/fit/profile.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
