@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -76,6 +77,27 @@ TEST_CASE("a wave whose size changes a little along the travel is named, one tha
   const Diagnosis growing = found_with(1.0);
   CHECK(growing.verdict == Verdict::unexplained_structure);
   CHECK(named_causes(growing) == 0);
+}
+
+TEST_CASE("readings of unknown approach at the beginning of runs judge no lost motion") {
+  laser::MeasurementSet set = measured({.runs = 5}, kNoise_um, [](const laser::Reading& r) { return 3.0 * d(r); });
+  int run = 0;
+  for (laser::Reading& r : set.readings)
+    if (r.run != std::exchange(run, r.run)) r.approach = Approach::unknown;
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::missing_effect);
+  REQUIRE(named_causes(found) == 1);
+  CHECK(to_text(found.candidates.front().effect) == "backlash:X:EX");
+  CHECK(found.candidates.front().parameters.front().value == doctest::Approx(6.0).epsilon(0.02));
+  CHECK(found.outliers.empty());
+}
+
+TEST_CASE("a jump of all readings between two of four runs is no drift, and no run is blamed for it") {
+  const Diagnosis found = diagnosed(
+      straight(), measured({.runs = 4}, kNoise_um, [](const laser::Reading& r) { return r.run >= 3 ? 9.0 : 0.0; }));
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  CHECK(named_causes(found) == 0);
+  CHECK_MESSAGE(found.headline.starts_with("All readings rise by 9 um between runs 2 and 3"), found.headline);
 }
 
 TEST_CASE("an adequate model lists the closest candidates with their probability, none of them named") {
