@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "base/random.hpp"
 #include "core/compiled_map.hpp"
 #include "core/tick.hpp"
 
@@ -55,13 +56,12 @@ inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values) {
 /// Transducer counts of a random walk over one metre of each axis, steps up to 20 um, reversals included.
 inline std::vector<PerAxis<std::int64_t>> random_walk(std::size_t steps) {
   std::mt19937 random(20240501);
-  std::uniform_int_distribution<std::int64_t> step(-20, 20);
   PerAxis<std::int64_t> at{-500'000, -500'000, -500'000};
   std::vector<PerAxis<std::int64_t>> walk;
   walk.reserve(steps);
   for (std::size_t i = 0; i < steps; ++i) {
     for (auto& counts : at) {
-      const std::int64_t next = counts + step(random);
+      const std::int64_t next = counts + one_of(random, 41) - 20;
       counts = next > 0 || next < -1'000'000 ? counts : next;
     }
     walk.push_back(at);

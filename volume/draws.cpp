@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.hpp"
 #include "base/units.hpp"
 #include "volume/shapes.hpp"
 #include "volume/uncertainty.hpp"
@@ -64,7 +65,7 @@ MapDraws::MapDraws(const CompensatedMachine& machine, const UncertaintyBudget& b
       generator_(seed) {}
 
 void MapDraws::next() {
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   const auto shapes = [&](double size) {
     Shapes drawn{};
     for (double& one : drawn) one = size * normal(generator_);
@@ -75,9 +76,7 @@ void MapDraws::next() {
     curve.unmeasured = shapes(u.unmeasured);
     curve.per_m = u.per_m * normal(generator_);
     double heavy_tails = 1.0;  // a few passes tell their own scatter badly: Student's t
-    if (u.pass > 0.0)
-      heavy_tails =
-          std::sqrt(u.degrees_of_freedom / std::chi_squared_distribution<double>(u.degrees_of_freedom)(generator_));
+    if (u.pass > 0.0) heavy_tails = std::sqrt(u.degrees_of_freedom / ChiSquaredDraws(u.degrees_of_freedom)(generator_));
     const laser::MapTable* before = nullptr;
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       const laser::MapTable* table = table_of(machine_.map, u.component, kSides[side]);

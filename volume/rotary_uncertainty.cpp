@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/random.hpp"
 #include "volume/curve_covariance.hpp"
 #include "volume/joint_volume.hpp"
 #include "volume/roughness.hpp"
@@ -207,7 +208,7 @@ RotaryDraws::RotaryDraws(const RotaryAxes& rotary, const RotaryBudget& budget, s
     : rotary_(rotary), budget_(budget), generator_(seed) {}
 
 RotaryErrors RotaryDraws::next() {
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   RotaryErrors drawn;
   for (std::size_t r = 0; r < kAxes; ++r)
     for (std::size_t s = 0; s < kSenseNames.size(); ++s)

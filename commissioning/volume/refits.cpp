@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "base/random.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -32,7 +34,7 @@ class DrawnNoise {
  private:
   const model::NoiseReport& noise_;
   std::mt19937_64& random_;
-  std::normal_distribution<double> normal_{};
+  NormalDraws normal_{};
   std::optional<double> last_time_;
   double slow_um_ = 0.0;
 };
@@ -45,7 +47,7 @@ class PlacesBetween {
     for (std::vector<std::size_t>& part : part_) {
       part.resize(count);
       std::iota(part.begin(), part.end(), std::size_t{0});
-      std::shuffle(part.begin(), part.end(), random);
+      shuffle(part, random);
     }
   }
   /// The middle of the part.

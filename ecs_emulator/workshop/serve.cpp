@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <poll.h>
 
+#include "base/random.hpp"
 #include "ecs_emulator/unit/battery.hpp"
 #include "ecs_emulator/unit/battery_lock.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
@@ -187,7 +188,7 @@ class RunningWorkshop {
 
 std::string code_by_chance() {
   std::random_device chance;
-  return fmt::format("{:06}", std::uniform_int_distribution<int>(0, 999'999)(chance));
+  return fmt::format("{:06}", one_of(chance, 1'000'000));
 }
 
 /// With the file of the token that a host must show.

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/random.hpp"
 #include "kinematics/machine_pose.hpp"
 #include "laser/import/time.hpp"
 #include "model/data/motions.hpp"
@@ -457,7 +458,7 @@ std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted) {
   std::mt19937_64 random(kSeed);
   const double step = static_cast<double>(readings) / static_cast<double>(wanted);
   for (std::size_t i = 0; i < wanted; ++i) {
-    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
+    const double place = (static_cast<double>(i) + uniform(random)) * step;
     const auto k = std::min(static_cast<std::size_t>(place), readings - 1);
     if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
   }

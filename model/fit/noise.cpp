@@ -406,7 +406,7 @@ SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise
       spread_(std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof)) {
   std::vector<double> weights;
   for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
-  any_ = std::discrete_distribution<std::size_t>(weights.begin(), weights.end());
+  any_ = WeightedDraws(weights);
 }
 
 Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
@@ -414,7 +414,7 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
   Eigen::MatrixXd sets = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(count));
   for (Eigen::Index b = 0; b < sets.cols(); ++b) {
     const NoiseShape& shape = noise_.shapes[any_(random_)];
-    const double widen = std::sqrt(spread_.n() / spread_(random_));
+    const double widen = std::sqrt(spread_.freedom() / spread_(random_));
     const auto memory_since = [&](std::size_t before, std::size_t k) {
       if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
       if (std::isnan(data_.time_s[k]) || std::isnan(data_.time_s[before])) return 0.0;

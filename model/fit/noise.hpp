@@ -10,6 +10,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/random.hpp"
 #include "model/data/observations.hpp"
 #include "model/fit/fit.hpp"
 
@@ -99,9 +100,9 @@ class SimulatedNoise {
   const std::vector<bool>& left_out_;
   std::vector<std::size_t> pass_;
   std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  std::discrete_distribution<std::size_t> any_;
-  std::chi_squared_distribution<double> spread_;
+  NormalDraws normal_;
+  WeightedDraws any_;
+  ChiSquaredDraws spread_;
 };
 
 /// The same noise everywhere, independent: ordinary least squares.

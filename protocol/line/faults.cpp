@@ -1,6 +1,8 @@
 // Which transaction meets which fault.
 #include "protocol/line/faults.hpp"
 
+#include "base/random.hpp"
+
 namespace ecs::protocol {
 
 std::optional<LinkFault> link_fault_named(std::string_view name) {
@@ -29,13 +31,10 @@ std::optional<LinkFault> LinkFaults::draw() {
     return static_cast<LinkFault>(i);
   }
   for (std::size_t i = 0; i < kLinkFaults; ++i)
-    if (probability_[i] > 0.0 && std::bernoulli_distribution(probability_[i])(random_))
-      return static_cast<LinkFault>(i);
+    if (probability_[i] > 0.0 && chance(random_, probability_[i])) return static_cast<LinkFault>(i);
   return std::nullopt;
 }
 
-std::size_t LinkFaults::place(std::size_t limit) {
-  return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random_);
-}
+std::size_t LinkFaults::place(std::size_t limit) { return one_of(random_, static_cast<std::uint32_t>(limit)); }
 
 }  // namespace ecs::protocol

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/lengths/length_solution.hpp"
 #include "tests/identification/support/made_lengths.hpp"
 
@@ -38,7 +39,7 @@ TEST_CASE("noise of one variance has the degrees of freedom that the readings le
   direction.col(0).setOnes();
   const model::SharedNoise shared(lengths.test, curves, direction);
   std::mt19937 generator(5);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   Eigen::MatrixXd columns(n, p);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < p; ++j) columns(i, j) = normal(generator);

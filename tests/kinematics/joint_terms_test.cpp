@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "base/random.hpp"
 #include "kinematics/machine_pose.hpp"
 #include "tests/support/random_values.hpp"
 #include "tests/support/test.hpp"
@@ -23,7 +24,7 @@ TEST_CASE("chains of linear axes have the rows of the unit's table, in its order
 
 TEST_CASE("with its rotary axes at 0 and without errors of theirs a machine errs as its linear axes do") {
   std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  UniformDraws any(-1.0, 1.0);
   for (const char* configuration : {"XYACTZ", "TXYZCB", "XCTYZB", "BXTYZ", "AXTBYZ"})
     for (const CurveKind curves : {CurveKind::carriage, CurveKind::measured}) {
       CAPTURE(configuration);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/random.hpp"
 #include "kinematics/machine_pose.hpp"
 #include "tests/kinematics/support/linuxcnc_kinematics.hpp"
 #include "tests/support/test.hpp"
@@ -36,7 +37,7 @@ RotaryGeometry& rotary(JointMachine& machine, Joint joint) { return machine.rota
 double largest_difference(const LinuxcncKinematics& linuxcnc, const JointMachine& machine,
                           const std::vector<RotaryJoint>& axes, const Vector3& shift_mm = {}) {
   std::mt19937_64 random(31);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  UniformDraws any(-1.0, 1.0);
   double largest = 0.0;
   for (int pose = 0; pose < kPoses; ++pose) {
     std::array<double, 9> joints{500.0 * any(random), 400.0 * any(random), 300.0 * any(random)};

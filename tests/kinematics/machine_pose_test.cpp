@@ -6,6 +6,7 @@
 #include <random>
 #include <tuple>
 
+#include "base/random.hpp"
 #include "tests/support/exact_joints.hpp"
 #include "tests/support/test.hpp"
 
@@ -22,7 +23,7 @@ struct Case {
 
 /// @param size  1: straightness to 40 um, angles to 60 um/m, squareness and location to 50
 Case case_of(const std::string& configuration, double size, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  UniformDraws any(-1.0, 1.0);
   const auto vector = [&](double most) { return Vector3{most * any(random), most * any(random), most * any(random)}; };
   Case made;
   made.machine.chain = *joint_chain_of(configuration);

@@ -5,11 +5,13 @@
 
 #include <Eigen/Core>
 
+#include "base/random.hpp"
+
 namespace ecs::model::test {
 
 inline Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> one;
+  NormalDraws one;
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
 }
 

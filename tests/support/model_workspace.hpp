@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "base/random.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -31,7 +32,7 @@ struct MeasuredAxis {
 /// EX along X; targets a little uneven, as ISO 230-2 asks.
 inline std::string measured_x(const TrueError& error, const MeasuredAxis& plan = {}) {
   std::mt19937_64 random(plan.seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   std::string text = plan.compensated ? "axis,sense,x_mm,reading,approach,run,time_s,compensated\n"
                                       : "axis,sense,x_mm,reading,approach,run,time_s\n";
   double time_s = 0.0;

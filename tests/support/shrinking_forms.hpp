@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/random.hpp"
 #include "laser/analysis/shrinking.hpp"
 
 namespace ecs::laser {
@@ -42,7 +43,7 @@ struct ShrinkingTrial {
 inline ShrinkingTrial shrinking_trial(const ErrorForm& form, unsigned seed) {
   constexpr int kTargets = 41, kRuns = 3;
   std::mt19937_64 generator(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   MeasurementSet set;
   for (int run = 1; run <= kRuns; ++run)
     for (const Approach approach : {Approach::forward, Approach::reverse}) {

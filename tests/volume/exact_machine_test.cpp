@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/random_values.hpp"
 #include "volume/field.hpp"
 
@@ -22,7 +23,7 @@ struct Case {
 };
 
 Case case_of(const std::string& configuration, double size, std::mt19937_64& generator) {
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  UniformDraws any(-1.0, 1.0);
   const Chain chain = *chain_of(configuration);
   Travels travel_mm{};
   for (const Axis axis : kAllAxes)

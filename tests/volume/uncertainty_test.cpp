@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/volume_machine.hpp"
 
 namespace ecs::volume {
@@ -56,7 +57,7 @@ TEST_CASE("a table that states nothing gets the noise that its roughness shows")
   CompensatedMachine machine = straight_machine();
   laser::MapTable rough{Component::EXX, Approach::unknown, {}, {}};
   std::mt19937_64 generator(5);
-  std::normal_distribution<double> normal(0.0, 1.5);
+  NormalDraws normal(0.0, 1.5);
   for (int i = 0; i <= 400; ++i) {
     rough.position_mm.push_back(2.5 * i);
     rough.compensation.push_back(30.0 * std::sin(0.01 * i) + normal(generator));

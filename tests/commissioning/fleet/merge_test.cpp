@@ -6,6 +6,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "base/random.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -28,7 +30,7 @@ TEST_CASE("q-values are those of the procedure of Benjamini and Hochberg") {
 
 TEST_CASE("of the names that stand at most five per cent are false where the p-values are valid") {
   std::mt19937_64 random(17);
-  std::uniform_real_distribution<double> uniform;
+  const UniformDraws uniform(0.0, 1.0);
   double share_sum = 0.0;
   constexpr int kTrials = 400, kMachines = 200, kChanged = 20;
   int found = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/random.hpp"
 #include "commissioning/investigation/workshop.hpp"
 #include "model/planning/run.hpp"
 #include "params/machine.hpp"
@@ -20,7 +21,7 @@ using ErrorAlongAxis = std::function<double(double x_mm, int approach)>;
 inline laser::MeasurementSet made_readings(const model::MeasurementProposal& proposal, const ErrorAlongAxis& error,
                                            double noise_um, unsigned seed, double begins_s) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   laser::MeasurementSet set;
   double zero = 0.0;
   for (const model::Stop& stop : model::stops_of(proposal)) {

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "ecs_emulator/workshop/components.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/exact_joints.hpp"
@@ -87,7 +88,7 @@ std::string refusal(const std::string& errors, const char* machine = kTrunnion) 
 
 TEST_CASE("the emulated chain agrees with another writing of exact matrices to second order") {
   std::mt19937_64 random(9);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  UniformDraws uniform(-1.0, 1.0);
   for (const char* letters : {"XYACTZ", "XYBCTZ", "XTYZCB", "TXYZCA", "XYCTZB", "CXTYZB"}) {
     const std::string configuration = letters;
     CAPTURE(configuration);

@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "core/terms.hpp"
 #include "model/lengths/identify.hpp"
 
@@ -36,7 +37,7 @@ inline params::Machine length_test_machine(const std::string& configuration) {
 struct MadeComponents {
   explicit MadeComponents(unsigned seed) {
     std::mt19937 generator(seed);
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     for (auto& one : form)
       for (double& number : one) number = 5.0 * normal(generator);
     for (double& number : square) number = 20.0 * normal(generator);
@@ -117,7 +118,7 @@ struct MadeLengths {
   void measure(const MadeComponents& made, double noise_um = 0.0, unsigned seed = 1,
                const Vector3& station_off_mm = {0.2, -0.1, 0.15}) {
     std::mt19937 generator(seed);
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     ComponentValues stop{};
     const model::LengthReading* before = nullptr;
     for (model::LengthReading& r : test.readings) {

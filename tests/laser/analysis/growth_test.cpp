@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "base/random.hpp"
 #include "tests/support/readings.hpp"
 
 using namespace ecs;
@@ -20,7 +21,7 @@ namespace {
 /// from minute 70 on; growth of 6 um/degC of a body that lags behind it, noise 0.3 um.
 MeasurementSet warmed(double growth_lag_s, double sensor_lag_s) {
   std::mt19937 random(11);
-  std::normal_distribution<double> noise(0.0, 0.3);
+  NormalDraws noise(0.0, 0.3);
   MeasurementSet set;
   double spindle = 20.0, body = 20.0, sensor = 20.0;
   for (int second = 0; second <= 7200; ++second) {
@@ -86,7 +87,7 @@ TEST_CASE("runs that follow each other in time are one stretch, in whatever orde
   CHECK(growth.stretches == 1);
   CHECK(growth.sensors[0].lag_s == Approx(600.0).epsilon(0.1));
   std::mt19937 random(3);
-  std::shuffle(set.readings.begin(), set.readings.end(), random);
+  shuffle(set.readings, random);
   for (Reading& reading : set.readings) reading.run = 1;
   CHECK(growth_in(set).stretches == 1);
   CHECK(growth_in(set).sensors[0].lag_s == Approx(growth.sensors[0].lag_s));

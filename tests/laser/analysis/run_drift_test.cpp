@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/readings.hpp"
 
 using namespace ecs;
@@ -17,7 +18,7 @@ namespace {
 template <class Offset>
 MeasurementSet runs_with(int runs, unsigned seed, Offset offset) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> scatter(0.0, 0.3);
+  NormalDraws scatter(0.0, 0.3);
   MeasurementSet set;
   for (int run = 1; run <= runs; ++run)
     for (const Approach approach : {Approach::forward, Approach::reverse})

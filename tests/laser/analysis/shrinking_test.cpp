@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/shrinking_forms.hpp"
 
 namespace ecs::laser {
@@ -48,7 +49,7 @@ TEST_CASE("a curve without noise stays as it is, and so do its line and its reve
 
 TEST_CASE("repeatability parts what differs from reading to reading from what differs from pass to pass") {
   std::mt19937_64 generator(3);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   double reading = 0.0, pass = 0.0;
   constexpr int kSets = 60;
   for (int s = 0; s < kSets; ++s) {

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "laser/analysis/process.hpp"
 #include "tests/support/readings.hpp"
 
@@ -34,7 +35,7 @@ Smoothing five_points() {
 /// Five runs each way of a sine with a period of 400 mm plus noise of 1 um.
 Curve noisy_sine(double amplitude_um) {
   std::mt19937 random(7);
-  std::normal_distribution<double> noise(0.0, 1.0);
+  NormalDraws noise(0.0, 1.0);
   std::vector<Stop> stops;
   for (int i = 0; i <= 80; ++i) {
     const double at_mm = 10.0 * i;

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "base/text.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/process.hpp"
@@ -19,7 +20,7 @@ namespace {
 constexpr int kMutationsPerFile = 400;
 
 std::size_t below(std::mt19937& random, std::size_t limit) {
-  return limit == 0 ? 0 : std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  return limit == 0 ? 0 : one_of(random, static_cast<std::uint32_t>(limit));
 }
 
 std::string without_a_line(const std::string& text, std::mt19937& random) {

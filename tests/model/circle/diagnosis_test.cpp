@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -32,7 +33,7 @@ using CircleMachine = std::function<CircleErrors(const CirclePlace&)>;
 laser::CircleTest measured_circle(const CircleMachine& machine, double noise_um, int runs = 2, bool both_ways = true,
                                   unsigned seed = 1) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0.0, 1.0);
+  NormalDraws normal(0.0, 1.0);
   laser::CircleTest test;
   test.radius_mm = kRadius_mm;
   for (int run = 1; run <= runs; ++run)

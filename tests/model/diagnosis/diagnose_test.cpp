@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
@@ -257,7 +258,7 @@ TEST_CASE("a scale of its own in every run is structure, though turbulence could
 TEST_CASE("another value at every target is structure that no effect explains") {
   std::map<double, double> values;
   std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   const auto set = measured(
       {}, 0.3, [&](const laser::Reading& r) { return values.try_emplace(p(r), 1.2 * normal(random)).first->second; });
   const Diagnosis found = diagnosed(straight(), set);
@@ -273,7 +274,7 @@ TEST_CASE("the order of the rows and of the model's effects does not change the 
   Model model = straight();
   const Diagnosis one = diagnosed(model, set);
   std::mt19937_64 random(5);
-  std::shuffle(set.readings.begin(), set.readings.end(), random);
+  shuffle(set.readings, random);
   std::reverse(model.effects.begin(), model.effects.end());
   const Diagnosis two = diagnosed(model, set);
   REQUIRE(one.candidates.size() == two.candidates.size());

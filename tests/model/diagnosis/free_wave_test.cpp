@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
+#include "base/random.hpp"
 #include "tests/model/support/searching.hpp"
 
 using namespace ecs;
@@ -24,7 +25,7 @@ constexpr double kTravel_mm = 1000.0;  // nearly: the targets are a little uneve
 /// A wave of one size whose phase is drawn anew for every run and approach.
 laser::MeasurementSet with_free_wave(double period_mm, double amplitude_um, unsigned seed, const Plan& plan = {}) {
   std::mt19937_64 random(seed + 7000);
-  std::uniform_real_distribution<double> any(0.0, 2.0 * std::numbers::pi);
+  UniformDraws any(0.0, 2.0 * std::numbers::pi);
   std::map<std::pair<int, double>, double> phases;
   return measured(
       plan, kSigma_um,

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/model/support/searching.hpp"
 
 using namespace ecs;
@@ -124,7 +125,7 @@ TEST_CASE("the largest of noise replicates is what the tests of each replicate g
   const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
   const Structure structure(of.data, of.whitener, 164.0);
   std::mt19937_64 random(6);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   MatrixXd replicates = MatrixXd::NullaryExpr(246, 3, [&] { return normal(random); });
   const MatrixXd& q = of.search.base().q;
   replicates -= q * (q.transpose() * replicates);

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 /// Another value at every target, the same in all runs and both approaches: no effect of the library.
 Truth with_value_of_target(double size_um, const Truth& truth, unsigned seed) {
   return [=, values = std::map<double, double>{}, random = std::mt19937_64(seed)](const laser::Reading& r) mutable {
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     const auto value = values.find(p(r));
     return truth(r) + (value == values.end() ? values[p(r)] = size_um * normal(random) : value->second);
   };

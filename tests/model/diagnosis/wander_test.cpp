@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
@@ -99,7 +100,7 @@ TEST_CASE("a random walk is no drift: in most sets the wander explains it better
   int wanders = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    std::normal_distribution<double> step(0.0, 0.4);
+    NormalDraws step(0.0, 0.4);
     double level = 0.0;
     const OneRun run([&](double) { return level += step(random); }, seed);
     if (run.drift_before_wander() < 2.0 * std::log(100.0)) ++wanders;

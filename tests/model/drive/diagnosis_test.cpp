@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/model/support/true_drive.hpp"
 
 using namespace ecs;
@@ -26,7 +27,7 @@ struct Recorder {
 DriveTrace recorded(const DriveParameters& drive, const Recorder& recorder = {}, const DriveMove& move = {}) {
   const DriveResponse response = simulated(drive, move, recorder.seconds + 2.0);
   std::mt19937_64 random(recorder.seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   const auto shown = [&](double v, double part) {
     v = std::clamp(v + part * recorder.noise * normal(random), -recorder.edge, recorder.edge);
     return std::round(v / (part * recorder.quantum)) * part * recorder.quantum;

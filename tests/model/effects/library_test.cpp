@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
@@ -47,9 +48,7 @@ Observations everything_varies() {
         set, plan, 1.0, [](const laser::Reading&) { return 0.0; }, 7);
   }
   std::mt19937_64 random(3);
-  const auto uniform = [&](double least, double greatest) {
-    return std::uniform_real_distribution<double>(least, greatest)(random);
-  };
+  const auto uniform = [&](double least, double greatest) { return UniformDraws(least, greatest)(random); };
   for (laser::Reading& r : set.readings) {
     r.position_mm[1] = uniform(100.0, 900.0);
     r.position_mm[2] = uniform(100.0, 900.0);
@@ -73,7 +72,7 @@ Observations ball_everywhere() {
   machine.rotary[1] = {{-90.0, 90.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 250.0}};
   machine.rotary[2] = {{0.0, 360.0}, {0.0, 0.0, 1.0}, {500.0, 400.0, 100.0}};
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  UniformDraws uniform(0.0, 1.0);
   laser::MeasurementSet set;
   for (int k = 0; k < 90; ++k) {
     laser::Reading r;
@@ -210,7 +209,7 @@ TEST_CASE("search, fit and name keep every size inside its physical range, whate
     const double beyond = above ? range->greatest + 0.7 * (range->greatest - range->least) : range->least - 1.0;
     const Eigen::VectorXd column = Regressors(data).columns(one, 0.0).of.col(0);
     std::mt19937_64 random(11);
-    std::normal_distribution<double> noise(0.0, 0.01 * column.cwiseAbs().maxCoeff());
+    NormalDraws noise(0.0, 0.01 * column.cwiseAbs().maxCoeff());
     for (std::size_t k = 0; k < data.size(); ++k)
       data.reading[k] = beyond * column(static_cast<Eigen::Index>(k)) + noise(random);
 
@@ -254,7 +253,7 @@ TEST_CASE("a fit keeps every searched parameter inside the limits that these dat
     true_one.parameters[name] = 5.0 * greatest;
     const std::vector<double> beyond = prediction(true_one, data);
     std::mt19937_64 random(13);
-    std::normal_distribution<double> noise(0.0, 0.02);
+    NormalDraws noise(0.0, 0.02);
     for (std::size_t k = 0; k < data.size(); ++k) data.reading[k] = beyond[k] + noise(random);
     one.fitted[name] = 5.0 * greatest;
     Model model;

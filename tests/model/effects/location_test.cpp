@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/fit.hpp"
@@ -72,7 +73,7 @@ struct Ball {
 /// C over a turn at A 0 and A -60, A over its travel at C 0 and C 90, two runs there and back.
 laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ball, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   ecs::test::ExactMachine ideal = made.exact;
   ideal.values = {};
   ideal.location = {};

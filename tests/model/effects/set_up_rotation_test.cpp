@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
@@ -23,7 +24,7 @@ constexpr double kTurn_um_per_m = -67.0;
 laser::MeasurementSet turned_plate(double noise_um) {
   laser::MeasurementSet set;
   std::mt19937_64 random(11);
-  std::normal_distribution<double> noise(0.0, noise_um);
+  NormalDraws noise(0.0, noise_um);
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 10; ++j)
       for (const Axis axis : {Axis::X, Axis::Y}) {

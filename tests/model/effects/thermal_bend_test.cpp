@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -25,7 +26,7 @@ laser::MeasurementSet bent(bool difference_varies, double bend) {
   plan.runs = 4;
   measure(set, plan, 0.0, [](const laser::Reading&) { return 0.0; });
   std::mt19937_64 random(5);
-  std::normal_distribution<double> noise(0.0, 0.4);
+  NormalDraws noise(0.0, 0.4);
   for (laser::Reading& r : set.readings) {
     const double back = 21.0 + 0.3 * std::sin(*r.time_s / 900.0);
     const double difference = difference_varies ? 1.5 + 1.2 * std::sin(*r.time_s / 500.0) : 1.5;

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/fit/compare.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -260,7 +261,7 @@ TEST_CASE("a run noisier than the others names nothing") {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     Set set = measured(plan(31, 4), kNoise_um, ramp, seed);
     std::mt19937_64 random(seed + 500);
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     for (laser::Reading& r : set.readings)
       if (r.run == 2) r.error += 5.0 * normal(random);
     check_nothing_named(answer(straight(), set));
@@ -364,7 +365,7 @@ TEST_CASE("odd clocks, run numbers and sensors get an answer") {
   noise_alone(
       [](unsigned seed) {
         std::mt19937_64 random(seed + 70);
-        std::normal_distribution<double> normal;
+        NormalDraws normal;
         return with_each(measured(plan(31, 3), kNoise_um, ramp, seed),
                          [&](laser::Reading& r) { r.sensors_degC["t_material_degC"] = 1e6 * normal(random); });
       },
@@ -372,7 +373,7 @@ TEST_CASE("odd clocks, run numbers and sensors get an answer") {
   noise_alone(
       [](unsigned seed) {
         std::mt19937_64 random(seed + 80);
-        std::normal_distribution<double> normal;
+        NormalDraws normal;
         std::vector<double> degC(12, 20.0);
         return with_each(measured(plan(31, 3), kNoise_um, ramp, seed), [&](laser::Reading& r) {
           for (std::size_t s = 0; s < degC.size(); ++s)
@@ -389,19 +390,21 @@ TEST_CASE("noise of other shapes is noise: heavy tails, bounded, growing with po
     return with_each(measured(plan(31, 3), 0.0, ramp, seed), [&](laser::Reading& r) { r.error += noise(random, r); });
   };
   noise_alone([&](unsigned seed) {
-    std::student_t_distribution<double> heavy(2.0);
-    return with_noise(seed, [&](auto& random, const auto&) { return 0.3 * heavy(random); });
+    NormalDraws normal;
+    ChiSquaredDraws squares(2.0);
+    return with_noise(
+        seed, [&](auto& random, const auto&) { return 0.3 * normal(random) / std::sqrt(squares(random) / 2.0); });
   });
   noise_alone([&](unsigned seed) {
-    std::uniform_real_distribution<double> even(-1.0, 1.0);
+    UniformDraws even(-1.0, 1.0);
     return with_noise(seed, [&](auto& random, const auto&) { return even(random); });
   });
   noise_alone([&](unsigned seed) {
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     return with_noise(seed, [&](auto& random, const auto& r) { return (0.05 + 2.0 * p(r) / 1000.0) * normal(random); });
   });
   noise_alone([&](unsigned seed) {
-    std::normal_distribution<double> normal;
+    NormalDraws normal;
     double turbulence = 0.0;
     return with_noise(seed, [&](auto& random, const auto&) {
       turbulence = 0.7 * turbulence + 0.3 * normal(random);

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/fit/noise_shapes.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -87,7 +88,7 @@ TEST_CASE("noise that lasts over several readings is recognised as correlated") 
   Plan plan;
   plan.runs = 5;
   std::mt19937_64 random(4);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   double state = normal(random), last_s = 0.0;
   const auto turbulence = [&](const laser::Reading& r) {  // correlation time 30 s, readings every 10 s
     const double memory = std::exp(-(*r.time_s - last_s) / 30.0);
@@ -112,7 +113,7 @@ Measured scan(int readings, double interval_s, double sigma_um, unsigned seed) {
   plan.targets = readings;
   plan.step_mm = 0.25;
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   const double memory = std::exp(-interval_s / 0.1);
   double state = normal(random);
   Measured m = readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
@@ -248,7 +249,7 @@ Measured walk(unsigned seed, double memory = 1e9) {
   plan.targets = 200;
   plan.step_mm = 5.0;
   std::mt19937_64 random(seed + 300);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   double state = 0.0;
   return readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
     return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random);

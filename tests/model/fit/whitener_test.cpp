@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/fit/noise.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -22,7 +23,7 @@ TEST_CASE("the transposed whitener is the transpose of the whitener, rows left o
   left_out[0] = left_out[17] = left_out[18] = left_out[data.size() - 1] = true;
   const Whitener whitener(data, noise, left_out);
   std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   const auto n = static_cast<Eigen::Index>(data.size());
   const auto any = [&] { return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(n, 3, [&] { return normal(random); })); };
   const Eigen::MatrixXd x = any(), y = any();

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/part_program.hpp"
 #include "tests/model/support/measuring_session.hpp"
@@ -85,7 +86,7 @@ laser::MeasurementSet followed(const laser::MeasurementSet& present, const Measu
   laser::MeasurementSet all = present;
   const double start_s = *present.readings.back().time_s + 60.0 * (proposal.wait_minutes + proposal.set_up_minutes);
   std::mt19937_64 random(23);
-  std::normal_distribution<double> noise(0.0, kNoise_um);
+  NormalDraws noise(0.0, kNoise_um);
   for (laser::Reading r : target_set(proposal).readings) {
     *r.time_s += start_s;
     r.row = static_cast<int>(all.readings.size()) + 1;

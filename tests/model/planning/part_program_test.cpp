@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "base/text.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -236,7 +237,7 @@ TEST_CASE("an overrun ends at the travel, a target beyond it is left out and rep
 
 TEST_CASE("any plan is visited in the order of its target list") {
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> place(10.0, 990.0);
+  UniformDraws place(10.0, 990.0);
   for (int n = 0; n < 40; ++n) {
     std::vector<double> targets = n % 2 == 0 ? even(10.0 + n, 3.0 + n / 4.0, 5 + n) : std::vector<double>{};
     for (int i = 0; i < n % 5 * 3; ++i) targets.push_back(std::round(place(random) * 1000.0) / 1000.0);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/random.hpp"
 #include "model/data/path.hpp"
 #include "model/data/path_sets.hpp"
 
@@ -32,7 +33,7 @@ struct CircleMade {
 /// With centre and radius off by some um, as any set-up has them.
 inline laser::CircleTest made_circle(const MachineErrors& errors, const CircleMade& made = {}) {
   std::mt19937_64 random(made.seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   laser::CircleTest test;
   test.source = "circle.csv";
   test.plane = made.plane;
@@ -62,7 +63,7 @@ inline laser::CircleTest made_circle(const MachineErrors& errors, const CircleMa
 inline laser::MeasurementSet made_diagonals(const MachineErrors& errors, double noise_um, int runs = 3,
                                             unsigned seed = 1) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   constexpr Vector3 kSpan_mm{800.0, 500.0, 400.0};
   laser::DiagonalTest test;
   test.source = "diagonals.csv";

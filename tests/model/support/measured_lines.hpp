@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "base/random.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "params/machine.hpp"
@@ -30,7 +31,7 @@ inline double nothing(const laser::Reading&) { return 0.0; }
 inline void measure(laser::MeasurementSet& set, const Plan& plan, double noise_um, const Truth& truth,
                     unsigned seed = 1) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   double t = set.readings.empty() ? 0.0 : *set.readings.back().time_s + 100.0;
   for (int run = 1; run <= plan.runs; ++run) {
     for (const int d : plan.both_ways ? std::vector<int>{1, -1} : std::vector<int>{1}) {

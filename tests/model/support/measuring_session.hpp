@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "base/random.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 namespace ecs::model::test {
@@ -13,7 +14,7 @@ inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
                                      const std::function<void(laser::Reading&)>& conditions) {
   auto set = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
   std::mt19937_64 random(11);
-  std::normal_distribution<double> noise(0.0, kNoise_um);
+  NormalDraws noise(0.0, kNoise_um);
   for (auto& r : set.readings) {
     r.sensors_degC.clear();
     conditions(r);

@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
+#include "base/random.hpp"
 #include "protocol/client/block_encoder.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/registers/window_block.hpp"
@@ -39,7 +40,8 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
     std::vector<std::uint16_t> order;
     for (std::size_t n = 0; n < blocks_in(length); ++n)
       order.insert(order.end(), n % 3 == 0 ? 2 : 1, static_cast<std::uint16_t>(n));
-    std::shuffle(order.begin(), order.end(), std::mt19937(length));
+    std::mt19937 random(length);
+    shuffle(order, random);
     for (const auto n : order) {
       RC_ASSERT(window.ack().crc == 0 || window.ack().crc == crc32_of(image));
       RC_ASSERT(window.take(block_of(open, n, image)));

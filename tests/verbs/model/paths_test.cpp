@@ -1,6 +1,7 @@
 // The verbs of MODEL on circles and diagonals.
 #include <doctest/doctest.h>
 
+#include "base/random.hpp"
 #include "tests/support/model_workspace.hpp"
 
 namespace ecs::app {
@@ -13,7 +14,7 @@ constexpr const char* kCircleHead =
 /// Two runs both ways with lost motion of X, a reading every 3 degrees.
 std::string circle_with_lost_motion(double lost_um, const char* head = kCircleHead, int last_deg = 357) {
   std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   std::string text = head;
   for (int run = 1; run <= 2; ++run)
     for (const int way : {1, -1})

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/random.hpp"
 #include "tests/support/model_workspace.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -28,7 +29,7 @@ double wave(double angle_deg, double order, double amplitude) {
 std::string turned(const TrueAngle& error, double arc_deg = 360.0, unsigned seed = 1) {
   constexpr int kTargets = 24, kRuns = 3;
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDraws normal;
   std::string text = "axis,sense,c_deg,reading,approach,run,time_s\n";
   double time_s = 0.0;
   for (int run = 1; run <= kRuns; ++run)
