@@ -100,12 +100,10 @@ Result<int> ended(pid_t process, const ChildWords& child) {
 Result<std::string> output_of(std::vector<std::string> words, std::string_view input, const ChildWords& child) {
   MemoryFile in, out, errors;
   if (!in.fill(input) || out.number() < 0 || errors.number() < 0) return failed(child, std::strerror(errno));
-  const auto process = spawned(words, child, in, out, errors);
-  if (!process) return tl::unexpected(process.error());
-  const auto status = ended(*process, child);
-  if (!status) return tl::unexpected(status.error());
+  ECS_TRY(process, spawned(words, child, in, out, errors));
+  ECS_TRY(status, ended(process, child));
   std::string said = out.content();
-  if (*status != 0 || said.empty()) return failed(child, trimmed(errors.content()));
+  if (status != 0 || said.empty()) return failed(child, trimmed(errors.content()));
   return said;
 }
 

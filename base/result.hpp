@@ -44,6 +44,19 @@ using Result = tl::expected<T, Problem>;
   return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), std::move(file), line, column, {}});
 }
 
+/// The value of a call that answers a Result, or the end of this function with its problem:
+///     ECS_TRY(map, loaded_map(file));  // map is what the Result holds; it may be changed and moved from
+#define ECS_TRY(value, ...)                                             \
+  auto&& ecs_try_##value = (__VA_ARGS__);                               \
+  if (!ecs_try_##value) return tl::unexpected(ecs_try_##value.error()); \
+  auto& value = *ecs_try_##value
+/// The same where the value does not matter.
+#define ECS_DO(...)                                         \
+  do {                                                      \
+    const auto& ecs_done = (__VA_ARGS__);                   \
+    if (!ecs_done) return tl::unexpected(ecs_done.error()); \
+  } while (false)
+
 /// Folds a list of problems into one: the first, with the others in `also`.
 /// @pre !problems.empty()
 [[nodiscard]] Problem folded(std::vector<Problem> problems);

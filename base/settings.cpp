@@ -29,11 +29,9 @@ Result<std::optional<std::string>> setting(std::string_view key) {
   const std::filesystem::path path = settings_file();
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::optional<std::string>();
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  const auto table = parse_toml(*text, path.string());
-  if (!table) return tl::unexpected(table.error());
-  const auto* node = table->get(key);
+  ECS_TRY(text, read_file(path));
+  ECS_TRY(table, parse_toml(text, path.string()));
+  const auto* node = table.get(key);
   if (node == nullptr) return std::optional<std::string>();
   const auto value = node->value<std::string>();
   if (!node->is_string() || !value)

@@ -283,18 +283,16 @@ struct Followed {
 };
 Result<Followed> followed(const laser::CircleTest& test, const HiddenCircle& hidden, Simulation& simulation,
                           const std::filesystem::path& machine_file, double sigma_um, Random& random) {
-  const auto machine = params::read_machine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, params::read_machine(machine_file));
   const std::string plane = laser::plane_name(test.plane);
   const laser::MeasurementSet set = with_circle({}, test, 1);
   const model::Model model;
-  const auto data = model::observations_of(set, model, machine->machine);
-  auto first = model::diagnose(model, data);
-  if (!first) return tl::unexpected(first.error());
+  const auto data = model::observations_of(set, model, machine.machine);
+  ECS_TRY(first, model::diagnose(model, data));
   Followed result;
-  result.before = named_by(*first, plane);
+  result.before = named_by(first, plane);
   if (result.before.alike.empty()) return result;
-  const model::NextMeasurement next = model::planned_next(model, data, *first);
+  const model::NextMeasurement next = model::planned_next(model, data, first);
   if (next.proposals.empty() || !next.proposals.front().circle) return result;
   const model::MeasurementProposal& proposal = next.proposals.front();
   result.counts = true;
@@ -306,20 +304,17 @@ Result<Followed> followed(const laser::CircleTest& test, const HiddenCircle& hid
   plan.radius_mm = proposal.circle->radius_mm;
   plan.feed_mm_min = proposal.feed_mm_min;
   plan.step_deg = proposal.circle_step_deg;
-  const auto clean = contour_circle(simulation, plan);
-  if (!clean) return tl::unexpected(clean.error());
+  ECS_TRY(clean, contour_circle(simulation, plan));
   const laser::MeasurementSet both =
-      with_circle(set, with_noise(*clean, sigma_um, proposal.runs, random), proposal.first_run);
-  const auto second = model::diagnose(model, model::observations_of(both, model, machine->machine));
-  if (!second) return tl::unexpected(second.error());
-  result.after = named_by(*second, plane);
+      with_circle(set, with_noise(clean, sigma_um, proposal.runs, random), proposal.first_run);
+  ECS_TRY(second, model::diagnose(model, model::observations_of(both, model, machine.machine)));
+  result.after = named_by(second, plane);
   return result;
 }
 
 Result<Named> named_by_model(const laser::CircleTest& test, const std::filesystem::path& machine_file, bool lines,
                              double sigma_um, Random& random) {
-  const auto machine = params::read_machine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, params::read_machine(machine_file));
   laser::MeasurementSet set = model::set_of_circle(test);
   model::Model model;
   if (lines) {
@@ -337,11 +332,10 @@ Result<Named> named_by_model(const laser::CircleTest& test, const std::filesyste
   }
   int row = 0;
   for (laser::Reading& reading : set.readings) reading.row = ++row;
-  const auto data = model::observations_of(set, model, machine->machine);
+  const auto data = model::observations_of(set, model, machine.machine);
   model.effects = model::usual_effects(data);
-  const auto diagnosis = model::diagnose(model, data);
-  if (!diagnosis) return tl::unexpected(diagnosis.error());
-  return named_by(*diagnosis, laser::plane_name(test.plane));
+  ECS_TRY(diagnosis, model::diagnose(model, data));
+  return named_by(diagnosis, laser::plane_name(test.plane));
 }
 
 }  // namespace

@@ -56,9 +56,8 @@ HiddenEffect effect_of(const json& object) {
 Result<std::string> truth_text(const std::filesystem::path& folder) {
   const std::filesystem::path plain = folder / "truth.json", sealed = folder / "truth.sealed";
   if (std::filesystem::exists(plain)) return read_file(plain);
-  const auto text = read_file(sealed);
-  if (!text) return tl::unexpected(text.error());
-  return unsealed(*text, sealed.string());
+  ECS_TRY(text, read_file(sealed));
+  return unsealed(text, sealed.string());
 }
 
 Truth truth_of(const json& object) {
@@ -104,24 +103,20 @@ std::vector<std::filesystem::path> case_folders(const std::filesystem::path& roo
 }
 
 Result<Case> read_case(const std::filesystem::path& folder) {
-  auto machine = params::read_machine(folder / "machine.toml");
-  if (!machine) return tl::unexpected(machine.error());
-  auto model = model::read_model(folder / "model.toml");
-  if (!model) return tl::unexpected(model.error());
-  auto data = laser::read_measurement_set(folder / "data.csv");
-  if (!data) return tl::unexpected(data.error());
-  const auto text = truth_text(folder);
-  if (!text) return tl::unexpected(text.error());
-  const json truth = json::parse(*text, nullptr, false);
+  ECS_TRY(machine, params::read_machine(folder / "machine.toml"));
+  ECS_TRY(model, model::read_model(folder / "model.toml"));
+  ECS_TRY(data, laser::read_measurement_set(folder / "data.csv"));
+  ECS_TRY(text, truth_text(folder));
+  const json truth = json::parse(text, nullptr, false);
   const auto kind = std::find(kKinds.begin(), kKinds.end(), truth.is_object() ? word(truth, "kind") : "");
   if (kind == kKinds.end())
     return problem(ProblemKind::bad_input,
                    fmt::format("{}: the truth has no kind, one of {}", folder.string(), fmt::join(kKinds, ", ")));
   Case one;
   one.kind = static_cast<CaseKind>(kind - kKinds.begin());
-  one.machine = std::move(machine->machine);
-  one.model = std::move(*model);
-  one.data = std::move(*data);
+  one.machine = std::move(machine.machine);
+  one.model = std::move(model);
+  one.data = std::move(data);
   one.truth = truth_of(truth);
   std::vector<std::string> names;
   for (const HiddenEffect& effect : one.truth.effects) names.push_back(effect.name);

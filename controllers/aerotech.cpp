@@ -335,15 +335,14 @@ Result<std::map<int, Axis>> axes_of(const OptionValues& options) {
 }
 
 Result<ControllerTables> read_aerotech(const ReadRequest& request) {
-  const auto axes = axes_of(request.options);
-  if (!axes) return tl::unexpected(axes.error());
+  ECS_TRY(axes, axes_of(request.options));
   AerotechReader reader(request.file_name);
   int number = 0;
   for (const std::string_view line : lines_of(request.text)) reader.take(line, ++number);
   if (reader.findings.empty() && reader.tables.empty())
     reader.findings.add(0, 0, "expected :START or :START2D, found none");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
-  AerotechMeaning meaning(reader, *axes);
+  AerotechMeaning meaning(reader, axes);
   for (const AerotechTable& table : reader.tables) meaning.take(table);
   if (reader.findings.empty() && meaning.read.tables.empty())
     reader.findings.add(reader.tables.front().line, 1,

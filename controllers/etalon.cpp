@@ -193,7 +193,7 @@ std::optional<ControlCurve> curve_at_machine_zero(const ExportSource& source, co
 }
 
 Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options) {
-  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ECS_DO(check_exportable(source.map));
   if (source.parameters.convention != Convention::iso)
     return problem(ProblemKind::refused,
                    "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "

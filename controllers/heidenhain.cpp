@@ -250,11 +250,10 @@ Result<ControllerExport> write_heidenhain(const ExportSource& source, const Opti
 }
 
 Result<ControllerTables> read_heidenhain(const ReadRequest& request) {
-  const auto axis = axis_option(request);
-  if (!axis) return tl::unexpected(axis.error());
+  ECS_TRY(axis, axis_option(request));
   HeidenhainOptions options;
   options.holds_errors = request.options.text("com-sign") != "adds";
-  options.axis = *axis;
+  options.axis = axis;
   return parse_heidenhain(request.text, request.file_name, options);
 }
 
@@ -277,7 +276,7 @@ bool begins_as_table(std::string_view text) {
 }  // namespace
 
 Result<ControllerExport> heidenhain_export(const ExportSource& source, const HeidenhainOptions& options) {
-  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ECS_DO(check_exportable(source.map));
   if (source.parameters.convention != Convention::iso)
     return problem(ProblemKind::refused,
                    "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "
@@ -306,7 +305,7 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
     report_columns(source, whole, columns, *again, name, made);
     for (const ComColumn& column : columns) carried.push_back(column.component);
     entries += add_kinematics_entries(axis, columns, made);
-    if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
+    ECS_DO(append(made.applied, std::move(*again), true));
     axes.push_back(axis);
   }
   if (axes.empty()) return problem(ProblemKind::refused, "the map has no curve of an axis of the machine");

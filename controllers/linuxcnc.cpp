@@ -82,9 +82,8 @@ Result<ControllerExport> write_linuxcnc(const ExportSource& source, const Option
 }
 
 Result<ControllerTables> read_linuxcnc(const ReadRequest& request) {
-  const auto given = axis_option(request);
-  if (!given) return tl::unexpected(given.error());
-  const auto axis = *given ? *given : axis_in_name(request.file_name);
+  ECS_TRY(given, axis_option(request));
+  const auto axis = given ? given : axis_in_name(request.file_name);
   if (!axis)
     return problem(ProblemKind::usage,
                    fmt::format("{}: the name does not end in x, y or z: give --axis", request.file_name));
@@ -101,7 +100,7 @@ std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_n
 }
 
 Result<ControllerExport> linuxcnc_export(const ExportSource& source, const LinuxCncOptions& options) {
-  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ECS_DO(check_exportable(source.map));
   ControllerExport made;
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
@@ -115,7 +114,7 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
     if (!again) return unwritable(again.error());
     const ControlCurve written{again->tables[0].position_mm, again->tables[0].compensation,
                                again->tables[1].compensation};
-    if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
+    ECS_DO(append(made.applied, std::move(*again), true));
     made.tables.push_back({std::string(name_of(component)), name, curve->position_mm.size(), written.position_mm.size(),
                            largest_in(written),
                            deviation_from_unit(written, source.map, component, source.parameters.interpolation), 0.0});

@@ -126,23 +126,20 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
   const auto add = [&](std::string where, std::vector<MachinePlace> places) -> Result<void> {
     const std::size_t count = places.size();
     places.push_back(reference_place(source));
-    const auto error = errors(places);
-    if (!error) return tl::unexpected(error.error());
+    ECS_TRY(error, errors(places));
     std::vector<Vector3> with_unit, with_control;
     for (std::size_t i = 0; i < places.size(); ++i) {
       const TermTable& terms = unit_terms ? *unit_terms : whole;
-      with_unit.push_back(plus((*error)[i], compensation_of(source, terms, p.interpolation, places[i]), 1.0));
-      with_control.push_back(
-          plus((*error)[i], compensation_by(control, whole, places[i], lines, p.tool_offset_mm), 1.0));
+      with_unit.push_back(plus(error[i], compensation_of(source, terms, p.interpolation, places[i]), 1.0));
+      with_control.push_back(plus(error[i], compensation_by(control, whole, places[i], lines, p.tool_offset_mm), 1.0));
     }
-    rows.push_back({std::move(where), count, size_of(*error), size_of(with_unit), size_of(with_control)});
+    rows.push_back({std::move(where), count, size_of(error), size_of(with_unit), size_of(with_control)});
     return {};
   };
   for (const Axis axis : kAllAxes)
     if (source.travel_mm[index_of(axis)])
-      if (const auto done = add(fmt::format("line of {}", letter_of(axis)), line_places(source, axis)); !done)
-        return tl::unexpected(done.error());
-  if (const auto done = add("volume", volume_places(source)); !done) return tl::unexpected(done.error());
+      ECS_DO(add(fmt::format("line of {}", letter_of(axis)), line_places(source, axis)));
+  ECS_DO(add("volume", volume_places(source)));
   return rows;
 }
 

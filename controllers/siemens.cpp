@@ -173,17 +173,15 @@ Result<SiemensOptions> siemens_options(const OptionValues& values) {
 }
 
 Result<ControllerExport> write_siemens(const ExportSource& source, const OptionValues& values) {
-  auto options = siemens_options(values);
-  if (!options) return tl::unexpected(options.error());
-  options->most_points = static_cast<std::size_t>(values.integer("points"));
-  options->most_tables = static_cast<std::size_t>(values.integer("tables"));
-  return siemens_export(source, *options);
+  ECS_TRY(options, siemens_options(values));
+  options.most_points = static_cast<std::size_t>(values.integer("points"));
+  options.most_tables = static_cast<std::size_t>(values.integer("tables"));
+  return siemens_export(source, options);
 }
 
 Result<ControllerTables> read_siemens(const ReadRequest& request) {
-  const auto options = siemens_options(request.options);
-  if (!options) return tl::unexpected(options.error());
-  return parse_siemens(request.text, request.file_name, *options);
+  ECS_TRY(options, siemens_options(request.options));
+  return parse_siemens(request.text, request.file_name, options);
 }
 
 bool has_siemens_tables(std::string_view text) {
@@ -205,7 +203,7 @@ const FormatOption kCecSign{
 }  // namespace
 
 Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options) {
-  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ECS_DO(check_exportable(source.map));
   ControllerExport made;
   SiemensPositioning positioning = positioning_of(source, options);
   const std::vector<SiemensGroup> groups = chosen(source, options, positioning.reversal, made);
@@ -228,7 +226,7 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   made.notes.push_back(
       "signs: the manual prints that of ENC_COMP; that of CEC is taken to be the same. Check one CEC "
       "table on the machine; --cec-sign adds writes the other (docs/controllers.md)");
-  if (auto done = take_back(made, options); !done) return tl::unexpected(done.error());
+  ECS_DO(take_back(made, options));
   return made;
 }
 

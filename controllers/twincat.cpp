@@ -91,7 +91,7 @@ Result<bool> add_axis(const ExportSource& source, const TwinCatOptions& options,
   made.files.push_back({name, list_text(kept, axis, options)});
   auto again = parse_twincat(made.files.back().content, name, options);
   if (!again) return unwritable(again.error());
-  if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
+  ECS_DO(append(made.applied, std::move(*again), true));
   made.tables.push_back({std::string(name_of(component)), name, curve->position_mm.size(), kept.position_mm.size(),
                          largest_in(kept),
                          deviation_from_unit(kept, source.map, component, source.parameters.interpolation), 0.0});
@@ -132,18 +132,15 @@ Result<TwinCatOptions> options_in(const OptionValues& values) {
 }
 
 Result<ControllerExport> write_twincat(const ExportSource& source, const OptionValues& values) {
-  auto options = options_in(values);
-  if (!options) return tl::unexpected(options.error());
-  options->most_points = static_cast<std::size_t>(values.integer("points"));
-  return twincat_export(source, *options);
+  ECS_TRY(options, options_in(values));
+  options.most_points = static_cast<std::size_t>(values.integer("points"));
+  return twincat_export(source, options);
 }
 
 Result<ControllerTables> read_twincat(const ReadRequest& request) {
-  const auto options = options_in(request.options);
-  if (!options) return tl::unexpected(options.error());
-  const auto axis = axis_option(request);
-  if (!axis) return tl::unexpected(axis.error());
-  return parse_twincat(request.text, request.file_name, *options, *axis);
+  ECS_TRY(options, options_in(request.options));
+  ECS_TRY(axis, axis_option(request));
+  return parse_twincat(request.text, request.file_name, options, axis);
 }
 
 const FormatOption kSign{.name = "ssfk-sign",
@@ -155,13 +152,12 @@ const FormatOption kSign{.name = "ssfk-sign",
 }  // namespace
 
 Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCatOptions& options) {
-  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ECS_DO(check_exportable(source.map));
   ControllerExport made;
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
-    const auto added = add_axis(source, options, axis, made);
-    if (!added) return tl::unexpected(added.error());
-    if (*added) carried.push_back(curve_of(static_cast<Sense>(axis), axis));
+    ECS_TRY(added, add_axis(source, options, axis, made));
+    if (added) carried.push_back(curve_of(static_cast<Sense>(axis), axis));
   }
   if (carried.empty())
     return problem(ProblemKind::refused,

@@ -66,20 +66,17 @@ Result<HidIdentity> matching(const DeviceDescription& device, const std::vector<
 
 Result<DevicePort> DevicePort::open(DeviceDescription device) {
   DevicePort port(std::move(device));
-  if (const auto opened = port.connect(); !opened) return tl::unexpected(opened.error());
+  ECS_DO(port.connect());
   return port;
 }
 
 Result<void> DevicePort::connect() {
-  const auto present = hid_devices();
-  if (!present) return tl::unexpected(present.error());
-  auto identity = matching(device_, *present);
-  if (!identity) return tl::unexpected(identity.error());
-  auto opened = HidDevice::open(*identity);
-  if (!opened) return tl::unexpected(opened.error());
-  identity_ = std::move(*identity);
+  ECS_TRY(present, hid_devices());
+  ECS_TRY(identity, matching(device_, present));
+  ECS_TRY(opened, HidDevice::open(identity));
+  identity_ = std::move(identity);
   report_bytes_ = bytes_of(device_, identity_);
-  open_.emplace(std::move(*opened));
+  open_.emplace(std::move(opened));
   return {};
 }
 

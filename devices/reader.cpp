@@ -28,19 +28,18 @@ class DeviceReader {
   explicit DeviceReader(const std::string& file) : reader_(file) {}
 
   Result<DeviceDescription> read(std::string_view text) {
-    const auto table = reader_.parsed(text);
-    if (!table) return tl::unexpected(table.error());
-    reader_.only(*table, {"name", "kind", "source", "match", "report", "trigger", "field"}, "a device");
+    ECS_TRY(table, reader_.parsed(text));
+    reader_.only(table, {"name", "kind", "source", "match", "report", "trigger", "field"}, "a device");
     DeviceDescription out;
     out.file = reader_.file();
-    out.name = reader_.word(*table, "name").value_or("");
+    out.name = reader_.word(table, "name").value_or("");
     if (out.name.empty()) reader_.complain(1, "name: expected a name in quotes, as in name = \"foot switch\"");
-    out.source = reader_.word(*table, "source").value_or("");
-    out.kind = kind_of(*table);
-    read_match(*table, out.match);
-    if (const toml::table* report = reader_.child(*table, "report")) read_report(*report, out.report);
-    read_trigger(*table, out);
-    read_fields(*table, out);
+    out.source = reader_.word(table, "source").value_or("");
+    out.kind = kind_of(table);
+    read_match(table, out.match);
+    if (const toml::table* report = reader_.child(table, "report")) read_report(*report, out.report);
+    read_trigger(table, out);
+    read_fields(table, out);
     if (!reader_.clean()) return tl::unexpected(reader_.all());
     return out;
   }
@@ -207,9 +206,8 @@ Result<DeviceDescription> parse_device(std::string_view text, const std::string&
 }
 
 Result<DeviceDescription> read_device(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_device(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_device(text, path.string());
 }
 
 }  // namespace ecs::devices

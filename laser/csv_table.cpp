@@ -85,11 +85,10 @@ std::vector<CsvRow> rows_in(const std::vector<std::string_view>& lines, std::siz
 
 Result<CsvTable> parse_csv_table(std::string_view text, const std::string& file_name,
                                  std::span<const std::string_view> needed, Findings& findings) {
-  const auto whole = decoded(text, file_name);
-  if (!whole) return tl::unexpected(whole.error());
-  const auto lines = lines_of(whole->text);
+  ECS_TRY(whole, decoded(text, file_name));
+  const auto lines = lines_of(whole.text);
   CsvTable table;
-  table.encoding = whole->encoding;
+  table.encoding = whole.encoding;
   std::size_t next = 0;
   for (; next < lines.size(); ++next) {
     const std::string_view line = trimmed(lines[next]);

@@ -195,21 +195,20 @@ namespace {
 
 Result<MeasurementSet> parsed(std::string_view text, const std::string& file_name, bool order_gives_approach) {
   Findings findings(file_name);
-  auto table = parse_csv_table(text, file_name, kNeededColumns, findings);
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(table, parse_csv_table(text, file_name, kNeededColumns, findings));
   MeasurementSet set;
   set.source = file_name;
-  set.metadata = std::move(table->metadata);
-  set.columns = std::move(table->columns);
-  const auto extra_numbers = extra_number_columns(set.columns, table->rows);
-  for (const CsvRow& row : table->rows) {
+  set.metadata = std::move(table.metadata);
+  set.columns = std::move(table.columns);
+  const auto extra_numbers = extra_number_columns(set.columns, table.rows);
+  for (const CsvRow& row : table.rows) {
     set.readings.push_back(reading_in(row, set.columns, extra_numbers, findings));
     set.readings.back().row = static_cast<int>(set.readings.size());
   }
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   if (set.readings.empty())
-    return problem_at(file_name, table->header_line, 0, "expected readings below the header, found none");
-  if (auto misnamed = target_misnamed(set, file_name, table->header_line)) return tl::unexpected(std::move(*misnamed));
+    return problem_at(file_name, table.header_line, 0, "expected readings below the header, found none");
+  if (auto misnamed = target_misnamed(set, file_name, table.header_line)) return tl::unexpected(std::move(*misnamed));
   if (auto refused = implausible(set, file_name)) return tl::unexpected(std::move(*refused));
   if (std::find(set.columns.begin(), set.columns.end(), "approach") == set.columns.end()) {
     if (!order_gives_approach) {
@@ -223,11 +222,11 @@ Result<MeasurementSet> parsed(std::string_view text, const std::string& file_nam
   }
   if (std::string note = note_on_size(set.readings); !note.empty()) set.notes.push_back(std::move(note));
   for (std::string& note : notes_on(set.columns, set.readings)) set.notes.push_back(std::move(note));
-  if (table->separator != ',')
+  if (table.separator != ',')
     set.notes.push_back(fmt::format("{} between the fields, decimal commas taken as points",
-                                    table->separator == ';' ? "semicolons" : "tabs"));
-  if (table->encoding != Encoding::utf8)
-    set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(table->encoding)));
+                                    table.separator == ';' ? "semicolons" : "tabs"));
+  if (table.encoding != Encoding::utf8)
+    set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(table.encoding)));
   return set;
 }
 
@@ -263,9 +262,8 @@ std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::stri
 }
 
 Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::measurements, path);
-  if (!text) return tl::unexpected(text.error());
-  auto set = parse_measurement_set(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::measurements, path));
+  auto set = parse_measurement_set(text, path.string());
   if (set)
     if (auto refused = rotary_refused(*set, path.string())) return tl::unexpected(std::move(*refused));
   return set;

@@ -200,9 +200,8 @@ Result<void> set_number(const Field& field, UnitParameters& parameters, double v
 }
 
 Result<void> set(UnitParameters& parameters, std::string_view key, std::string_view text) {
-  const auto field = find_field(trimmed(key));
-  if (!field) return tl::unexpected(field.error());
-  return set_text(**field, parameters, text);
+  ECS_TRY(field, find_field(trimmed(key)));
+  return set_text(*field, parameters, text);
 }
 
 }  // namespace ecs::params

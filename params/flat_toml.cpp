@@ -54,10 +54,9 @@ void flatten(const toml::table& table, const std::string& path, int depth, std::
 }  // namespace
 
 Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::string& name) {
-  const auto document = parse_toml(text, name);
-  if (!document) return tl::unexpected(document.error());
+  ECS_TRY(document, parse_toml(text, name));
   std::vector<TomlEntry> entries;
-  flatten(*document, "", 1, entries);
+  flatten(document, "", 1, entries);
   return entries;
 }
 

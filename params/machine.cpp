@@ -351,17 +351,15 @@ Plane plane_of(const PerAxis<bool>& present) {
 }  // namespace
 
 Result<MachineFile> parse_machine(std::string_view text, const std::string& name) {
-  const auto entries = flat_toml(text, name);
-  if (!entries) return tl::unexpected(entries.error());
+  ECS_TRY(entries, flat_toml(text, name));
   MachineReader reader(name);
-  for (const TomlEntry& entry : *entries) reader.take(entry);
+  for (const TomlEntry& entry : entries) reader.take(entry);
   return reader.result();
 }
 
 Result<MachineFile> read_machine(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::machine, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_machine(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::machine, path));
+  return parse_machine(text, path.string());
 }
 
 std::optional<Chain> chain_of(const Machine& machine) {
@@ -373,21 +371,18 @@ std::optional<Chain> chain_of(const Machine& machine) {
 }
 
 Result<RotaryMachine> parse_rotary_machine(std::string_view text, const std::string& name) {
-  const auto entries = flat_toml(text, name);
-  if (!entries) return tl::unexpected(entries.error());
+  ECS_TRY(entries, flat_toml(text, name));
   MachineReader reader(name);
-  for (const TomlEntry& entry : *entries) reader.take(entry);
-  auto file = reader.result();
-  if (!file) return tl::unexpected(file.error());
+  for (const TomlEntry& entry : entries) reader.take(entry);
+  ECS_TRY(file, reader.result());
   RotaryMachine machine = reader.rotary();
-  machine.machine = std::move(file->machine);
+  machine.machine = std::move(file.machine);
   return machine;
 }
 
 Result<RotaryMachine> read_rotary_machine(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::machine, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_rotary_machine(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::machine, path));
+  return parse_rotary_machine(text, path.string());
 }
 
 bool has_rotary_axes(const RotaryMachine& machine) {

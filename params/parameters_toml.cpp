@@ -223,18 +223,16 @@ class ParametersWriter {
 }  // namespace
 
 Result<ParametersFile> parse_parameters(std::string_view text, const std::string& name) {
-  const auto entries = flat_toml(text, name);
-  if (!entries) return tl::unexpected(entries.error());
+  ECS_TRY(entries, flat_toml(text, name));
   ParametersReader reader(name);
-  for (const TomlEntry& entry : *entries) reader.take(entry);
+  for (const TomlEntry& entry : entries) reader.take(entry);
   return reader.result(trimmed(text.substr(text.find_last_of('\n', text.find_last_not_of(" \t\r\n")) + 1)) ==
                        kParametersEnd);
 }
 
 Result<ParametersFile> read_parameters(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::parameters, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_parameters(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::parameters, path));
+  return parse_parameters(text, path.string());
 }
 
 Result<ParametersFile> read_whole_parameters(const std::filesystem::path& path) {

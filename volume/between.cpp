@@ -19,9 +19,8 @@ Result<ErrorSize> largest_between(const CompensatedMachine& machine, const Error
       if (!lines.exists[a]) continue;
       Grid line = grid_at(machine.travel_mm, largest.at_mm, reference_mm);
       line.mm[a] = lines.mm[a];
-      const auto errors = errors_over(machine, line);
-      if (!errors) return tl::unexpected(errors.error());
-      const ErrorSize here = size_of(line, (*errors).*of);
+      ECS_TRY(errors, errors_over(machine, line));
+      const ErrorSize here = size_of(line, errors.*of);
       if (here.largest_um > largest.largest_um) largest = here;
     }
     if (largest.largest_um <= before_um) break;

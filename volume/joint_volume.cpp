@@ -76,9 +76,8 @@ JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Co
 }
 
 Result<JointVolume> JointVolume::over(const CompensatedMachine& machine, const Grid& grid) {
-  auto components = machine.errors.components(grid);
-  if (!components) return tl::unexpected(components.error());
-  return JointVolume(machine, grid, std::move(*components), machine.rotary->errors, compensation_over(machine, grid));
+  ECS_TRY(components, machine.errors.components(grid));
+  return JointVolume(machine, grid, std::move(components), machine.rotary->errors, compensation_over(machine, grid));
 }
 
 JointVolume JointVolume::of(const CompensatedMachine& machine, const Grid& grid, Components components,
@@ -136,21 +135,19 @@ Result<VolumeAnswer> evaluated_with_rotary(const CompensatedMachine& machine, st
   VolumeAnswer answer;
   answer.settings = settings_over(rotary, static_cast<std::size_t>(root + 1e-9));
   answer.grid = grid_over(machine.travel_mm, std::max<std::size_t>(1, places / answer.settings.size()), reference_mm);
-  const auto over = JointVolume::over(machine, answer.grid);
-  if (!over) return tl::unexpected(over.error());
+  ECS_TRY(over, JointVolume::over(machine, answer.grid));
   const Grid diagonals = even_grid(machine.travel_mm, kDiagonalPlaces, reference_mm);
-  const auto on_diagonals = JointVolume::over(machine, diagonals);
-  if (!on_diagonals) return tl::unexpected(on_diagonals.error());
+  ECS_TRY(on_diagonals, JointVolume::over(machine, diagonals));
   VolumeCounter before(answer.settings.size() * answer.grid.places()),
       after(answer.settings.size() * answer.grid.places());
   for (const Angles& setting : answer.settings) {
-    const BeforeAfter here = over->at(setting), along = on_diagonals->at(setting);
+    const BeforeAfter here = over.at(setting), along = on_diagonals.at(setting);
     before.take(answer.grid, here.before, diagonals, along.before);
     after.take(answer.grid, here.after, diagonals, along.after);
   }
   answer.before = before.finish();
   answer.after = after.finish();
-  answer.errors = over->at(answer.settings[answer.before.all.setting]);
+  answer.errors = over.at(answer.settings[answer.before.all.setting]);
   return answer;
 }
 

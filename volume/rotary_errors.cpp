@@ -206,20 +206,18 @@ std::string location_name(std::size_t rotary, std::size_t sense) {
 
 Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name, const JointChain& chain) {
   laser::Findings findings(file_name);
-  const auto table = laser::parse_csv_table(text, file_name, kRotaryColumns, findings);
-  if (!table) return tl::unexpected(table.error());
-  RotaryReader reader(*table, chain, findings);
-  for (const laser::CsvRow& row : table->rows) reader.take(row);
+  ECS_TRY(table, laser::parse_csv_table(text, file_name, kRotaryColumns, findings));
+  RotaryReader reader(table, chain, findings);
+  for (const laser::CsvRow& row : table.rows) reader.take(row);
   RotaryErrors errors = reader.finish();
-  if (table->rows.empty() && findings.empty()) findings.add(table->header_line, 0, "expected rows below the header");
+  if (table.rows.empty() && findings.empty()) findings.add(table.header_line, 0, "expected rows below the header");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   return errors;
 }
 
 Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file, const JointChain& chain) {
-  const auto text = read_file_of(FileKind::rotary_errors, file);
-  if (!text) return tl::unexpected(text.error());
-  return parse_rotary_errors(*text, file.string(), chain);
+  ECS_TRY(text, read_file_of(FileKind::rotary_errors, file));
+  return parse_rotary_errors(text, file.string(), chain);
 }
 
 }  // namespace ecs::volume

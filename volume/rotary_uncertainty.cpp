@@ -257,10 +257,9 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
   out.linear_rms_um = linear_rms_um(machine, budget, rotary);
 
   const Settings all = settings_with(machine, std::min(places, kMostDrawnTogether));
-  const auto known = JointVolume::over(machine, all.grid);
-  if (!known) return tl::unexpected(known.error());
+  ECS_TRY(known, JointVolume::over(machine, all.grid));
   std::vector<Field> left;  // what is expected after compensation, by setting
-  for (const Angles& angles : all.angles) left.push_back(*known->at(angles).after.field);
+  for (const Angles& angles : all.angles) left.push_back(*known.at(angles).after.field);
 
   double drawn = 0.0;
   std::vector<double> largest, rms;

@@ -52,14 +52,12 @@ Result<BeforeAfter> errors_at(const CompensatedMachine& machine, const Grid& gri
   Field compensation = compensation_over(machine, grid);
   BeforeAfter out;
   if (machine.errors.components) {
-    const auto components = machine.errors.components(grid);
-    if (!components) return tl::unexpected(components.error());
-    out.before.field.emplace(grid, *components, machine.errors.kinematics);
+    ECS_TRY(components, machine.errors.components(grid));
+    out.before.field.emplace(grid, components, machine.errors.kinematics);
     out.before.field->count_from_reference();
   } else {
-    auto vectors = vectors_at(machine.errors, places(grid), grid.reference_mm);
-    if (!vectors) return tl::unexpected(vectors.error());
-    out.before.vectors = std::move(*vectors);
+    ECS_TRY(vectors, vectors_at(machine.errors, places(grid), grid.reference_mm));
+    out.before.vectors = std::move(vectors);
   }
   compensation.count_from_reference();
   if (out.before.field) compensation.add(*out.before.field);
@@ -98,9 +96,8 @@ Vector3 reference_of(const UnitParameters& parameters) {
 
 Result<BeforeAfter> errors_over(const CompensatedMachine& machine, const Grid& grid) {
   if (machine.rotary) {
-    const auto over = JointVolume::over(machine, grid);
-    if (!over) return tl::unexpected(over.error());
-    return over->at(machine.rotary->angles_deg);
+    ECS_TRY(over, JointVolume::over(machine, grid));
+    return over.at(machine.rotary->angles_deg);
   }
   return errors_at(machine, grid, all_places);
 }
@@ -110,14 +107,12 @@ Result<VolumeAnswer> evaluated(const CompensatedMachine& machine, std::size_t pl
   const Vector3 reference_mm = reference_of(machine.parameters);
   VolumeAnswer answer;
   answer.grid = grid_over(machine.travel_mm, places, reference_mm);
-  auto errors = errors_over(machine, answer.grid);
-  if (!errors) return tl::unexpected(errors.error());
+  ECS_TRY(errors, errors_over(machine, answer.grid));
   const Grid diagonals = even_grid(machine.travel_mm, kDiagonalPlaces, reference_mm);
-  const auto on_diagonals = errors_at(machine, diagonals, diagonal_places);
-  if (!on_diagonals) return tl::unexpected(on_diagonals.error());
-  answer.errors = std::move(*errors);
-  answer.before = size_of(answer.grid, answer.errors.before, diagonals, on_diagonals->before);
-  answer.after = size_of(answer.grid, answer.errors.after, diagonals, on_diagonals->after);
+  ECS_TRY(on_diagonals, errors_at(machine, diagonals, diagonal_places));
+  answer.errors = std::move(errors);
+  answer.before = size_of(answer.grid, answer.errors.before, diagonals, on_diagonals.before);
+  answer.after = size_of(answer.grid, answer.errors.after, diagonals, on_diagonals.after);
   return answer;
 }
 

@@ -15,15 +15,14 @@ void announce_writing(VerbContext& context) {
 }
 
 Result<UnitLink> open_unit(VerbContext& context, Access access) {
-  auto choice = chosen_link(context.link_option);
-  if (!choice) return tl::unexpected(choice.error());
-  context.link_name = to_text(*choice);
-  if (choice->is_emulator() && access == Access::writes) context.console.message_prefix = "EMULATOR: ";
-  if (choice->origin == "default")
+  ECS_TRY(choice, chosen_link(context.link_option));
+  context.link_name = to_text(choice);
+  if (choice.is_emulator() && access == Access::writes) context.console.message_prefix = "EMULATOR: ";
+  if (choice.origin == "default")
     context.console.note(fmt::format("no link given: using the bundled emulator with {}",
-                                     std::get<EmulatorLink>(choice->link).machine.string()));
-  if (!context.arm_code.empty()) choice->arm_code = context.arm_code;
-  return open_link(*choice);
+                                     std::get<EmulatorLink>(choice.link).machine.string()));
+  if (!context.arm_code.empty()) choice.arm_code = context.arm_code;
+  return open_link(choice);
 }
 
 void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes) {

@@ -26,11 +26,9 @@ Result<PlotFormat> plot_format_of(const std::filesystem::path& path) {
 }
 
 Result<void> write_plot(const std::filesystem::path& path, const PlotFigure& figure) {
-  const auto format = plot_format_of(path);
-  if (!format) return tl::unexpected(format.error());
-  const auto picture = drawn(plot_script(figure, *format));
-  if (!picture) return tl::unexpected(picture.error());
-  return write_file(path, *picture);
+  ECS_TRY(format, plot_format_of(path));
+  ECS_TRY(picture, drawn(plot_script(figure, format)));
+  return write_file(path, picture);
 }
 
 }  // namespace ecs::app

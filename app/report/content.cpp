@@ -25,9 +25,8 @@ namespace fs = std::filesystem;
 
 /// What a file without a plan is taken for: its one line; nothing where it holds several.
 Result<PlannedMeasurement> unplanned(const std::string& name, const fs::path& file) {
-  const auto set = laser::read_measurement_set(file);
-  if (!set) return tl::unexpected(set.error());
-  const auto groups = laser::groups_of(*set);
+  ECS_TRY(set, laser::read_measurement_set(file));
+  const auto groups = laser::groups_of(set);
   if (groups.size() != 1)
     return problem_at(file.string(), 0, 0,
                       fmt::format("expected one measurement line, found {}: give a plan that names the line to report",
@@ -83,9 +82,8 @@ Result<void> add_rows(const ReportFiles& files, ReportContent& content) {
   if (files.plan.empty()) {
     plan = found_in(files, content.problems);
   } else {
-    auto read = read_plan(files.plan);
-    if (!read) return tl::unexpected(read.error());
-    plan = std::move(*read);
+    ECS_TRY(read, read_plan(files.plan));
+    plan = std::move(read);
   }
   restrict_phases(plan, files);
   content.rows = table_of(plan, files.before, files.after);
@@ -105,9 +103,8 @@ Result<void> add_rows(const ReportFiles& files, ReportContent& content) {
 
 Result<void> note_file(ReportContent& content, std::string role, const fs::path& path) {
   if (path.empty()) return {};
-  const auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  content.files.push_back({std::move(role), path.filename().string(), sha256_hex(*bytes)});
+  ECS_TRY(bytes, read_file(path));
+  content.files.push_back({std::move(role), path.filename().string(), sha256_hex(bytes)});
   return {};
 }
 
@@ -236,12 +233,10 @@ Result<ReportedVolume> reported_volume(PreparedVolume prepared) {
   std::size_t axes = 0;
   for (const auto& travel : prepared.machine.travel_mm) axes += travel ? 1u : 0u;
   const std::size_t places = axes > 2 ? 11 * 11 * 11 : axes == 2 ? 21 * 21 : 21;
-  auto answer = evaluated(prepared.machine, places);
-  if (!answer) return tl::unexpected(answer.error());
+  ECS_TRY(answer, evaluated(prepared.machine, places));
   const volume::UncertaintySettings settings;
-  const auto uncertainty = uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places);
-  if (!uncertainty) return tl::unexpected(uncertainty.error());
-  return ReportedVolume{std::move(prepared), std::move(*answer), *uncertainty, {}, 0};
+  ECS_TRY(uncertainty, uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places));
+  return ReportedVolume{std::move(prepared), std::move(answer), uncertainty, {}, 0};
 }
 
 void predict_volume(ReportContent& content) {
@@ -340,17 +335,16 @@ std::string header_value(const ReportContent& content, std::string_view key) {
 
 Result<ReportContent> report_content(VerbContext& context, const ReportArguments& arguments) {
   ReportContent content;
-  if (auto taken = take_given(arguments, content); !taken) return tl::unexpected(taken.error());
-  const auto files = report_files(arguments);
-  if (!files) return tl::unexpected(files.error());
-  content.has_before = !files->before.empty();
-  content.has_after = !files->after.empty();
-  content.planned = !files->plan.empty();
+  ECS_DO(take_given(arguments, content));
+  ECS_TRY(files, report_files(arguments));
+  content.has_before = !files.before.empty();
+  content.has_after = !files.after.empty();
+  content.planned = !files.plan.empty();
   context.console.progress("reading the measurements", 0.1, 1.0);
-  if (auto read = read_others(context, *files, content); !read) return tl::unexpected(read.error());
-  if (auto added = add_rows(*files, content); !added) return tl::unexpected(added.error());
-  if (auto same = of_one_machine(owners_in(*files, content)); !same) return tl::unexpected(same.error());
-  if (auto noted = note_files(*files, content); !noted) return tl::unexpected(noted.error());
+  ECS_DO(read_others(context, files, content));
+  ECS_DO(add_rows(files, content));
+  ECS_DO(of_one_machine(owners_in(files, content)));
+  ECS_DO(note_files(files, content));
   if (const auto end = logbook_end())
     content.files.push_back({"logbook",
                              fmt::format("{}: hash of entry {}, the last when this was written",
@@ -359,7 +353,7 @@ Result<ReportContent> report_content(VerbContext& context, const ReportArguments
   complete_header(arguments, content);
   if (content.date.empty()) context.console.warn("the report has no date, for no file states one: give --date");
   judge_map(content);
-  if (auto added = add_model(context, arguments, *files, content); !added) return tl::unexpected(added.error());
+  ECS_DO(add_model(context, arguments, files, content));
   predict_volume(content);
   context.console.end_progress();
   return content;

@@ -159,9 +159,8 @@ Result<ReportedDiagnosis> parse_diagnosis(std::string_view json, const std::stri
 }
 
 Result<ReportedDiagnosis> read_diagnosis(const std::filesystem::path& path) {
-  const auto content = read_file(path);
-  if (!content) return tl::unexpected(content.error());
-  return parse_diagnosis(*content, path.string());
+  ECS_TRY(content, read_file(path));
+  return parse_diagnosis(content, path.string());
 }
 
 }  // namespace ecs::app

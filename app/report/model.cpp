@@ -50,38 +50,31 @@ Result<Readings> readings_for(VerbContext& context, const ReportArguments& argum
       if (row.before) rows.push_back(&row);
   std::vector<std::string> names;
   for (const TableRow* row : rows) names.push_back(row->planned.name);
-  auto after = joined_phase(rows, &TableRow::after);
-  if (!after) return tl::unexpected(after.error());
+  ECS_TRY(after, joined_phase(rows, &TableRow::after));
   if (!arguments.data.empty()) {
-    auto before = measured_in(context.console, arguments.data, {});
-    if (!before) return tl::unexpected(before.error());
-    return Readings{std::move(*before), std::move(*after), fmt::format("{}", fmt::join(arguments.data, ", "))};
+    ECS_TRY(before, measured_in(context.console, arguments.data, {}));
+    return Readings{std::move(before), std::move(after), fmt::format("{}", fmt::join(arguments.data, ", "))};
   }
-  auto before = joined_phase(rows, &TableRow::before);
-  if (!before) return tl::unexpected(before.error());
-  return Readings{std::move(*before), std::move(*after),
-                  fmt::format("before compensation: {}", fmt::join(names, ", "))};
+  ECS_TRY(before, joined_phase(rows, &TableRow::before));
+  return Readings{std::move(before), std::move(after), fmt::format("before compensation: {}", fmt::join(names, ", "))};
 }
 
 Result<void> judge(VerbContext& context, const ReportArguments& arguments, const Readings& readings,
                    const model::Model& model, ReportContent& content) {
   const auto before = model::observations_of(readings.before, model, content.machine);
   const auto after = model::observations_of(readings.after, model, content.machine);
-  const auto fit = model::fit(model, before);
-  if (!fit) return tl::unexpected(fit.error());
-  const auto what_if = model::what_if(model, before);
-  if (!what_if) return tl::unexpected(what_if.error());
+  ECS_TRY(fit, model::fit(model, before));
+  ECS_TRY(what_if, model::what_if(model, before));
   content.model =
-      ReportedModel{model,    model::with_values(model, *fit),        readings.name, before.size(), fit->effects,
-                    *what_if, after_by_direction(*fit, before, after)};
+      ReportedModel{model,   model::with_values(model, fit),        readings.name, before.size(), fit.effects,
+                    what_if, after_by_direction(fit, before, after)};
   if (content.diagnosis) return {};
   context.console.progress("diagnosing the error model", 0.6, 5.0);
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
-  auto diagnosis = model::diagnose(model, before, options);
-  if (!diagnosis) return tl::unexpected(diagnosis.error());
-  (void)model::planned_next(model, before, *diagnosis);  // the proposal of `ecs model next`
-  content.diagnosis = reported(*diagnosis);
+  ECS_TRY(diagnosis, model::diagnose(model, before, options));
+  (void)model::planned_next(model, before, diagnosis);  // the proposal of `ecs model next`
+  content.diagnosis = reported(diagnosis);
   return {};
 }
 
@@ -90,18 +83,15 @@ Result<void> judge(VerbContext& context, const ReportArguments& arguments, const
 Result<void> add_model(VerbContext& context, const ReportArguments& arguments, const ReportFiles& files,
                        ReportContent& content) {
   if (!files.diagnosis.empty()) {
-    auto diagnosis = read_diagnosis(files.diagnosis);
-    if (!diagnosis) return tl::unexpected(diagnosis.error());
-    content.diagnosis = std::move(*diagnosis);
+    ECS_TRY(diagnosis, read_diagnosis(files.diagnosis));
+    content.diagnosis = std::move(diagnosis);
   }
   if (files.model.empty()) return {};
-  const auto model = model::read_model(files.model);
-  if (!model) return tl::unexpected(model.error());
-  const auto readings = readings_for(context, arguments, *model, content);
-  if (!readings) return tl::unexpected(readings.error());
-  if (readings->before.readings.empty())
+  ECS_TRY(model, model::read_model(files.model));
+  ECS_TRY(readings, readings_for(context, arguments, model, content));
+  if (readings.before.readings.empty())
     return problem(ProblemKind::usage, "--model: no readings before compensation to put beside it; give --data");
-  if (auto judged = judge(context, arguments, *readings, *model, content); !judged)
+  if (auto judged = judge(context, arguments, readings, model, content); !judged)
     return tl::unexpected(in_file(judged.error(), files.model.string()));
   return {};
 }

@@ -44,17 +44,15 @@ PredictedRow predicted_row(const TableRow& row, const CompiledMap& map) {
 
 Result<Predicted> predicted_rows(const std::vector<TableRow>& rows, const laser::ErrorMap& map,
                                  const UnitParameters& parameters, const protocol::Identity* unit) {
-  const auto image = laser::image_of(map, parameters);
-  if (!image) return tl::unexpected(image.error());
-  const ImageView view{ByteView(image->bytes)};
+  ECS_TRY(image, laser::image_of(map, parameters));
+  const ImageView view{ByteView(image.bytes)};
   const auto compiled = std::make_unique<CompiledMap>();
   if (const CompileVerdict verdict = compile(view, *compiled); verdict.fault != Fault::none)
     return problem(ProblemKind::refused, std::string(ecs::text_of(verdict.fault).meaning));
   Predicted out;
   if (unit != nullptr) {  // the image that a unit holds states the unit
-    const auto held = addressed(image->bytes, *unit, Addressee::this_unit);
-    if (!held) return tl::unexpected(held.error());
-    out.check = ImageView(ByteView(*held)).check();
+    ECS_TRY(held, addressed(image.bytes, *unit, Addressee::this_unit));
+    out.check = ImageView(ByteView(held)).check();
   } else if (!map.header.serial_number.empty()) {
     out.check = view.check();
   }

@@ -60,8 +60,7 @@ Result<void> write_report(const std::string& path, const std::vector<BatchReport
 Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   if (!context.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
-  const auto plan = read_batch_plan(arguments.plan);
-  if (!plan) return tl::unexpected(plan.error());
+  ECS_TRY(plan, read_batch_plan(arguments.plan));
   BatchWatch watch;
   watch.begun = [&context](const PlannedUnit& unit) {
     context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
@@ -72,9 +71,9 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
     context.console.progress(fmt::format("{} of {} units", now.units_done, now.units), now.share, now.seconds_left);
   };
   const auto reports =
-      run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, arguments.lines, watch);
+      run_batch(plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, arguments.lines, watch);
   context.console.end_progress();
-  if (const auto written = write_report(arguments.output, reports); !written) return tl::unexpected(written.error());
+  ECS_DO(write_report(arguments.output, reports));
   const int exit_code = exit_code_of(reports);
   const Cell units = reports_cell(reports);
   Json object{

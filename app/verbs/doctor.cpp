@@ -33,14 +33,13 @@ Json statistics_json(const protocol::LinkStatistics& s) {
 }
 
 Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) {
-  const auto choice = chosen_link(context.link_option);
-  if (!choice) return tl::unexpected(choice.error());
-  context.link_name = to_text(*choice);
+  ECS_TRY(choice, chosen_link(context.link_option));
+  context.link_name = to_text(choice);
   if (arguments.save && context.link_option.empty())
     return problem(ProblemKind::usage, "doctor --save: give the --link that is to be stored");
-  Diagnosis diagnosis = diagnosis_of(*choice, [&context](const std::string& note) { context.console.note(note); });
+  Diagnosis diagnosis = diagnosis_of(choice, [&context](const std::string& note) { context.console.note(note); });
   if (arguments.save && diagnosis.works) {
-    if (auto stored = store_link(context.link_name); !stored) return tl::unexpected(stored.error());
+    ECS_DO(store_link(context.link_name));
     diagnosis.findings.push_back(
         {"stored", FindingState::ok, fmt::format("stored in {}", configuration_file().string()), {}});
   }
@@ -50,7 +49,7 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
   return outcome_of(
       record_cell("link {link} ({origin})\n{findings}{works}",
                   {{"link", word_cell(context.link_name)},
-                   {"origin", word_cell(choice->origin)},
+                   {"origin", word_cell(choice.origin)},
                    {"works", yes_cell(works, "the link works\n", "the link does not work\n")},
                    {"working_link", text_cell(diagnosis.working_link)},
                    {"serial_number", diagnosis.identity ? text_cell(diagnosis.identity->serial_number) : null_cell()},

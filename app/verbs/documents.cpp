@@ -33,8 +33,7 @@ struct ManualArguments : VerbArguments {
 
 Result<Outcome> manual(VerbContext& context, const ManualArguments& arguments) {
   const std::vector<cli::ManualPage> pages = manual_pages(shown_program(all_verbs(), context));
-  if (auto written = cli::write_pages(pages, arguments.folder, arguments.force); !written)
-    return tl::unexpected(written.error());
+  ECS_DO(cli::write_pages(pages, arguments.folder, arguments.force));
   return outcome_of(record_cell("{pages} manual pages in {folder}\n",
                                 {{"pages", count_cell(pages.size())}, {"folder", word_cell(arguments.folder)}}));
 }

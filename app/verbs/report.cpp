@@ -162,20 +162,17 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
     return problem(ProblemKind::usage,
                    fmt::format("-o {} is a folder: name the page in it, as in {}", arguments.output,
                                (std::filesystem::path(arguments.output) / "report.html").lexically_normal().string()));
-  const auto files = report_files(arguments);
-  if (!files) return tl::unexpected(files.error());
-  if (!arguments.data.empty() && files->model.empty())
+  ECS_TRY(files, report_files(arguments));
+  if (!arguments.data.empty() && files.model.empty())
     return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
-  const auto content = report_content(context, arguments);
-  if (!content) return tl::unexpected(content.error());
-  if (auto distinct = check_page_not_source(arguments, *files, *content); !distinct)
-    return tl::unexpected(distinct.error());
-  const Judgement judgement = judgement_of(*content);
-  const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
-  if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());
-  return Outcome{report_text(*content, judgement, arguments.output, page),
-                 one_line(report_json(*content, judgement, arguments.output, page)),
-                 unfit_files(*content) ? kUnfitFile : kDone};
+  ECS_TRY(content, report_content(context, arguments));
+  ECS_DO(check_page_not_source(arguments, files, content));
+  const Judgement judgement = judgement_of(content);
+  const Page page{report_page(content, judgement), std::filesystem::exists(arguments.output, ignored)};
+  ECS_DO(write_file(arguments.output, page.html));
+  return Outcome{report_text(content, judgement, arguments.output, page),
+                 one_line(report_json(content, judgement, arguments.output, page)),
+                 unfit_files(content) ? kUnfitFile : kDone};
 }
 
 }  // namespace

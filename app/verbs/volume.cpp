@@ -73,20 +73,16 @@ struct VolumeOptions : VerbArguments {
 };
 
 Result<Outcome> volume_verb(VerbContext& context, const VolumeOptions& options) {
-  const auto work = volume_work(context.console, options.arguments());
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, volume_work(context.console, options.arguments()));
   for (const std::string& output : {options.output, options.values})
-    if (const auto distinct = check_output_not_input(output, work->inputs); !distinct)
-      return tl::unexpected(distinct.error());
+    ECS_DO(check_output_not_input(output, work.inputs));
   if (!options.output.empty()) {
-    if (const auto format = plot_format_of(options.output); !format) return tl::unexpected(format.error());
-    const auto figure = volume_figure(*work);
-    if (!figure) return tl::unexpected(figure.error());
-    if (auto written = write_plot(options.output, *figure); !written) return tl::unexpected(written.error());
+    ECS_DO(plot_format_of(options.output));
+    ECS_TRY(figure, volume_figure(work));
+    ECS_DO(write_plot(options.output, figure));
   }
-  if (!options.values.empty())
-    if (auto written = write_file(options.values, values_csv(*work)); !written) return tl::unexpected(written.error());
-  return outcome_of(volume_cell(*work, options.output, options.values));
+  if (!options.values.empty()) ECS_DO(write_file(options.values, values_csv(work)));
+  return outcome_of(volume_cell(work, options.output, options.values));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ template <class Context, class Arguments>
             const auto arguments = std::make_shared<Arguments>();
             declare(options, *arguments);
             return [arguments, run, guard = OutputGuard(options)](Context& context) -> Result<Outcome> {
-              if (auto spared = guard.check(); !spared) return tl::unexpected(spared.error());
+              ECS_DO(guard.check());
               return run(context, *arguments);
             };
           }};

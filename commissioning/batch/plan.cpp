@@ -84,11 +84,10 @@ Problem in_line_order(Problem all) {
 Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const std::string& name,
                                                   const fs::path& folder) {
   TomlReader reader(name);
-  const auto table = reader.parsed(text);
-  if (!table) return tl::unexpected(table.error());
-  reader.only(*table, {"unit"}, "plan");
+  ECS_TRY(table, reader.parsed(text));
+  reader.only(table, {"unit"}, "plan");
   std::vector<PlannedUnit> units;
-  for (const toml::table* unit : reader.children(*table, "unit")) take_unit(reader, *unit, folder, units);
+  for (const toml::table* unit : reader.children(table, "unit")) take_unit(reader, *unit, folder, units);
   if (units.empty() && reader.clean()) reader.complain(1, "expected at least one [[unit]]");
   if (!reader.clean()) return tl::unexpected(in_line_order(reader.all()));
   return each_once(std::move(units), name);
@@ -124,13 +123,11 @@ Result<std::vector<PlannedUnit>> batch_plan_of(const Manifest& manifest) {
 Result<std::vector<PlannedUnit>> read_batch_plan(const fs::path& path) {
   if (lower(path.extension().string()) == ".csv") {
     static const ManifestColumns kColumns{{"id", "link", "params"}, {"serial_number", "map", "arm_code"}};
-    const auto manifest = Manifest::read(path, kColumns);
-    if (!manifest) return tl::unexpected(manifest.error());
-    return batch_plan_of(*manifest);
+    ECS_TRY(manifest, Manifest::read(path, kColumns));
+    return batch_plan_of(manifest);
   }
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_batch_plan(*text, path.string(), path.parent_path());
+  ECS_TRY(text, read_file(path));
+  return parse_batch_plan(text, path.string(), path.parent_path());
 }
 
 }  // namespace ecs::commissioning

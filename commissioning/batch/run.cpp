@@ -32,19 +32,17 @@ struct Load {
 Result<Load> prepared(const PlannedUnit& unit) {
   Load load;
   if (!unit.map.empty()) {
-    auto map = prepared_map(unit.map, unit.params);
-    if (!map) return tl::unexpected(map.error());
-    load.map = std::move(*map);
+    ECS_TRY(map, prepared_map(unit.map, unit.params));
+    load.map = std::move(map);
     load.notes = load.map->image.notes;
     load.notes.insert(load.notes.end(), load.map->remarks.begin(), load.map->remarks.end());
     return load;
   }
-  const auto file = params::read_parameters(unit.params);
-  if (!file) return tl::unexpected(file.error());
-  if (auto objections = objections_to(*file, unit.params)) return tl::unexpected(std::move(*objections));
-  load.parameters = file->parameters;
-  load.identity = file->identity;
-  load.notes = params::defaults_taken(*file);
+  ECS_TRY(file, params::read_parameters(unit.params));
+  if (auto objections = objections_to(file, unit.params)) return tl::unexpected(std::move(*objections));
+  load.parameters = file.parameters;
+  load.identity = file.identity;
+  load.notes = params::defaults_taken(file);
   return load;
 }
 

@@ -187,9 +187,8 @@ Result<Json> stats_of(const std::string& name, const laser::MeasurementSet& set,
   kept.put(name, laser::to_csv(set));
   std::vector<std::string> words{"laser", "stats", name};
   words.insert(words.end(), wishes.uncertainty.begin(), wishes.uncertainty.end());
-  const auto said = run(words);
-  if (!said) return tl::unexpected(said.error());
-  const Json answer = Json::parse(*said, nullptr, false);
+  ECS_TRY(said, run(words));
+  const Json answer = Json::parse(said, nullptr, false);
   if (answer.is_object() && answer.contains("lines") && answer["lines"].is_array() && answer["lines"].size() == 1)
     return answer["lines"][0];
   return problem(ProblemKind::bad_input, "it holds no line of ISO 230-2");
@@ -202,15 +201,14 @@ Result<LineToCertify> measured_line(const std::string& name, const laser::Measur
   LineToCertify line;
   line.kind = kind_of(group, name);
   const bool across = line.kind == LineKind::straightness || line.kind == LineKind::square;
-  auto processed = laser::processed_readings(
-      set, group, {across && !group.rotary ? laser::SlopeMethod::least_squares : laser::SlopeMethod::none});
-  if (!processed) return tl::unexpected(processed.error());
-  auto answer = stats_of(name, processed->after, wishes, run);
-  if (!answer) return tl::unexpected(answer.error());
-  line.answer = std::move(*answer);
+  ECS_TRY(processed,
+          laser::processed_readings(
+              set, group, {across && !group.rotary ? laser::SlopeMethod::least_squares : laser::SlopeMethod::none}));
+  ECS_TRY(answer, stats_of(name, processed.after, wishes, run));
+  line.answer = std::move(answer);
   if (line.kind == LineKind::square)
-    if (auto square = laser::squareness_of(processed->before_curve)) line.square = *square;
-  if (across && !group.rotary) line.levelled = std::move(*processed);
+    if (auto square = laser::squareness_of(processed.before_curve)) line.square = *square;
+  if (across && !group.rotary) line.levelled = std::move(processed);
   return line;
 }
 
@@ -252,17 +250,15 @@ std::string short_name(const LogOwner& owner) {
 }
 
 Result<void> add_history(Certificate& certificate, const Logbook& book) {
-  const auto last = book.last_of("certificate");
-  if (!last) return tl::unexpected(last.error());
-  if (*last) {
-    const Json content = Json::parse((*last)->content, nullptr, false);
+  ECS_TRY(last, book.last_of("certificate"));
+  if (last) {
+    const Json content = Json::parse(last->content, nullptr, false);
     if (content.is_object())
       certificate.previous = PreviousCertificate{text_at(content, "identifier"), text_at(content, "sha256")};
   }
-  const auto active = book.activations();
-  if (!active) return tl::unexpected(active.error());
-  if (!active->empty())
-    certificate.active_image = text_at(Json::parse(active->back().content, nullptr, false), "image_sha256");
+  ECS_TRY(active, book.activations());
+  if (!active.empty())
+    certificate.active_image = text_at(Json::parse(active.back().content, nullptr, false), "image_sha256");
   return {};
 }
 
@@ -270,31 +266,29 @@ Result<void> add_history(Certificate& certificate, const Logbook& book) {
 
 Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes& wishes, const RunVerb& run,
                                    const std::string& now) {
-  const auto owner = book.owner();
-  if (!owner) return tl::unexpected(owner.error());
-  const auto entries = book.entries();
-  if (!entries) return tl::unexpected(entries.error());
-  if (entries->empty()) return problem(ProblemKind::refused, "the logbook is empty: there is nothing to certify");
+  ECS_TRY(owner, book.owner());
+  ECS_TRY(entries, book.entries());
+  if (entries.empty()) return problem(ProblemKind::refused, "the logbook is empty: there is nothing to certify");
   Certificate certificate;
   certificate.schema_version = wishes.schema_version;
   certificate.country = wishes.country;
   certificate.program = program_version_and_commit();
-  certificate.machine = owner->machine;
-  certificate.serial_number = owner->serial_number;
+  certificate.machine = owner.machine;
+  certificate.serial_number = owner.serial_number;
   certificate.laboratory = wishes.laboratory;
   certificate.city = wishes.city;
   certificate.customer = wishes.customer;
   certificate.person = wishes.person;
   certificate.to_be_signed = wishes.to_be_signed;
-  certificate.logbook_hash = entries->back().hash;
+  certificate.logbook_hash = entries.back().hash;
   certificate.issue_date = now.substr(0, kDay);
-  certificate.identifier = fmt::format("ECS-{}-{}-{}", short_name(*owner), entries->back().number + 1,
-                                       certificate.logbook_hash.substr(0, 8));
-  if (const auto known = add_history(certificate, book); !known) return tl::unexpected(known.error());
+  certificate.identifier =
+      fmt::format("ECS-{}-{}-{}", short_name(owner), entries.back().number + 1, certificate.logbook_hash.substr(0, 8));
+  ECS_DO(add_history(certificate, book));
   std::int64_t after = 0;
-  for (const LogbookEntry& entry : *entries)
+  for (const LogbookEntry& entry : entries)
     if (entry.kind == "certificate" && !wishes.all) after = entry.number;
-  for (const LogbookEntry& entry : *entries) {
+  for (const LogbookEntry& entry : entries) {
     if (entry.kind != "measurement" || entry.number <= after) continue;
     const auto set = set_of(book, entry);
     if (!set || !add_lines(certificate, book, *set, instrument_in_json(entry.instrument), wishes, run)) continue;

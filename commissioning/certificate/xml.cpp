@@ -190,8 +190,7 @@ Result<SchemaFolder> schema_in(const fs::path& folder, const std::string& versio
 }
 
 Result<void> valid_by_schema(std::string_view xml, const SchemaFolder& schema, const std::string& file) {
-  const auto document = parsed_xml(xml, file);
-  if (!document) return tl::unexpected(document.error());
+  ECS_TRY(document, parsed_xml(xml, file));
   const LocalOnly local(schema.folder);
   Faults faults{schema.dcc.string(), {}};
   const std::unique_ptr<xmlSchemaParserCtxt, FreeWith<xmlSchemaFreeParserCtxt>> parser(
@@ -207,7 +206,7 @@ Result<void> valid_by_schema(std::string_view xml, const SchemaFolder& schema, c
   faults.file = file;
   const std::unique_ptr<xmlSchemaValidCtxt, FreeWith<xmlSchemaFreeValidCtxt>> check(xmlSchemaNewValidCtxt(rules.get()));
   xmlSchemaSetValidStructuredErrors(check.get(), take_fault, &faults);
-  const int result = xmlSchemaValidateDoc(check.get(), document->get());
+  const int result = xmlSchemaValidateDoc(check.get(), document.get());
   if (result == 0 && faults.list.empty()) return {};
   if (faults.list.empty())
     faults.list.push_back(
@@ -216,9 +215,8 @@ Result<void> valid_by_schema(std::string_view xml, const SchemaFolder& schema, c
 }
 
 Result<Instrument> instrument_in_dcc(std::string_view xml, const std::string& file) {
-  const auto document = parsed_xml(xml, file);
-  if (!document) return tl::unexpected(document.error());
-  const xmlNode* root = xmlDocGetRootElement(document->get());
+  ECS_TRY(document, parsed_xml(xml, file));
+  const xmlNode* root = xmlDocGetRootElement(document.get());
   if (root == nullptr || !is_named(root, "digitalCalibrationCertificate"))
     return tl::unexpected(Problem{ProblemKind::bad_input,
                                   "expected a Digital Calibration Certificate, found another XML document",

@@ -22,10 +22,9 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
   GatheredResults gathered;
   std::unordered_map<std::string, std::pair<std::size_t, std::size_t>> place_of;  // in the list, number of the file
   for (std::size_t f = 0; f < files.size(); ++f) {
-    const auto text = read_file(files[f]);
-    if (!text) return tl::unexpected(text.error());
-    ResultLines lines = result_lines(*text, true);
-    if (lines.results.empty() && !text->empty()) return tl::unexpected(no_results(files[f], 1));
+    ECS_TRY(text, read_file(files[f]));
+    ResultLines lines = result_lines(text, true);
+    if (lines.results.empty() && !text.empty()) return tl::unexpected(no_results(files[f], 1));
     if (lines.unreadable > 0)
       gathered.unreadable.push_back(
           fmt::format("{}:{}: {} cut or unreadable line{} left out: run `ecs fleet diagnose` "
@@ -57,15 +56,14 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
 }
 
 Result<std::vector<NamedMachine>> previously_named(const std::string& file, double rate) {
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  ResultLines lines = result_lines(*text, true);
-  if (!lines.results.empty() || text->empty()) {
+  ECS_TRY(text, read_file(file));
+  ResultLines lines = result_lines(text, true);
+  if (!lines.results.empty() || text.empty()) {
     std::vector<FleetResult> results;
     for (auto& one : lines.results) results.push_back(std::move(one.result));
     return fleet_names(results, rate).named;
   }
-  const Json answer = Json::parse(*text, nullptr, false);
+  const Json answer = Json::parse(text, nullptr, false);
   const auto list = answer.is_object() ? answer.find("named") : answer.end();
   if (!answer.is_object() || list == answer.end() || !list->is_array()) return tl::unexpected(no_results(file, 1));
   std::vector<NamedMachine> named;

@@ -57,18 +57,15 @@ Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replic
                                   0,
                                   {}});
   std::string all = fmt::format("noise replicates {}\n", noise_replicates);
-  const auto model_text = regular_file(set.model);
-  if (!model_text) return tl::unexpected(model_text.error());
-  append_part(all, "model", *model_text);
-  const auto model = model::read_model(set.model);
-  if (!model) return tl::unexpected(model.error());
+  ECS_TRY(model_text, regular_file(set.model));
+  append_part(all, "model", model_text);
+  ECS_TRY(model, model::read_model(set.model));
   std::vector<std::pair<std::string_view, fs::path>> others{{"data", set.data}};
   if (!set.machine.empty()) others.emplace_back("machine", set.machine);
-  if (!model->map_file.empty()) others.emplace_back("map", fs::path(set.model).parent_path() / model->map_file);
+  if (!model.map_file.empty()) others.emplace_back("map", fs::path(set.model).parent_path() / model.map_file);
   for (const auto& [name, path] : others) {
-    const auto content = regular_file(path);
-    if (!content) return tl::unexpected(content.error());
-    append_part(all, name, *content);
+    ECS_TRY(content, regular_file(path));
+    append_part(all, name, content);
   }
   return sha256_hex(all);
 }
@@ -76,13 +73,12 @@ Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replic
 Result<FleetResult> diagnosed(const MachineSet& set, const std::string& hash, std::size_t noise_replicates,
                               const std::atomic<bool>* cancelled) {
   NoMessages unread;
-  const auto work = model_work(unread, {set.model, {set.data}, set.machine, {}});
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, model_work(unread, {set.model, {set.data}, set.machine, {}}));
   model::DiagnoseOptions options;
   options.noise_replicates = noise_replicates;
   options.cancelled = cancelled;
   options.p_values = true;
-  const auto names = model::named_causes(work->model, work->data, options);
+  const auto names = model::named_causes(work.model, work.data, options);
   if (!names) return tl::unexpected(in_file(names.error(), set.data));
   FleetResult result{set.id, hash,          std::string(name_of(names->verdict)), {}, set.type, set.batch, 0.0, {},
                      false,  names->p_value};

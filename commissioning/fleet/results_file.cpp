@@ -92,10 +92,9 @@ Result<ResultsFile> ResultsFile::open(const std::string& path) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
     return problem(ProblemKind::usage, path + ": expected a file for the results, found a folder or a device");
   if (std::filesystem::exists(status)) {
-    const auto text = read_file(path);
-    if (!text) return tl::unexpected(text.error());
-    ResultLines lines = result_lines(*text, false);
-    if (lines.first_unreadable == 1 && (text->find('\n') != std::string::npos || !text->starts_with("{\"id\":")))
+    ECS_TRY(text, read_file(path));
+    ResultLines lines = result_lines(text, false);
+    if (lines.first_unreadable == 1 && (text.find('\n') != std::string::npos || !text.starts_with("{\"id\":")))
       return problem(ProblemKind::usage,
                      path + " exists and holds no results of `ecs fleet diagnose`: give another name");
     const bool rewrite = lines.errors + lines.unreadable + lines.replaced > 0;
@@ -104,13 +103,12 @@ Result<ResultsFile> ResultsFile::open(const std::string& path) {
       Known known{bytes_of(one.result.hash), labels_of(one.result), one.offset, one.length};
       if (rewrite) {
         known.offset = kept.size();
-        kept.append(*text, one.offset, one.length);
+        kept.append(text, one.offset, one.length);
         kept += '\n';
       }
       file.held_.emplace(std::move(one.result.id), known);
     }
-    if (rewrite)
-      if (auto written = write_file(path, kept); !written) return tl::unexpected(written.error());
+    if (rewrite) ECS_DO(write_file(path, kept));
   }
   file.handle_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file.handle_ < 0) return tl::unexpected(file.failed("write"));

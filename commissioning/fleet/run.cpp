@@ -272,15 +272,14 @@ Result<FleetReport> run_fleet(const Manifest& manifest, const std::string& outpu
   const int cores = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
   const int wanted = options.threads > 0 ? options.threads : cores;
   const int threads = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(wanted), manifest.size()));
-  auto under_way = UnderWay::open(output + ".work", threads);
-  if (!under_way) return tl::unexpected(under_way.error());
+  ECS_TRY(under_way, UnderWay::open(output + ".work", threads));
   auto results = ResultsFile::open(output);
   if (!results) {
-    under_way->remove();
+    under_way.remove();
     return tl::unexpected(results.error());
   }
-  auto report = FleetRun(manifest, *results, *under_way, options, watch).carried_out(threads);
-  under_way->remove();
+  auto report = FleetRun(manifest, *results, under_way, options, watch).carried_out(threads);
+  under_way.remove();
   return report;
 }
 

@@ -30,9 +30,8 @@ Result<Investigation> investigated(const InvestigationRequest& request, Followed
   const ObservedFiles seen;
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(followed, request.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  if (!*machine)
+  ECS_TRY(machine, machine_in(followed, request.machine));
+  if (!machine)
     return problem(ProblemKind::usage, "an investigation needs the machine file: travels, lever arms, pitches");
   std::error_code error;
   WorkshopChoice choice;
@@ -41,14 +40,13 @@ Result<Investigation> investigated(const InvestigationRequest& request, Followed
   choice.map_is_modelled = model->map.has_value();
   (std::filesystem::is_socket(request.place, error) ? choice.socket : choice.folder) = request.place;
   choice.open_unit = open_unit_of(unit, control);
-  const auto opened = open_workshop(followed, choice, **machine, cancelled);
-  if (!opened) return tl::unexpected(opened.error());
-  FollowedWorkshop workshop(followed, *opened->workshop);
+  ECS_TRY(opened, open_workshop(followed, choice, *machine, cancelled));
+  FollowedWorkshop workshop(followed, *opened.workshop);
   InvestigationOptions options;
   options.minutes = request.minutes;
   if (!choice.socket.empty()) options.times = workshop_times();
   options.cancelled = &cancelled;
-  auto found = investigate(*model, **machine, workshop, options);
+  auto found = investigate(*model, *machine, workshop, options);
   if (found && logbook_is_kept()) {
     const Cell answer = investigation_cell(*found);
     LogRecord made;

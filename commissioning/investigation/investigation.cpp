@@ -86,7 +86,7 @@ class Investigator {
     while (result_.steps.size() < kMostRuns) {
       const auto next = next_run();
       if (!next) break;
-      if (auto done = step(*next); !done) return tl::unexpected(done.error());
+      ECS_DO(step(*next));
     }
     if (!diagnosis_) {
       result_.notes.push_back(fmt::format("nothing was measured: no run fits into {:g} minutes", options_.minutes));
@@ -94,8 +94,8 @@ class Investigator {
     }
     result_.verdict = diagnosis_->verdict;
     result_.programme = iso_programme(measured_lines_, machine_, options_.times);
-    if (auto added = add_causes(); !added) return tl::unexpected(added.error());
-    if (auto done = compensate(); !done) return tl::unexpected(done.error());
+    ECS_DO(add_causes());
+    ECS_DO(compensate());
     return std::move(result_);
   }
 
@@ -341,9 +341,8 @@ class Investigator {
   Result<void> diagnose() {
     model::DiagnoseOptions options;
     options.cancelled = options_.cancelled;
-    auto diagnosis = model::diagnose(readings_.model_with_zeros(), readings_.observations(machine_), options);
-    if (!diagnosis) return tl::unexpected(diagnosis.error());
-    diagnosis_ = std::move(*diagnosis);
+    ECS_TRY(diagnosis, model::diagnose(readings_.model_with_zeros(), readings_.observations(machine_), options));
+    diagnosis_ = std::move(diagnosis);
     return {};
   }
 
@@ -353,21 +352,19 @@ class Investigator {
     std::vector<std::pair<model::EffectInstance, double>> added;  // with the probability
     for (const Candidate& candidate : diagnosis_->candidates) {
       if (!candidate.in_answer()) continue;
-      auto with = model::add_effect(whole, data, request_for(candidate.effect), "");
-      if (!with) return tl::unexpected(with.error());
-      whole = std::move(with->model);
+      ECS_TRY(with, model::add_effect(whole, data, request_for(candidate.effect), ""));
+      whole = std::move(with.model);
       whole.effects.back() = at_its_value(candidate.effect);
       added.emplace_back(whole.effects.back(), candidate.probability);
     }
-    const auto fit = model::fit(whole, data);
-    if (!fit) return tl::unexpected(fit.error());
+    ECS_TRY(fit, model::fit(whole, data));
     for (const auto& [effect, probability] : added)
-      for (const model::EffectFit& one : fit->effects)
+      for (const model::EffectFit& one : fit.effects)
         if (same_candidate(one.effect, effect))
           result_.causes.push_back({to_text(effect), one.parameters, probability, one.rms_um});
     std::stable_sort(result_.causes.begin(), result_.causes.end(),
                      [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
-    result_.model = without_zeros(model::with_values(std::move(whole), *fit));
+    result_.model = without_zeros(model::with_values(std::move(whole), fit));
     for (const Look& look : looks_)
       if (is_against_straight_edge(look.proposal))
         if (auto level = make_level(result_.model, {look.proposal.axis, look.proposal.sense}, machine_); !level)
@@ -376,9 +373,8 @@ class Investigator {
   }
 
   Result<void> compensate() {
-    const auto before = rms_of_looks();
-    if (!before) return tl::unexpected(before.error());
-    result_.rms_before_um = *before;
+    ECS_TRY(before, rms_of_looks());
+    result_.rms_before_um = before;
     if (cancelled()) return stopped();
     if (was_compensated()) {
       result_.notes.emplace_back(
@@ -397,14 +393,12 @@ class Investigator {
       MeasurementProposal again = look.proposal;
       again.condition = "with the new map";
       if (loaded_) again.load_kg = 0.0;
-      auto run = workshop_.measure({++number, again, true});
-      if (!run) return tl::unexpected(run.error());
-      look.set = std::move(run->set);
-      result_.compensated_minutes += run->minutes;
+      ECS_TRY(run, workshop_.measure({++number, again, true}));
+      look.set = std::move(run.set);
+      result_.compensated_minutes += run.minutes;
     }
-    const auto after = rms_of_looks();
-    if (!after) return tl::unexpected(after.error());
-    result_.rms_compensated_um = *after;
+    ECS_TRY(after, rms_of_looks());
+    result_.rms_compensated_um = after;
     return {};
   }
 
@@ -418,9 +412,8 @@ class Investigator {
   [[nodiscard]] Result<double> rms_of_looks() const {
     double squares = 0.0, count = 0.0;
     for (const Look& look : looks_) {
-      const auto artefact = errors_of_artefact(look.set);
-      if (!artefact) return tl::unexpected(artefact.error());
-      squares += squares_about_zero(look, *artefact);
+      ECS_TRY(artefact, errors_of_artefact(look.set));
+      squares += squares_about_zero(look, artefact);
       count += static_cast<double>(look.set.readings.size());
     }
     return std::sqrt(squares / std::max(count, 1.0));
@@ -454,9 +447,8 @@ class Investigator {
     laser::MeasurementSet numbered = set;
     for (std::size_t k = 0; k < numbered.readings.size(); ++k) numbered.readings[k].row = static_cast<int>(k) + 1;
     const model::Observations at = model::observations_of(numbered, artefacts, machine_);
-    const auto predicted = model::predicted(artefacts, at);
-    if (!predicted) return tl::unexpected(predicted.error());
-    for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted)[k];
+    ECS_TRY(predicted, model::predicted(artefacts, at));
+    for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = predicted[k];
     return values;
   }
 

@@ -52,13 +52,12 @@ Result<void> make_level(model::Model& model, const InvestigatedLine& line, const
   std::erase_if(curve.effects, [&](const model::EffectInstance& effect) { return !of_line(effect); });
   const laser::MeasurementSet set = places_of(line, *axis);
   const model::Observations at = model::observations_of(set, curve, machine);
-  const auto values = model::predicted(curve, at);
-  if (!values) return tl::unexpected(values.error());
+  ECS_TRY(values, model::predicted(curve, at));
   const double middle_mm = 0.5 * (axis->travel_mm[0] + axis->travel_mm[1]);
   double moment = 0.0, inertia = 0.0;
   for (std::size_t k = 0; k < at.size(); ++k) {
     const double arm_mm = at.position_mm[k][index_of(line.axis)] - middle_mm;
-    moment += arm_mm * (*values)[k];
+    moment += arm_mm * values[k];
     inertia += arm_mm * arm_mm;
   }
   if (inertia > 0.0) slope->fitted[kSlope] -= moment / inertia * kMmPerM;

@@ -22,22 +22,21 @@ Result<OpenedWorkshop> open_workshop(MessageSink& messages, const WorkshopChoice
                                      const params::Machine& machine, const std::atomic<bool>& cancelled) {
   const MapSources sources{choice.machine, params_of(choice)};
   if (!choice.socket.empty()) {
-    auto opened = SocketWorkshop::open(
-        messages,
-        {choice.socket, choice.link, sources, machine, choice.map_is_modelled, choice.arm_code, choice.open_unit},
-        cancelled);
-    if (!opened) return tl::unexpected(opened.error());
-    const std::string link = (*opened)->link();
-    return OpenedWorkshop{std::move(*opened), link};
+    ECS_TRY(opened, SocketWorkshop::open(messages,
+                                         {choice.socket, choice.link, sources, machine, choice.map_is_modelled,
+                                          choice.arm_code, choice.open_unit},
+                                         cancelled));
+    const std::string link = opened->link();
+    return OpenedWorkshop{std::move(opened), link};
   }
   const auto pause = [&cancelled](std::chrono::milliseconds time) {
     std::this_thread::sleep_for(time);
     return !cancelled;
   };
-  auto opened = WatchedFolder::open(
-      messages, {choice.folder, choice.model, choice.link, sources, machine, pause, choice.arm_code}, cancelled);
-  if (!opened) return tl::unexpected(opened.error());
-  return OpenedWorkshop{std::move(*opened), ""};
+  ECS_TRY(opened, WatchedFolder::open(
+                      messages, {choice.folder, choice.model, choice.link, sources, machine, pause, choice.arm_code},
+                      cancelled));
+  return OpenedWorkshop{std::move(opened), ""};
 }
 
 }  // namespace ecs::commissioning

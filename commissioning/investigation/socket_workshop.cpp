@@ -105,7 +105,7 @@ class SocketWorkshop::Hands {
   [[nodiscard]] Result<void> load(double kg) const { return done(client_.ask({{"action", "load"}, {"kg", kg}})); }
   [[nodiscard]] Result<void> reference() const { return done(client_.ask({{"action", "reference"}})); }
   [[nodiscard]] Result<Json> run(const std::filesystem::path& file, const std::string& program, Json request) const {
-    if (const auto written = write_file(file, program); !written) return tl::unexpected(written.error());
+    ECS_DO(write_file(file, program));
     request["action"] = "run";
     request["program"] = file.string();
     return client_.ask(request);
@@ -133,16 +133,14 @@ SocketWorkshop::~SocketWorkshop() {
 Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messages, SocketWorkshopOptions options,
                                                              const std::atomic<bool>& cancelled) {
   std::unique_ptr<SocketWorkshop> workshop(new SocketWorkshop(messages, std::move(options), cancelled));
-  const auto state = workshop->hands_->state();
-  if (!state) return tl::unexpected(state.error());
-  if (workshop->options_.link.empty() && state->contains("link") && (*state)["link"].is_string())
-    workshop->options_.link = (*state)["link"].get<std::string>();
+  ECS_TRY(state, workshop->hands_->state());
+  if (workshop->options_.link.empty() && state.contains("link") && state["link"].is_string())
+    workshop->options_.link = state["link"].get<std::string>();
   std::string name = (std::filesystem::temp_directory_path() / "ecs-investigation-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr)
     return problem(ProblemKind::output, fmt::format("cannot make a temporary folder {}", name));
   workshop->folder_ = name;
-  if (!workshop->options_.map_is_modelled && compensates(*state))
-    if (const auto open = workshop->stop_compensation(); !open) return tl::unexpected(open.error());
+  if (!workshop->options_.map_is_modelled && compensates(state)) ECS_DO(workshop->stop_compensation());
   return workshop;
 }
 
@@ -166,12 +164,10 @@ Result<void> SocketWorkshop::with_unit(const std::function<Result<void>(protocol
       return work(client);
     });
   if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
-  auto choice = chosen_link(options_.link);
-  if (!choice) return tl::unexpected(choice.error());
-  choice->arm_code = arm_code;
-  auto unit = open_link(*choice, cancelled_);
-  if (!unit) return tl::unexpected(unit.error());
-  return work(unit->client());
+  ECS_TRY(choice, chosen_link(options_.link));
+  choice.arm_code = arm_code;
+  ECS_TRY(unit, open_link(choice, cancelled_));
+  return work(unit.client());
 }
 
 /// The errors of the machine are looked for, not what a map leaves of them.
@@ -183,32 +179,28 @@ Result<void> SocketWorkshop::stop_compensation() const {
 }
 
 Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
-  const auto before = hands_->state();
-  if (!before) return tl::unexpected(before.error());
+  ECS_TRY(before, hands_->state());
   MeasurementProposal proposal = run.proposal;
   int& set_up = set_ups_[{proposal.axis, proposal.sense}];
   set_up = std::max(set_up, proposal.set_up);  // optics that were aligned stay so
   proposal.set_up = set_up;
-  if (const auto waited = hands_->wait(proposal.set_up_minutes); !waited) return tl::unexpected(waited.error());
+  ECS_DO(hands_->wait(proposal.set_up_minutes));
   const double load_kg = proposal.load_kg.value_or(load_kg_);
-  if (load_kg != load_kg_)
-    if (const auto loaded = hands_->load(load_kg); !loaded) return tl::unexpected(loaded.error());
+  if (load_kg != load_kg_) ECS_DO(hands_->load(load_kg));
   load_kg_ = load_kg;
   const auto& facts = options_.machine.axes[index_of(proposal.axis)];
-  if (facts && proposal.wait_minutes > 0.0 && wants_warmth(proposal, *before)) {
+  if (facts && proposal.wait_minutes > 0.0 && wants_warmth(proposal, before)) {
     const auto warmed =
         hands_->run(folder_ / "warm.nc", warming_program(proposal.axis, *facts, proposal.wait_minutes), Json::object());
     if (!warmed) return tl::unexpected(warmed.error());
   } else if (const auto waited = hands_->wait(proposal.wait_minutes); !waited) {
     return tl::unexpected(waited.error());
   }
-  auto set = readings_of(proposal);
-  if (!set) return tl::unexpected(set.error());
-  complete(*set, proposal);
-  const auto after = hands_->state();
-  if (!after) return tl::unexpected(after.error());
-  return RunReadings{std::move(*set),
-                     (after->value("time_s", 0.0) - before->value("time_s", 0.0)) / model::kSecondsAMinute};
+  ECS_TRY(set, readings_of(proposal));
+  complete(set, proposal);
+  ECS_TRY(after, hands_->state());
+  return RunReadings{std::move(set),
+                     (after.value("time_s", 0.0) - before.value("time_s", 0.0)) / model::kSecondsAMinute};
 }
 
 /// A part program where the machine stops for its readings, else the instrument's own request.
@@ -216,9 +208,8 @@ Result<laser::MeasurementSet> SocketWorkshop::readings_of(const MeasurementPropo
   if (proposal.dwell_s > 0.0 && proposal.set_up <= 1) {
     Json request{{"axis", letter(proposal.axis)}, {"sense", name_of(proposal.sense)}};
     add_artefact(request, proposal);
-    const auto answer = hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine), std::move(request));
-    if (!answer) return tl::unexpected(answer.error());
-    return set_in(*answer);
+    ECS_TRY(answer, hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine), std::move(request)));
+    return set_in(answer);
   }
   if (proposal.short_overrun)
     return problem(ProblemKind::refused,
@@ -227,9 +218,8 @@ Result<laser::MeasurementSet> SocketWorkshop::readings_of(const MeasurementPropo
   if (proposal.second_feed_mm_min) feeds.push_back(*proposal.second_feed_mm_min);
   std::optional<laser::MeasurementSet> all;
   for (const double feed : feeds) {
-    const auto answer = hands_->ask(measuring_request(proposal, options_.machine, feed));
-    if (!answer) return tl::unexpected(answer.error());
-    auto set = set_in(*answer);
+    ECS_TRY(answer, hands_->ask(measuring_request(proposal, options_.machine, feed)));
+    auto set = set_in(answer);
     if (!set) return set;
     if (!all) {
       all = std::move(*set);
@@ -252,10 +242,9 @@ void SocketWorkshop::complete(laser::MeasurementSet& set, const MeasurementPropo
 }
 
 Result<void> SocketWorkshop::activate(const model::Model& model) {
-  const auto files = write_map_files(messages_, model, options_.sources, folder_);
-  if (!files) return tl::unexpected(files.error());
+  ECS_TRY(files, write_map_files(messages_, model, options_.sources, folder_));
   return with_unit([&](protocol::UnitClient& client) -> Result<void> {
-    if (const auto sent = send_map_files(client, *files); !sent) return sent;
+    if (const auto sent = send_map_files(client, files); !sent) return sent;
     if (const auto referenced = hands_->reference(); !referenced) return referenced;
     return wait_for_compensation(client, kDatumWait_s);
   });

@@ -119,19 +119,17 @@ Result<std::unique_ptr<WatchedFolder>> WatchedFolder::open(MessageSink& messages
   if (error)
     return problem(ProblemKind::output,
                    fmt::format("{}: cannot make the folder: {}", watched->options_.folder.string(), error.message()));
-  const auto model = read_file(watched->options_.model);
-  if (!model) return tl::unexpected(model.error());
-  watched->model_sha256_ = sha256_hex(*model);
-  if (const auto read = watched->read_ledger(); !read) return tl::unexpected(read.error());
+  ECS_TRY(model, read_file(watched->options_.model));
+  watched->model_sha256_ = sha256_hex(model);
+  ECS_DO(watched->read_ledger());
   return watched;
 }
 
 Result<void> WatchedFolder::read_ledger() {
   std::error_code error;
   if (!std::filesystem::exists(ledger_file(), error)) return {};
-  const auto text = read_file(ledger_file());
-  if (!text) return tl::unexpected(text.error());
-  const Json ledger = Json::parse(*text, nullptr, false);
+  ECS_TRY(text, read_file(ledger_file()));
+  const Json ledger = Json::parse(text, nullptr, false);
   if (!ledger.is_object() || !ledger.contains("model_sha256") || !ledger.contains("runs"))
     return problem_at(ledger_file().string(), 0, 0, "expected the ledger of an investigation");
   model_sha256_ = ledger["model_sha256"].get<std::string>();
@@ -166,19 +164,17 @@ Result<RunReadings> WatchedFolder::measure(const RequestedRun& run) {
     std::erase_if(given_, [&](const GivenRun& one) { return one.number == run.number; });
     break;
   }
-  if (auto asked = ask_for(run); !asked) return tl::unexpected(asked.error());
+  ECS_DO(ask_for(run));
   return wait_for(run);
 }
 
 /// A run of the ledger, if its file is still the one that was given.
 Result<RunReadings> WatchedFolder::given_before(const RequestedRun& run, GivenRun& given) {
-  const auto content = read_file(options_.folder / given.file);
-  if (!content) return tl::unexpected(content.error());
-  if (sha256_hex(*content) != given.sha256) return refused("the file was changed since");
-  auto set = read_for(options_.folder / given.file, run.proposal);
-  if (!set) return tl::unexpected(set.error());
-  if (const std::string why = not_asked_for(*set, run); !why.empty()) return refused(why);
-  return RunReadings{std::move(*set), given.minutes};
+  ECS_TRY(content, read_file(options_.folder / given.file));
+  if (sha256_hex(content) != given.sha256) return refused("the file was changed since");
+  ECS_TRY(set, read_for(options_.folder / given.file, run.proposal));
+  if (const std::string why = not_asked_for(set, run); !why.empty()) return refused(why);
+  return RunReadings{std::move(set), given.minutes};
 }
 
 Result<void> WatchedFolder::ask_for(const RequestedRun& run) const {
@@ -245,7 +241,7 @@ Result<RunReadings> WatchedFolder::wait_for(const RequestedRun& run) {
         continue;
       }
       given_.push_back({run.number, run.proposal.sentence, name, hash, run.proposal.minutes});
-      if (auto written = write_ledger(); !written) return tl::unexpected(written.error());
+      ECS_DO(write_ledger());
       messages_.note(fmt::format("{} is taken for run {}: {} readings", name, run.number, set->readings.size()));
       return RunReadings{std::move(*set), run.proposal.minutes};
     }
@@ -284,25 +280,21 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   const std::filesystem::path folder = options_.folder / kMap;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  const auto files = write_map_files(messages_, model, options_.sources, folder);
-  if (!files) return tl::unexpected(files.error());
+  ECS_TRY(files, write_map_files(messages_, model, options_.sources, folder));
   if (options_.link.empty()) {
     messages_.note(
         fmt::format("send the map with `{}`, then switch the unit to compensation with `ecs utility mode compensate` "
                     "and reference the axes; both take the stored link, or --link",
-                    shell_command({"ecs", "map", "send", files->map, "--params", files->params})));
+                    shell_command({"ecs", "map", "send", files.map, "--params", files.params})));
     return {};
   }
-  auto choice = chosen_link(options_.link);
-  if (!choice) return tl::unexpected(choice.error());
-  choice->arm_code = options_.arm_code;
-  auto unit = open_link(*choice, cancelled_);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto status = unit->client().status();
-  if (!status) return tl::unexpected(status.error());
-  if (const auto sent = send_map_files(unit->client(), *files); !sent) return sent;
+  ECS_TRY(choice, chosen_link(options_.link));
+  choice.arm_code = options_.arm_code;
+  ECS_TRY(unit, open_link(choice, cancelled_));
+  ECS_DO(unit.client().status());
+  if (const auto sent = send_map_files(unit.client(), files); !sent) return sent;
   messages_.note("the map was sent; reference every axis of the machine now: the unit watches");
-  return wait_for_compensation(unit->client(), kReferencing_s);
+  return wait_for_compensation(unit.client(), kReferencing_s);
 }
 
 void WatchedFolder::keep(const InvestigationStep& step) {

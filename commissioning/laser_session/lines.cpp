@@ -229,7 +229,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
 Result<void> correct_place(LaserChoices& choices, const LaserLine& line, const std::string& parked) {
   ImportArguments given;
   given.parked = parked;
-  if (const auto options = import_options(given); !options) return tl::unexpected(options.error());
+  ECS_DO(import_options(given));
   for (std::size_t k = 0; k < line.files.size(); ++k)
     for (LaserFileChoice& file : choices.files)
       if (file.path == line.files[k]) {

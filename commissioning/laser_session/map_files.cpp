@@ -68,10 +68,9 @@ Result<laser::MapRecipe> recipe_to_keep(laser::MapRecipe recipe, const fs::path&
         file = fs::absolute(file, error);
         continue;
       }
-      const auto content = read_file(file);
-      if (!content) return tl::unexpected(content.error());
+      ECS_TRY(content, read_file(file));
       fs::create_directories(keep_in, error);
-      if (const auto kept = write_file(keep_in / file.filename(), *content); !kept) return tl::unexpected(kept.error());
+      ECS_DO(write_file(keep_in / file.filename(), content));
       file = fs::absolute(keep_in / file.filename(), error);
     }
   return recipe;
@@ -125,17 +124,15 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
   const std::string opened = choices.opened_map.empty() ? "" : read_file(choices.opened_map).value_or("");
   std::error_code error;
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
-  const auto recipe = recipe_to_keep(work.recipe, prepared, files.folder);
-  if (!recipe) return tl::unexpected(recipe.error());
-  if (const auto written = write_file(files.map, work.csv); !written) return tl::unexpected(written.error());
-  if (choices.opened_map.empty())
-    if (const auto kept = write_file(files.recipe, recipe_text(*recipe)); !kept) return tl::unexpected(kept.error());
+  ECS_TRY(recipe, recipe_to_keep(work.recipe, prepared, files.folder));
+  ECS_DO(write_file(files.map, work.csv));
+  if (choices.opened_map.empty()) ECS_DO(write_file(files.recipe, recipe_text(recipe)));
   if (const auto written =
           params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
       !written)
     return tl::unexpected(written.error());
-  log_map(files, *recipe, choices);
-  return SavedMap{files, work.csv, choices.opened_map.empty() ? *recipe : laser::MapRecipe{}, opened};
+  log_map(files, recipe, choices);
+  return SavedMap{files, work.csv, choices.opened_map.empty() ? recipe : laser::MapRecipe{}, opened};
 }
 
 namespace {

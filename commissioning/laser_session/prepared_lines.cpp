@@ -92,13 +92,12 @@ Result<laser::MeasurementSet> prepared_line(const PreparedLineRequest& request) 
   if (line == nullptr) return tl::unexpected(no_such_line(lines, request.line));
   if (!request.place.empty()) {
     const std::string stated = line->stated.front();
-    if (auto corrected = correct_place(choices, *line, request.place); !corrected)
-      return tl::unexpected(corrected.error());
+    ECS_DO(correct_place(choices, *line, request.place));
     lines = laser_lines(read());
     line = line_stated(lines, stated);
     if (line == nullptr) return tl::unexpected(no_such_line(lines, stated));
   }
-  if (auto there = all_there(*line, request.left_out); !there) return tl::unexpected(there.error());
+  ECS_DO(all_there(*line, request.left_out));
   return prepared_set(*line, request.left_out);
 }
 

@@ -20,13 +20,12 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
 /// Who answers is known already: the connection asked before it gave the link. The status is asked once, not also by
 /// active_check(): on a slow link it is what takes the time.
 Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& link) {
-  const auto status = link.client().status();
-  if (!status) return tl::unexpected(status.error());
+  ECS_TRY(status, link.client().status());
   const WatchedUnit watched = unit.snapshot();
-  UnitHolding holding{watched.identity ? watched.identity->serial_number : "", std::nullopt, status->commit_sequence,
-                      status->uptime_s, watched.opened_at};
-  if (status->active_bank == protocol::Bank::none) return holding;
-  holding.check = status->block_check_expected;
+  UnitHolding holding{watched.identity ? watched.identity->serial_number : "", std::nullopt, status.commit_sequence,
+                      status.uptime_s, watched.opened_at};
+  if (status.active_bank == protocol::Bank::none) return holding;
+  holding.check = status.block_check_expected;
   return holding;
 }
 
@@ -98,30 +97,25 @@ std::string sent_text(const SentMap& sent) {
 }
 
 Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
-  auto prepared = prepared_map(files.map, files.parameters);
-  if (!prepared) return tl::unexpected(prepared.error());
+  ECS_TRY(prepared, prepared_map(files.map, files.parameters));
   return unit.with_link(control, [&](UnitLink& link) -> Result<ReadyMap> {
-    const auto identity = link.client().identity();
-    if (!identity) return tl::unexpected(identity.error());
-    std::vector<std::string> objections = other_unit(*prepared, identity->serial_number);
-    for (std::string& why : no_room_for(prepared->image.bytes, *identity)) objections.push_back(std::move(why));
+    ECS_TRY(identity, link.client().identity());
+    std::vector<std::string> objections = other_unit(prepared, identity.serial_number);
+    for (std::string& why : no_room_for(prepared.image.bytes, identity)) objections.push_back(std::move(why));
     if (auto refused = refused_map(objections, files.map)) return tl::unexpected(std::move(*refused));
-    auto image = addressed(prepared->image.bytes, *identity, Addressee::as_stated);
-    if (!image) return tl::unexpected(image.error());
-    prepared->image.bytes = std::move(*image);
-    const auto active = active_check(link.client());
-    if (!active) return tl::unexpected(active.error());
-    const std::uint32_t check = ImageView(prepared->image.bytes).check();
-    return ReadyMap{std::make_shared<const PreparedMap>(std::move(*prepared)), files, *identity, *active, check};
+    ECS_TRY(image, addressed(prepared.image.bytes, identity, Addressee::as_stated));
+    prepared.image.bytes = std::move(image);
+    ECS_TRY(active, active_check(link.client()));
+    const std::uint32_t check = ImageView(prepared.image.bytes).check();
+    return ReadyMap{std::make_shared<const PreparedMap>(std::move(prepared)), files, identity, active, check};
   });
 }
 
 SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready) {
   bool begun = false;
   auto sent = unit.with_link(control, [&](UnitLink& link) -> Result<SentMap> {
-    const auto active = active_check(link.client());
-    if (!active) return tl::unexpected(active.error());
-    if (*active != ready.active)
+    ECS_TRY(active, active_check(link.client()));
+    if (active != ready.active)
       return problem(ProblemKind::refused,
                      "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
                      "was sent; Enter asks again");
@@ -137,17 +131,13 @@ void note_sent_map(const UnitConnection& unit, const MapFiles& files) {
 
 Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
   return unit.with_link(control, [&](UnitLink& link) -> Result<VerifiedMap> {
-    const auto before = holding_over(unit, link);
-    if (!before) return tl::unexpected(before.error());
-    const auto found = map_in(link.client(), progress_into(control));
-    if (!found) return tl::unexpected(found.error());
-    auto verdict = verdict_on(*found, files.map, files.parameters);
-    if (!verdict) return tl::unexpected(verdict.error());
-    const auto after = holding_over(unit, link);
-    if (!after) return tl::unexpected(after.error());
-    if (const std::string why = changed_since(*before, *after); !why.empty())
+    ECS_TRY(before, holding_over(unit, link));
+    ECS_TRY(found, map_in(link.client(), progress_into(control)));
+    ECS_TRY(verdict, verdict_on(found, files.map, files.parameters));
+    ECS_TRY(after, holding_over(unit, link));
+    if (const std::string why = changed_since(before, after); !why.empty())
       return problem(ProblemKind::refused, "the unit changed while it was read (" + why + "): Enter compares again");
-    return VerifiedMap{std::move(*verdict), *after};
+    return VerifiedMap{std::move(verdict), after};
   });
 }
 
@@ -157,28 +147,24 @@ Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control) {
 
 Result<params::ParametersFile> parameters_of_unit(UnitConnection& unit, JobControl& control) {
   return unit.with_link(control, [&](UnitLink& link) -> Result<params::ParametersFile> {
-    const auto identity = link.client().identity();
-    if (!identity) return tl::unexpected(identity.error());
-    const auto parameters = receive_parameters(link.client());
-    if (!parameters) return tl::unexpected(parameters.error());
+    ECS_TRY(identity, link.client().identity());
+    ECS_TRY(parameters, receive_parameters(link.client()));
     params::ParametersFile received;
-    received.parameters = *parameters;
-    received.identity.serial_number = identity->serial_number;
+    received.parameters = parameters;
+    received.identity.serial_number = identity.serial_number;
     return received;
   });
 }
 
 Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
-  const auto received = parameters_of_unit(unit, control);
-  if (!received) return tl::unexpected(received.error());
-  return params::write_parameters(file, received->parameters, received->identity);
+  ECS_TRY(received, parameters_of_unit(unit, control));
+  return params::write_parameters(file, received.parameters, received.identity);
 }
 
 Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, const ExpectedMap& expected) {
   return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
-    const auto now = holding_over(unit, link);
-    if (!now) return tl::unexpected(now.error());
-    if (const std::string why = other_than(expected, *now); !why.empty())
+    ECS_TRY(now, holding_over(unit, link));
+    if (const std::string why = other_than(expected, now); !why.empty())
       return problem(ProblemKind::refused,
                      why + ". It stays out of compensation; Enter compares again, step 8 sends again");
     return link.client().enter_compensation();

@@ -58,28 +58,25 @@ std::vector<std::string> lines_of_fit(const LengthsWork& work) {
 }
 
 Result<LengthsView> fitted(const LengthsArguments& arguments) {
-  const auto text = read_file(arguments.file);
-  if (!text) return tl::unexpected(text.error());
+  ECS_TRY(text, read_file(arguments.file));
   LengthsView view;
-  if (is_plan(*text)) {
-    const auto plan = model::parse_lengths(*text, arguments.file, true);
-    if (!plan) return tl::unexpected(plan.error());
+  if (is_plan(text)) {
+    ECS_TRY(plan, model::parse_lengths(text, arguments.file, true));
     view.measured = false;
-    view.lines = lines_of_plan(*plan, arguments.machine);
+    view.lines = lines_of_plan(plan, arguments.machine);
     return view;
   }
-  auto work = lengths_work(arguments);
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, lengths_work(arguments));
   const auto add = [&](const std::string& why_not) {
     if (why_not.empty()) return;
     if (!view.missing.empty()) view.missing.emplace_back();
     view.missing.push_back(why_not);
     ++view.undetermined;
   };
-  for (const model::IdentifiedCurve& curve : work->found.curves) add(curve.why_not);
-  for (const model::IdentifiedSquareness& square : work->found.squareness) add(square.why_not);
-  view.lines = lines_of_fit(*work);
-  view.work = std::move(*work);
+  for (const model::IdentifiedCurve& curve : work.found.curves) add(curve.why_not);
+  for (const model::IdentifiedSquareness& square : work.found.squareness) add(square.why_not);
+  view.lines = lines_of_fit(work);
+  view.work = std::move(work);
   return view;
 }
 
@@ -106,11 +103,10 @@ void LengthsController::plan(const LengthsPlanAsked& asked) {
   asked_ = asked;
   message_.clear();
   const auto work = [asked](JobControl& control) -> Result<LengthsPlanView> {
-    auto plan = lengths_plan(asked, [&control] { return control.cancelled.load(); });
-    if (!plan) return tl::unexpected(plan.error());
-    std::vector<std::string> lines = owned_lines_of(lengths_plan_cell(*plan, asked.volume_um, "").text);
+    ECS_TRY(plan, lengths_plan(asked, [&control] { return control.cancelled.load(); }));
+    std::vector<std::string> lines = owned_lines_of(lengths_plan_cell(plan, asked.volume_um, "").text);
     std::erase_if(lines, [](const std::string& line) { return line.starts_with("plan not written"); });
-    return LengthsPlanView{std::move(lines), std::move(*plan)};
+    return LengthsPlanView{std::move(lines), std::move(plan)};
   };
   task_.start("searching the plan with the fewest minutes", work, [this](Result<LengthsPlanView> planned) {
     if (planned)

@@ -35,15 +35,12 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
   s.instrument = a.instrument == "tracker"          ? model::LengthInstrument::tracker
                  : a.instrument == "interferometer" ? model::LengthInstrument::interferometer
                                                     : model::LengthInstrument::ball_bar;
-  const auto knots = three_lengths_in(a.knots, "--knots");
-  if (!knots) return tl::unexpected(knots.error());
-  s.knots_mm = *knots;
-  const auto tools = places_in(a.tools, "--tools");
-  if (!tools) return tl::unexpected(tools.error());
-  if (!tools->empty()) s.tools_mm = *tools;
-  const auto stations = places_in(a.stations, "--stations");
-  if (!stations) return tl::unexpected(stations.error());
-  s.stations_mm = *stations;
+  ECS_TRY(knots, three_lengths_in(a.knots, "--knots"));
+  s.knots_mm = knots;
+  ECS_TRY(tools, places_in(a.tools, "--tools"));
+  if (!tools.empty()) s.tools_mm = tools;
+  ECS_TRY(stations, places_in(a.stations, "--stations"));
+  s.stations_mm = stations;
   s.reversal_degree = a.reversal_degree;
   s.instrument_um = a.instrument_um;
   s.scatter_um = a.scatter_um;
@@ -63,12 +60,10 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
 }  // namespace
 
 Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std::function<bool()>& stopped) {
-  const auto machine = params::read_machine(asked.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto settings = settings_of(asked);
-  if (!settings) return tl::unexpected(settings.error());
-  settings->stopped = stopped;
-  auto plan = model::planned_lengths(machine->machine, *settings);
+  ECS_TRY(machine, params::read_machine(asked.machine));
+  ECS_TRY(settings, settings_of(asked));
+  settings.stopped = stopped;
+  auto plan = model::planned_lengths(machine.machine, settings);
   if (plan && stopped && stopped()) return problem(ProblemKind::refused, "stopped: there is no plan");
   return plan;
 }

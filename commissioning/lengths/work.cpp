@@ -111,46 +111,37 @@ Result<PerAxis<std::optional<double>>> three_lengths_in(const std::string& text,
 }
 
 Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
-  const auto knots = three_lengths_in(arguments.knots, "--knots");
-  if (!knots) return tl::unexpected(knots.error());
+  ECS_TRY(knots, three_lengths_in(arguments.knots, "--knots"));
   model::IdentifySettings settings;
-  settings.knots_mm = *knots;
+  settings.knots_mm = knots;
   settings.reversal_degree = arguments.reversal_degree;
   settings.scale_um_per_m = arguments.scale_um_per_m;
   settings.keep_outliers = arguments.keep_outliers;
   LengthsWork work;
   for (const std::string& word : arguments.zero) {
-    const auto zero = declared_zero_in(word);
-    if (!zero) return tl::unexpected(zero.error());
-    settings.zero[index_of(zero->component)] = true;
-    work.zero.push_back(*zero);
+    ECS_TRY(zero, declared_zero_in(word));
+    settings.zero[index_of(zero.component)] = true;
+    work.zero.push_back(zero);
   }
-  const auto text = read_file_of(FileKind::lengths, arguments.file);
-  if (!text) return tl::unexpected(text.error());
-  auto test = model::parse_lengths(*text, arguments.file);
-  if (!test) return tl::unexpected(test.error());
-  const auto machine = params::read_machine(arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  if (const auto there = measured_there(*test, machine->machine, arguments.file); !there)
-    return tl::unexpected(there.error());
-  work.machine_name = machine->machine.name;
+  ECS_TRY(text, read_file_of(FileKind::lengths, arguments.file));
+  ECS_TRY(test, model::parse_lengths(text, arguments.file));
+  ECS_TRY(machine, params::read_machine(arguments.machine));
+  ECS_DO(measured_there(test, machine.machine, arguments.file));
+  work.machine_name = machine.machine.name;
   if (!arguments.params.empty()) {
-    auto unit = params::read_whole_parameters(arguments.params);
-    if (!unit) return tl::unexpected(unit.error());
-    if (const auto same = same_machine(*unit, machine->machine, arguments.params); !same)
-      return tl::unexpected(same.error());
-    work.unit = std::move(*unit);
+    ECS_TRY(unit, params::read_whole_parameters(arguments.params));
+    ECS_DO(same_machine(unit, machine.machine, arguments.params));
+    work.unit = std::move(unit);
   }
-  auto found = model::identify(*test, machine->machine, settings);
-  if (!found) return tl::unexpected(found.error());
-  work.test = std::move(*test);
-  work.found = std::move(*found);
+  ECS_TRY(found, model::identify(test, machine.machine, settings));
+  work.test = std::move(test);
+  work.found = std::move(found);
   if (!work.unit || !work.found.whole()) return work;
   for (const model::IdentifiedSquareness& square : work.found.squareness)
     if (square.determined)
       squareness_um_per_m(work.unit->parameters, square.component) =
           sign_of(square.component, work.unit->parameters.convention) * square.um_per_m;
-  work.map = map_of(work, arguments, sha256_hex(*text), machine->machine);
+  work.map = map_of(work, arguments, sha256_hex(text), machine.machine);
   return work;
 }
 

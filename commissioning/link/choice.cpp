@@ -58,9 +58,8 @@ Result<toml::table> configuration() {
   const fs::path path = configuration_file();
   std::error_code error;
   if (!fs::exists(path, error)) return toml::table{};
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_toml(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_toml(text, path.string());
 }
 
 }  // namespace
@@ -68,9 +67,8 @@ Result<toml::table> configuration() {
 Result<LinkChoice> parsed_link(std::string_view text, std::string origin) {
   if (text == kEmulator || text.starts_with("emulator:")) {
     text.remove_prefix(std::min(text.size(), kEmulator.size() + 1));
-    auto machine = machine_or_sample(text);
-    if (!machine) return tl::unexpected(machine.error());
-    return LinkChoice{EmulatorLink{std::move(*machine)}, std::move(origin)};
+    ECS_TRY(machine, machine_or_sample(text));
+    return LinkChoice{EmulatorLink{std::move(machine)}, std::move(origin)};
   }
   auto address = protocol::link_address_of(text);
   if (!address) {
@@ -83,9 +81,8 @@ Result<LinkChoice> parsed_link(std::string_view text, std::string origin) {
 
 Result<LinkChoice> chosen_link(const std::string& option) {
   if (!option.empty()) return parsed_link(option, "--link");
-  const auto stored = stored_link();
-  if (!stored) return tl::unexpected(stored.error());
-  if (*stored) return parsed_link(**stored, "configuration");
+  ECS_TRY(stored, stored_link());
+  if (stored) return parsed_link(*stored, "configuration");
   return parsed_link(kEmulator, "default");
 }
 
@@ -97,9 +94,8 @@ std::string to_text(const LinkChoice& choice) {
 fs::path configuration_file() { return settings_file(); }
 
 Result<std::optional<std::string>> stored_link() {
-  const auto table = configuration();
-  if (!table) return tl::unexpected(table.error());
-  const auto* link = table->get("link");
+  ECS_TRY(table, configuration());
+  const auto* link = table.get("link");
   if (link == nullptr) return std::optional<std::string>();
   const auto text = link->value<std::string>();
   if (!link->is_string() || !text)
@@ -110,11 +106,10 @@ Result<std::optional<std::string>> stored_link() {
 }
 
 Result<void> store_link(const std::string& link) {
-  auto table = configuration();
-  if (!table) return tl::unexpected(table.error());
-  table->insert_or_assign("link", link);
+  ECS_TRY(table, configuration());
+  table.insert_or_assign("link", link);
   std::ostringstream text;
-  text << *table << '\n';
+  text << table << '\n';
   std::error_code error;
   fs::create_directories(configuration_file().parent_path(), error);
   return write_file(configuration_file(), text.str());

@@ -107,18 +107,16 @@ std::optional<std::filesystem::path> started_machine;
 
 Result<std::unique_ptr<EmulatorProcess>> EmulatorProcess::start(const EmulatorOptions& options) {
   std::unique_ptr<EmulatorProcess> process(new EmulatorProcess());
-  const auto lock = locked(options.memory);
-  if (!lock) return tl::unexpected(lock.error());
-  process->lock_ = *lock;
+  ECS_TRY(lock, locked(options.memory));
+  process->lock_ = lock;
   std::error_code nothing_there;
   std::filesystem::remove(with_ending(options.memory, kShared), nothing_there);  // of one that was killed
   if (options.shared) {
     process->shared_in_ = with_ending(options.memory, kShared);
-    if (auto made = write_private(with_ending(options.memory, kToken), token_by_chance()); !made)
-      return tl::unexpected(made.error());
+    ECS_DO(write_private(with_ending(options.memory, kToken), token_by_chance()));
   }
-  if (const auto launched = process->launch(options); !launched) return tl::unexpected(launched.error());
-  if (const auto greeted = process->read_greeting(); !greeted) return tl::unexpected(greeted.error());
+  ECS_DO(process->launch(options));
+  ECS_DO(process->read_greeting());
   const std::lock_guard guard(started_guard);
   started_machine = options.machine;
   return process;
@@ -219,12 +217,11 @@ EmulatorProcess::~EmulatorProcess() {
 }
 
 Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine) {
-  const auto folder = state_folder();
-  if (!folder) return tl::unexpected(folder.error());
+  ECS_TRY(folder, state_folder());
   std::error_code error;
   std::filesystem::path real = std::filesystem::canonical(machine, error);
   if (error) real = machine;
-  return *folder / fmt::format("emulator-{}.memory", sha256_hex(real.string()).substr(0, 16));
+  return folder / fmt::format("emulator-{}.memory", sha256_hex(real.string()).substr(0, 16));
 }
 
 }  // namespace ecs::commissioning

@@ -74,8 +74,8 @@ class UnitConnection {
     const Turn turn(*this, control);
     if (!turn.has_link()) return tl::unexpected(link_was_busy());
     const auto shown = snapshot().identity;
-    if (auto line = opened(); !line) return tl::unexpected(line.error());
-    if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
+    ECS_DO(opened());
+    ECS_DO(same_unit(shown));
     auto result = work(*unit_link_);
     settle();
     return result;
@@ -86,7 +86,7 @@ class UnitConnection {
       -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
     if (!turn.has_link()) return tl::unexpected(link_was_busy());
-    if (auto line = opened(); !line) return tl::unexpected(line.error());
+    ECS_DO(opened());
     auto result = work(*unit_link_);
     settle();
     return result;

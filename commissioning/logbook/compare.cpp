@@ -202,13 +202,11 @@ Result<LoggedState> state_on(const Logbook& book, const std::string& date) {
   state.date = date;
   const std::string until = until_of(date);
   for (const char* kind : {"diagnosis", "investigation"}) {
-    auto found = book.last_of(kind, until);
-    if (!found) return tl::unexpected(found.error());
-    if (*found && (!state.diagnosis || (*found)->number > state.diagnosis->number)) state.diagnosis = std::move(*found);
+    ECS_TRY(found, book.last_of(kind, until));
+    if (found && (!state.diagnosis || found->number > state.diagnosis->number)) state.diagnosis = std::move(found);
   }
-  auto map = book.last_of("map", until);
-  if (!map) return tl::unexpected(map.error());
-  state.map = std::move(*map);
+  ECS_TRY(map, book.last_of("map", until));
+  state.map = std::move(map);
   return state;
 }
 
@@ -219,16 +217,14 @@ Result<LogComparison> compared(const Logbook& book, const std::string& from, con
   LogComparison comparison;
   std::array<std::optional<LoggedMap>, 2> maps;
   for (std::size_t day = 0; day < 2; ++day) {
-    auto state = state_on(book, day == 0 ? from : to);
-    if (!state) return tl::unexpected(state.error());
-    if (state->map) maps[day] = map_in(book, *state->map);
+    ECS_TRY(state, state_on(book, day == 0 ? from : to));
+    if (state.map) maps[day] = map_in(book, *state.map);
     if (maps[day])
-      state->volume = volume_of(*maps[day], run, comparison.notes, state->date);
+      state.volume = volume_of(*maps[day], run, comparison.notes, state.date);
     else
-      comparison.notes.push_back(fmt::format("{}: no map had been built by then: no curves", state->date));
-    if (!state->diagnosis)
-      comparison.notes.push_back(fmt::format("{}: nothing had been diagnosed by then", state->date));
-    comparison.states[day] = std::move(*state);
+      comparison.notes.push_back(fmt::format("{}: no map had been built by then: no curves", state.date));
+    if (!state.diagnosis) comparison.notes.push_back(fmt::format("{}: nothing had been diagnosed by then", state.date));
+    comparison.states[day] = std::move(state);
   }
   if (comparison.states[0].map && comparison.states[1].map &&
       comparison.states[0].map->number == comparison.states[1].map->number)

@@ -114,11 +114,9 @@ Result<std::optional<Instrument>> instrument_in_use() {
   const std::string file = instrument_file();
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::optional<Instrument>();
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  auto instrument = parse_instrument(*text, file);
-  if (!instrument) return tl::unexpected(instrument.error());
-  return std::optional(std::move(*instrument));
+  ECS_TRY(text, read_file(file));
+  ECS_TRY(instrument, parse_instrument(text, file));
+  return std::optional(std::move(instrument));
 }
 
 std::string to_toml(const Instrument& instrument) {
@@ -134,24 +132,23 @@ std::string to_toml(const Instrument& instrument) {
 
 Result<Instrument> parse_instrument(std::string_view text, const std::string& file) {
   TomlReader reader(file);
-  const auto table = reader.parsed(text);
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(table, reader.parsed(text));
   Instrument instrument;
   std::vector<std::string> known{kInterval};
   for (const TextKey& one : kTextKeys) {
     known.emplace_back(one.key);
-    instrument.*one.member = reader.word(*table, one.key).value_or("");
+    instrument.*one.member = reader.word(table, one.key).value_or("");
   }
-  reader.only(*table, known, "an instrument file");
+  reader.only(table, known, "an instrument file");
   for (const char* key : {"calibration_date", "valid_until"})
-    if (const auto* node = table->get(key); node != nullptr && node->is_string())
+    if (const auto* node = table.get(key); node != nullptr && node->is_string())
       if (const auto wrong = wrong_date(node->value_or(std::string())))
         reader.complain(*node, fmt::format("{}: {}", key, *wrong));
-  if (const auto days = reader.number(*table, kInterval)) {
+  if (const auto days = reader.number(table, kInterval)) {
     if (*days >= 1 && *days <= kMostDays)
       instrument.calibration_interval_days = static_cast<int>(*days);
     else
-      reader.complain(*table->get(kInterval), fmt::format("{}: expected 1 to {} days", kInterval, kMostDays));
+      reader.complain(*table.get(kInterval), fmt::format("{}: expected 1 to {} days", kInterval, kMostDays));
   }
   if (!reader.clean()) return tl::unexpected(reader.all());
   return instrument;

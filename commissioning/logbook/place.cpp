@@ -100,9 +100,8 @@ Result<LogbookSetting> logbook_setting() {
   } else if (!wanted.empty()) {
     setting.folder = wanted;
   } else {
-    const auto state = state_folder();
-    if (!state) return tl::unexpected(state.error());
-    setting.folder = *state / "logbooks";
+    ECS_TRY(state, state_folder());
+    setting.folder = state / "logbooks";
   }
   return setting;
 }

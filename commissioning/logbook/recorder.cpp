@@ -105,9 +105,8 @@ OpenBooks& open_books() {
 }
 
 Result<std::optional<std::filesystem::path>> place_of(const LogRecord& record) {
-  const auto setting = logbook_setting();
-  if (!setting) return tl::unexpected(setting.error());
-  return logbook_of(*setting, {record.machine, record.serial_number});
+  ECS_TRY(setting, logbook_setting());
+  return logbook_of(setting, {record.machine, record.serial_number});
 }
 
 /// The same, looked for once as long as that logbook is open.
@@ -131,9 +130,8 @@ Result<Logbook*> book_at(const std::filesystem::path& path) {
     found = books.end();
   }
   if (found == books.end()) {
-    auto book = Logbook::open(path);
-    if (!book) return tl::unexpected(book.error());
-    found = books.emplace(path, OpenBooks::Open{std::move(*book), {}}).first;
+    ECS_TRY(book, Logbook::open(path));
+    found = books.emplace(path, OpenBooks::Open{std::move(book), {}}).first;
   }
   found->second.used = std::chrono::steady_clock::now();
   return &found->second.book;
@@ -149,20 +147,19 @@ void say_what_cannot_be_read() {
 }
 
 Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
-  const auto book = book_at(path);
-  if (!book) return tl::unexpected(book.error());
+  ECS_TRY(book, book_at(path));
   std::vector<LogRecord> records;
   for (LogRecord& record : wanted) {
-    add_new_measurements(records, **book, record);
+    add_new_measurements(records, *book, record);
     records.push_back(std::move(record));
   }
-  auto entries = (*book)->append_all(records);
+  auto entries = book->append_all(records);
   if (!entries) {
     open_books().books.erase(path);
     return tl::unexpected(entries.error());
   }
-  if ((*book)->is_new()) say_what_cannot_be_read();
-  if ((*book)->is_new())
+  if (book->is_new()) say_what_cannot_be_read();
+  if (book->is_new())
     say_once(false, fmt::format("a logbook of {} was begun: {} (docs/logbook.md; ECS_LOGBOOK=off keeps none)",
                                 in_words({records.back().machine, records.back().serial_number}), path.string()));
   return std::move(entries->back());

@@ -46,16 +46,13 @@ bool reads_as_parameters(const std::string& content, const std::string& name) {
 }
 
 Result<std::string> image_text(const std::string& csv, const UnitParameters& parameters, const std::string& like) {
-  const auto map = laser::parse_map_csv(csv, "the map derived again");
-  if (!map) return tl::unexpected(map.error());
-  auto image = laser::image_of(*map, parameters);
-  if (!image) return tl::unexpected(image.error());
+  ECS_TRY(map, laser::parse_map_csv(csv, "the map derived again"));
+  ECS_TRY(image, laser::image_of(map, parameters));
   const std::vector<std::uint8_t> active(like.begin(), like.end());
-  std::vector<std::uint8_t> bytes = std::move(image->bytes);
+  std::vector<std::uint8_t> bytes = std::move(image.bytes);
   if (const auto identity = ImageView(active).identity()) {
-    auto addressed = laser::with_identity(std::move(bytes), *identity);
-    if (!addressed) return tl::unexpected(addressed.error());
-    bytes = std::move(*addressed);
+    ECS_TRY(addressed, laser::with_identity(std::move(bytes), *identity));
+    bytes = std::move(addressed);
   }
   return std::string(bytes.begin(), bytes.end());
 }
@@ -72,11 +69,9 @@ Result<Activation> read_activation(const Logbook& book, const LogbookEntry& entr
   const std::vector<LogFile> files = files_of(entry);
   const auto image = std::find_if(files.begin(), files.end(), [](const LogFile& f) { return f.role == "image"; });
   if (image == files.end()) return problem(ProblemKind::refused, fmt::format("entry {} names no image", entry.number));
-  auto bytes = book.original(image->sha256);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto content = laser::content_of(std::vector<std::uint8_t>(bytes->begin(), bytes->end()));
-  if (!content) return tl::unexpected(content.error());
-  Activation found{entry, std::move(*bytes), std::move(*content), {}, {}};
+  ECS_TRY(bytes, book.original(image->sha256));
+  ECS_TRY(content, laser::content_of(std::vector<std::uint8_t>(bytes.begin(), bytes.end())));
+  Activation found{entry, std::move(bytes), std::move(content), {}, {}};
   if (const LogFile* map = input_that(book, files, reads_as_map)) found.map = *map;
   if (const LogFile* parameters = input_that(book, files, reads_as_parameters)) found.parameters = *parameters;
   return found;
@@ -89,9 +84,8 @@ bool has_map(const Activation& one) {
 /// Where the files that were sent are not known (a screen, a batch, parameters sent beside their map): the newest map
 /// before it whose image has the tables of this one.
 Result<std::optional<LogFile>> map_before(const Logbook& book, const Activation& one) {
-  const auto entries = book.entries();
-  if (!entries) return tl::unexpected(entries.error());
-  for (auto entry = entries->rbegin(); entry != entries->rend(); ++entry) {
+  ECS_TRY(entries, book.entries());
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
     if (entry->number >= one.entry.number) continue;
     for (const LogFile& file : files_of(*entry)) {
       if (!file.kept || file.role == "image" || !file.name.ends_with(".csv")) continue;
@@ -128,15 +122,14 @@ std::string KeptFiles::place_of(const std::filesystem::path& path) const {
 
 Result<void> Derivation::know_entries() {
   if (entries_) return {};
-  auto entries = book_.entries();
-  if (!entries) return tl::unexpected(entries.error());
-  entries_ = std::move(*entries);
+  ECS_TRY(entries, book_.entries());
+  entries_ = std::move(entries);
   return {};
 }
 
 Result<std::string> Derivation::file(const std::string& sha256, const std::string& name, std::int64_t before) {
   if (const auto found = done_.find(sha256); found != done_.end()) return found->second;
-  if (const auto known = know_entries(); !known) return tl::unexpected(known.error());
+  ECS_DO(know_entries());
   for (auto entry = entries_->rbegin(); entry != entries_->rend(); ++entry) {
     if (entry->number >= before || !is_repeatable(words_of(*entry))) continue;
     const auto files = files_of(*entry);
@@ -184,16 +177,14 @@ Result<std::string> Derivation::made_again(const LogbookEntry& entry, const std:
 }
 
 Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::string& active) {
-  const auto activations = book.activations();
-  if (!activations) return tl::unexpected(activations.error());
+  ECS_TRY(activations, book.activations());
   std::optional<Activation> last;
-  for (auto entry = activations->rbegin(); entry != activations->rend() && !last; ++entry) {
-    auto one = read_activation(book, *entry);
-    if (!one) return tl::unexpected(one.error());
-    if (!has_map(*one))
+  for (auto entry = activations.rbegin(); entry != activations.rend() && !last; ++entry) {
+    ECS_TRY(one, read_activation(book, *entry));
+    if (!has_map(one))
       return problem(ProblemKind::refused,
                      fmt::format("entry {}: the image that is active holds parameters but no map", entry->number));
-    last = std::move(*one);
+    last = std::move(one);
   }
   if (!last)
     return tl::unexpected(Problem{ProblemKind::refused,
@@ -203,9 +194,8 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
                                   0,
                                   {}});
   if (!last->map) {
-    auto found = map_before(book, *last);
-    if (!found) return tl::unexpected(found.error());
-    last->map = std::move(*found);
+    ECS_TRY(found, map_before(book, *last));
+    last->map = std::move(found);
   }
   if (!last->map)
     return problem(
@@ -215,22 +205,18 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
   Replay replay;
   replay.activation = last->entry.number;
   Derivation derivation(book, run);
-  const auto csv = derivation.file(last->map->sha256, last->map->name, last->entry.number);
-  if (!csv) return tl::unexpected(csv.error());
+  ECS_TRY(csv, derivation.file(last->map->sha256, last->map->name, last->entry.number));
   UnitParameters parameters = last->content.parameters;
   if (last->parameters) {
-    const auto text = derivation.file(last->parameters->sha256, last->parameters->name, last->entry.number);
-    if (!text) return tl::unexpected(text.error());
-    const auto read = params::parse_parameters(*text, last->parameters->name);
-    if (!read) return tl::unexpected(read.error());
-    parameters = read->parameters;
+    ECS_TRY(text, derivation.file(last->parameters->sha256, last->parameters->name, last->entry.number));
+    ECS_TRY(read, params::parse_parameters(text, last->parameters->name));
+    parameters = read.parameters;
   } else {
     replay.notes.emplace_back(
         "the parameters are those of the active image: the logbook does not say which file they were");
   }
-  const auto image = image_text(*csv, parameters, last->image);
-  if (!image) return tl::unexpected(image.error());
-  replay.map_sha256 = sha256_hex(*image);
+  ECS_TRY(image, image_text(csv, parameters, last->image));
+  replay.map_sha256 = sha256_hex(image);
   replay.active_sha256 = sha256_hex(active.empty() ? last->image : active);
   replay.same = replay.map_sha256 == replay.active_sha256;
   replay.derived = std::move(derivation.derived);

@@ -280,9 +280,8 @@ Result<Logbook> Logbook::open_to_read(const fs::path& path) {
 }
 
 Result<LogbookEntry> Logbook::append(const LogRecord& record) {
-  auto entries = append_all({record});
-  if (!entries) return tl::unexpected(entries.error());
-  return std::move(entries->front());
+  ECS_TRY(entries, append_all({record}));
+  return std::move(entries.front());
 }
 
 Result<std::vector<LogbookEntry>> Logbook::append_all(const std::vector<LogRecord>& records) {
@@ -291,8 +290,7 @@ Result<std::vector<LogbookEntry>> Logbook::append_all(const std::vector<LogRecor
   for (const LogRecord& record : records) next.push_back(next_entry(record));
   Transaction all(file);
   if (!all.open()) return tl::unexpected(sqlite_fault(path_, file));
-  auto of = owner();
-  if (!of) return tl::unexpected(of.error());
+  ECS_TRY(of, owner());
   std::int64_t number = 0;
   std::string previous;
   if (!take_last(file, number, previous)) return tl::unexpected(sqlite_fault(path_, file));
@@ -300,11 +298,11 @@ Result<std::vector<LogbookEntry>> Logbook::append_all(const std::vector<LogRecor
   for (NextEntry& one : next) {
     LogbookEntry& entry = one.entry;
     const LogOwner about{entry.machine, entry.serial_number};
-    if (!belongs(*of, about))
+    if (!belongs(of, about))
       return tl::unexpected(file_fault(path_, ProblemKind::refused,
-                                       fmt::format("is the logbook of {}, not of {}", in_words(*of), in_words(about))));
-    if (of->machine.empty()) of->machine = about.machine;
-    if (of->serial_number.empty()) of->serial_number = about.serial_number;
+                                       fmt::format("is the logbook of {}, not of {}", in_words(of), in_words(about))));
+    if (of.machine.empty()) of.machine = about.machine;
+    if (of.serial_number.empty()) of.serial_number = about.serial_number;
     entry.number = ++number;
     entry.previous = previous;
     previous = entry.hash = hash_of(entry);

@@ -87,9 +87,8 @@ Result<Manifest> Manifest::parse(std::string text, const std::string& name, std:
 }
 
 Result<Manifest> Manifest::read(const std::filesystem::path& path, const ManifestColumns& columns) {
-  auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse(std::move(*text), path.string(), path.parent_path(), columns);
+  ECS_TRY(text, read_file(path));
+  return parse(std::move(text), path.string(), path.parent_path(), columns);
 }
 
 Result<ManifestRow> Manifest::row(std::size_t i) const {

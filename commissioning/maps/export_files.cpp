@@ -100,14 +100,12 @@ Result<std::vector<WrittenFile>> write_together(const std::vector<OutputFile>& f
   std::vector<WrittenFile> written;
   if (files.size() == 1) {
     const bool there = fs::exists(files.front().path, ignored);
-    if (const auto done = write_file(files.front().path, files.front().content); !done)
-      return tl::unexpected(done.error());
+    ECS_DO(write_file(files.front().path, files.front().content));
     written.push_back({files.front().path, there});
     return written;
   }
   StagedFiles staged;
-  for (const OutputFile& file : files)
-    if (const auto done = stage(file, staged); !done) return tl::unexpected(done.error());
+  for (const OutputFile& file : files) ECS_DO(stage(file, staged));
   for (std::size_t i = 0; i < staged.all.size(); ++i) {
     const Staged& one = staged.all[i];
     if (std::rename(one.beside.c_str(), one.target.c_str()) != 0) {

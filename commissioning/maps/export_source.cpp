@@ -48,10 +48,9 @@ struct Found {
 Result<Found> parameters_for(const ExportArguments& arguments, const FoundMap& found,
                              const std::optional<params::Machine>& machine, ExportWork& work) {
   if (!arguments.params.empty()) {
-    const auto file = params::read_parameters(arguments.params);
-    if (!file) return tl::unexpected(file.error());
+    ECS_TRY(file, params::read_parameters(arguments.params));
     work.inputs.push_back(arguments.params);
-    return Found{file->parameters, file->identity};
+    return Found{file.parameters, file.identity};
   }
   if (found.parameters) return Found{*found.parameters, {}};
   if (machine) {
@@ -105,21 +104,18 @@ void note_squareness_left_behind(ExportWork& work) {
 }  // namespace
 
 Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found) {
-  const auto machine = machine_in(messages, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, machine_in(messages, arguments.machine));
   ExportWork work;
-  const auto with = parameters_for(arguments, found, *machine, work);
-  if (!with) return tl::unexpected(with.error());
-  work.source.parameters = with->parameters;
+  ECS_TRY(with, parameters_for(arguments, found, machine, work));
+  work.source.parameters = with.parameters;
   work.map_name = found.name;
   work.errors_from = arguments.model.empty() ? "the map" : arguments.model;
-  if (const auto fits = check_configuration(found.map.header, with->parameters, found.name); !fits)
-    return tl::unexpected(fits.error());
+  ECS_DO(check_configuration(found.map.header, with.parameters, found.name));
   if (!arguments.other_machine)
-    if (const auto why = refused_map(objections_to_owner(found.map.header, *with, arguments, *machine), found.name))
+    if (const auto why = refused_map(objections_to_owner(found.map.header, with, arguments, machine), found.name))
       return tl::unexpected(*why);
   work.source.map = std::move(found.map);
-  work.source.travel_mm = travels_for(work.source.map, with->parameters, *machine);
+  work.source.travel_mm = travels_for(work.source.map, with.parameters, machine);
   note_squareness_left_behind(work);
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
     if (!input.empty()) work.inputs.push_back(input);
@@ -167,11 +163,9 @@ controllers::ErrorsAt errors_of_model(model::Model model, params::Machine machin
 Result<controllers::ErrorsAt> errors_for(MessageSink& messages, const ExportArguments& arguments,
                                          const ExportWork& work) {
   if (arguments.model.empty()) return controllers::errors_of_map(work.source);
-  const auto model = model::read_model(arguments.model);
-  if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(messages, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  return errors_of_model(*model, **machine, arguments.model);
+  ECS_TRY(model, model::read_model(arguments.model));
+  ECS_TRY(machine, machine_in(messages, arguments.machine));
+  return errors_of_model(model, *machine, arguments.model);
 }
 
 }  // namespace ecs::commissioning

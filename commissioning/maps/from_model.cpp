@@ -139,12 +139,11 @@ Result<void> complete_header(MapFromModel& built, const FromModelArguments& argu
   if (header.machine.empty()) header.machine = built.identity.machine;
   header.serial_number = built.identity.serial_number;
   for (const std::string& word : arguments.zero) {
-    const auto zero = declared_zero_in(word);
-    if (!zero) return tl::unexpected(zero.error());
-    if (built.effects.contains(zero->component))
+    ECS_TRY(zero, declared_zero_in(word));
+    if (built.effects.contains(zero.component))
       return problem(ProblemKind::usage,
-                     fmt::format("--zero {}: the model has a value for it: keep one", name_of(zero->component)));
-    header.declared_zero.push_back(*zero);
+                     fmt::format("--zero {}: the model has a value for it: keep one", name_of(zero.component)));
+    header.declared_zero.push_back(zero);
   }
   return {};
 }
@@ -217,34 +216,32 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
                 0,
                 0,
                 {}});
-  const auto machine = machine_in(messages, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, machine_in(messages, arguments.machine));
   MapFromModel built;
-  built.parameters = params::default_parameters_for(**machine);
-  built.identity.machine = (*machine)->name;
+  built.parameters = params::default_parameters_for(*machine);
+  built.identity.machine = machine->name;
   if (arguments.received) {
     built.parameters = arguments.received->parameters;
     built.identity = arguments.received->identity;
   }
   if (!arguments.params.empty()) {
-    const auto given = arguments.params_out.empty() ? params::read_parameters(arguments.params)
-                                                    : params::read_whole_parameters(arguments.params);
-    if (!given) return tl::unexpected(given.error());
-    built.parameters = given->parameters;
-    built.identity = given->identity;
+    ECS_TRY(given, arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                                : params::read_whole_parameters(arguments.params));
+    built.parameters = given.parameters;
+    built.identity = given.identity;
   }
-  built.increment_mm = arguments.increment_mm.value_or(table_increment_mm(*model, **machine));
-  auto compiled = model::compiled(*model, **machine, built.increment_mm);
+  built.increment_mm = arguments.increment_mm.value_or(table_increment_mm(*model, *machine));
+  auto compiled = model::compiled(*model, *machine, built.increment_mm);
   if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
   built.compiled = std::move(*compiled);
-  const auto levers = model::add_own_levers(built.compiled, *model, **machine, built.increment_mm);
+  const auto levers = model::add_own_levers(built.compiled, *model, *machine, built.increment_mm);
   note_short_periods(built, *model);
   trace(built, *model, levers, arguments.model);
-  if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
+  ECS_DO(complete_header(built, arguments));
   take_squareness(built.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
-  built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(**machine));
-  find_unmeasured_directions(built, *model, **machine);
+  built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(*machine));
+  find_unmeasured_directions(built, *model, *machine);
   return built;
 }
 
@@ -294,11 +291,10 @@ Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromMod
 
 Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = check_output_not_input(output, {arguments.model, arguments.machine}); !spared)
-      return tl::unexpected(spared.error());
+    ECS_DO(check_output_not_input(output, {arguments.model, arguments.machine}));
   auto built = planned_map_from_model(messages, arguments);
   if (!built) return built;
-  if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
+  ECS_DO(write(*built, arguments));
   for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
     messages.warn(objection);
   return built;

@@ -6,10 +6,9 @@
 namespace ecs::commissioning {
 
 Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress) {
-  const auto image = read_active_image(client, progress);
-  if (!image) return tl::unexpected(image.error());
-  if (!*image) return problem(ProblemKind::refused, "the unit holds no map: send one with `ecs map send`");
-  auto content = laser::content_of(**image);
+  ECS_TRY(image, read_active_image(client, progress));
+  if (!image) return problem(ProblemKind::refused, "the unit holds no map: send one with `ecs map send`");
+  auto content = laser::content_of(*image);
   if (!content) {
     Problem why = content.error();
     why.kind = ProblemKind::refused;

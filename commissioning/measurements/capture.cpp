@@ -86,17 +86,14 @@ Result<devices::CaptureRules> rules_of(const CaptureChoice& choice, bool each) {
 
 Result<Begun> begun_anew(const CaptureChoice& choice, bool each) {
   if (choice.output.empty()) return problem(ProblemKind::usage, "-o OUT.csv is missing: the file for the readings");
-  auto plan = capture_plan(choice.target);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto rules = rules_of(choice, each);
-  if (!rules) return tl::unexpected(rules.error());
-  for (const laser::Reading& stop : plan->stops)
-    if (rules->shows == devices::Shows::position && static_cast<int>(stop.sense) != static_cast<int>(stop.axis))
+  ECS_TRY(plan, capture_plan(choice.target));
+  ECS_TRY(rules, rules_of(choice, each));
+  for (const laser::Reading& stop : plan.stops)
+    if (rules.shows == devices::Shows::position && static_cast<int>(stop.sense) != static_cast<int>(stop.axis))
       return problem(ProblemKind::usage, "--shows position is for positioning: EX of X, EY of Y, EZ of Z");
   const std::string part = part_of(choice.output);
-  if (const auto is_free = output_is_free(choice, choice.output, part); !is_free)
-    return tl::unexpected(is_free.error());
-  Begun begun{devices::CaptureRecord(std::move(*plan), *rules), choice.output, part, 0.0};
+  ECS_DO(output_is_free(choice, choice.output, part));
+  Begun begun{devices::CaptureRecord(std::move(plan), rules), choice.output, part, 0.0};
   begun.record.note("date", now_utc());
   return begun;
 }
@@ -106,18 +103,15 @@ Result<Begun> resumed(const CaptureChoice& choice) {
   if (!target.axis.empty() || !target.sense.empty() || target.from_mm || target.to_mm || target.step_mm ||
       !target.targets.empty() || !target.plan.empty())
     return problem(ProblemKind::usage, "--resume continues with the targets of its file: give no others");
-  const auto part = laser::read_measurement_set(choice.resume);
-  if (!part) return tl::unexpected(part.error());
-  auto record = devices::CaptureRecord::from_part(*part);
-  if (!record) return tl::unexpected(record.error());
-  Begun begun{std::move(*record), choice.output, choice.resume, 0.0};
+  ECS_TRY(part, laser::read_measurement_set(choice.resume));
+  ECS_TRY(record, devices::CaptureRecord::from_part(part));
+  Begun begun{std::move(record), choice.output, choice.resume, 0.0};
   if (begun.output.empty()) {
     const std::filesystem::path path(choice.resume);
     if (path.extension() != ".part") return problem(ProblemKind::usage, "-o OUT.csv is missing");
     begun.output = (path.parent_path() / path.stem()).string();
   }
-  if (const auto is_free = output_is_free(choice, begun.output, begun.part); !is_free)
-    return tl::unexpected(is_free.error());
+  ECS_DO(output_is_free(choice, begun.output, begun.part));
   const double last_s = begun.record.taken().back().time_s.value_or(0.0);
   begun.begun_s = std::max(last_s, age_s(begun.record.noted("date").value_or("")).value_or(last_s));
   begun.record.note("resumed", now_utc());
@@ -133,9 +127,8 @@ Result<std::unique_ptr<ReadingSource>> source_of(const CaptureChoice& choice) {
   if (!choice.follow.empty()) return following_source(choice.follow);
   if (!choice.display.empty()) return command_source(choice.display);
   if (choice.gauge.empty()) return std::unique_ptr<ReadingSource>();
-  auto port = opened_device(choice.gauge, DeviceKind::gauge);
-  if (!port) return tl::unexpected(port.error());
-  return gauge_source(std::move(*port));
+  ECS_TRY(port, opened_device(choice.gauge, DeviceKind::gauge));
+  return gauge_source(std::move(port));
 }
 
 TriggerKind trigger_kind(const CaptureChoice& choice, bool typed) {
@@ -157,22 +150,18 @@ Result<void> check_keyboard(const Keyboard* keyboard, TriggerKind kind, bool typ
 
 Result<CaptureSetup> setup_of(const Keyboard* keyboard, const CaptureChoice& choice) {
   CaptureSetup setup;
-  auto source = source_of(choice);
-  if (!source) return tl::unexpected(source.error());
-  setup.source = std::move(*source);
+  ECS_TRY(source, source_of(choice));
+  setup.source = std::move(source);
   setup.trigger_kind = trigger_kind(choice, setup.source == nullptr);
-  if (const auto can = check_keyboard(keyboard, setup.trigger_kind, setup.source == nullptr); !can)
-    return tl::unexpected(can.error());
+  ECS_DO(check_keyboard(keyboard, setup.trigger_kind, setup.source == nullptr));
   if (setup.trigger_kind == TriggerKind::device) {
-    auto port = opened_device(choice.trigger, DeviceKind::trigger);
-    if (!port) return tl::unexpected(port.error());
-    setup.trigger.emplace(std::move(*port));
+    ECS_TRY(port, opened_device(choice.trigger, DeviceKind::trigger));
+    setup.trigger.emplace(std::move(port));
   }
   if (choice.environment.empty()) return setup;
-  auto port = opened_device(choice.environment, DeviceKind::environment);
-  if (!port) return tl::unexpected(port.error());
+  ECS_TRY(port, opened_device(choice.environment, DeviceKind::environment));
   setup.environment_every_s = choice.environment_every_s;
-  setup.environment.emplace(std::move(*port), choice.environment_every_s);
+  setup.environment.emplace(std::move(port), choice.environment_every_s);
   return setup;
 }
 
@@ -261,20 +250,18 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
 
 Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const CaptureChoice& choice) {
   const bool each = choice.trigger == "each";
-  auto begun = choice.resume.empty() ? begun_anew(choice, each) : resumed(choice);
-  if (!begun) return tl::unexpected(begun.error());
-  auto setup = setup_of(keyboard, choice);
-  if (!setup) return tl::unexpected(setup.error());
-  note_devices(*setup, begun->record);
-  const bool needs_keyboard = setup->trigger_kind == TriggerKind::typed || setup->trigger_kind == TriggerKind::enter;
-  const bool has_environment = setup->environment.has_value();
-  setup->part = begun->part;
-  setup->begun_s = begun->begun_s;
-  CaptureRun run(std::move(begun->record), std::move(*setup), steady_s());
+  ECS_TRY(begun, choice.resume.empty() ? begun_anew(choice, each) : resumed(choice));
+  ECS_TRY(setup, setup_of(keyboard, choice));
+  note_devices(setup, begun.record);
+  const bool needs_keyboard = setup.trigger_kind == TriggerKind::typed || setup.trigger_kind == TriggerKind::enter;
+  const bool has_environment = setup.environment.has_value();
+  setup.part = begun.part;
+  setup.begun_s = begun.begun_s;
+  CaptureRun run(std::move(begun.record), std::move(setup), steady_s());
   messages.note(run.help());
   wait_for_environment(messages, run, has_environment);
   go_through(messages, keyboard, run, needs_keyboard);
-  return ended(choice, run, begun->output);
+  return ended(choice, run, begun.output);
 }
 
 }  // namespace ecs::commissioning

@@ -23,20 +23,19 @@ class PlanRow {
   explicit PlanRow(const std::string& file) : reader_(file) {}
 
   Result<devices::CapturePlan> read(std::string_view text, const std::string& name, devices::CaptureLine& line) {
-    const auto table = reader_.parsed(text);
-    if (!table) return tl::unexpected(table.error());
-    const auto rows = reader_.children(*table, "measure");
+    ECS_TRY(table, reader_.parsed(text));
+    const auto rows = reader_.children(table, "measure");
     std::string names;
     for (const toml::table* row : rows) {
       const std::string its_name = reader_.word(*row, "name").value_or("");
       names += (names.empty() ? "" : ", ") + its_name;
       if (its_name != name) continue;
-      take(*table, *row, line);
+      take(table, *row, line);
       if (!reader_.clean()) return tl::unexpected(reader_.all());
       devices::CapturePlan plan;
       plan.metadata = {{"measurement", its_name}};
       if (const auto title = reader_.word(*row, "title")) plan.metadata.push_back({"title", *title});
-      if (const auto of = reader_.word(*table, "name")) plan.metadata.push_back({"plan", *of});
+      if (const auto of = reader_.word(table, "name")) plan.metadata.push_back({"plan", *of});
       return plan;
     }
     return wrong_usage(
@@ -80,11 +79,10 @@ Result<void> override_line(const CaptureTargets& arguments, devices::CaptureLine
   words.axis = arguments.axis;
   words.sense = arguments.sense;
   words.parked = arguments.parked;
-  const auto given = import_options(words);
-  if (!given) return tl::unexpected(given.error());
-  if (given->axis) line.axis = *given->axis;
-  if (given->sense) line.sense = *given->sense;
-  if (!arguments.parked.empty()) line.parked_mm = given->parked_mm;
+  ECS_TRY(given, import_options(words));
+  if (given.axis) line.axis = *given.axis;
+  if (given.sense) line.sense = *given.sense;
+  if (!arguments.parked.empty()) line.parked_mm = given.parked_mm;
   if (arguments.from_mm) line.from_mm = *arguments.from_mm;
   if (arguments.to_mm) line.to_mm = *arguments.to_mm;
   if (arguments.step_mm) line.step_mm = *arguments.step_mm;
@@ -111,12 +109,10 @@ std::string lacking(const CaptureTargets& arguments) {
 Result<devices::CapturePlan> plan_of_list(const CaptureTargets& arguments) {
   if (arguments.from_mm || arguments.to_mm || arguments.step_mm || arguments.runs > 0 || !arguments.plan.empty())
     return wrong_usage("--targets gives the whole list: leave out --plan, --from, --to, --step and --runs");
-  const auto targets = laser::read_measurement_set(arguments.targets);
-  if (!targets) return tl::unexpected(targets.error());
-  auto stops = devices::stops_of_targets(*targets);
-  if (!stops) return tl::unexpected(stops.error());
-  devices::CapturePlan plan{{{"targets", arguments.targets}}, std::move(*stops)};
-  for (const laser::MetadataEntry& entry : targets->metadata)
+  ECS_TRY(targets, laser::read_measurement_set(arguments.targets));
+  ECS_TRY(stops, devices::stops_of_targets(targets));
+  devices::CapturePlan plan{{{"targets", arguments.targets}}, std::move(stops)};
+  for (const laser::MetadataEntry& entry : targets.metadata)
     if (entry.key != "content") plan.metadata.push_back(entry);
   return plan;
 }
@@ -127,21 +123,18 @@ Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
   devices::CapturePlan plan;
   if (!arguments.plan.empty()) {
     if (arguments.row.empty()) return wrong_usage("--plan needs --row NAME: which of its measurements");
-    const auto text = read_file(arguments.plan);
-    if (!text) return tl::unexpected(text.error());
-    auto read = PlanRow(arguments.plan).read(*text, arguments.row, line);
-    if (!read) return tl::unexpected(read.error());
-    plan = std::move(*read);
+    ECS_TRY(text, read_file(arguments.plan));
+    ECS_TRY(read, PlanRow(arguments.plan).read(text, arguments.row, line));
+    plan = std::move(read);
   } else if (const std::string names = lacking(arguments); !names.empty()) {
     return wrong_usage(
         fmt::format("what is to be measured? Missing: {}; or give --plan PLAN.toml --row NAME, or --targets FILE.csv, "
                     "or --resume FILE.part",
                     names));
   }
-  if (const auto said = override_line(arguments, line); !said) return tl::unexpected(said.error());
-  auto stops = devices::stops_of(line);
-  if (!stops) return tl::unexpected(stops.error());
-  plan.stops = std::move(*stops);
+  ECS_DO(override_line(arguments, line));
+  ECS_TRY(stops, devices::stops_of(line));
+  plan.stops = std::move(stops);
   return plan;
 }
 
@@ -152,9 +145,8 @@ Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments) {
   if (!plan) return plan;
   std::vector<laser::MetadataEntry> first;
   if (!arguments.machine.empty()) {
-    const auto machine = params::read_machine(arguments.machine);
-    if (!machine) return tl::unexpected(machine.error());
-    first.push_back({"machine", machine->machine.name});
+    ECS_TRY(machine, params::read_machine(arguments.machine));
+    first.push_back({"machine", machine.machine.name});
   }
   for (const std::string& note : arguments.notes) {
     const std::size_t equals = note.find('=');

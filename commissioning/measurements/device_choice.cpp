@@ -54,14 +54,13 @@ Result<std::vector<devices::DeviceDescription>> described(const std::string& tex
 Result<devices::DevicePort> opened_device(const std::string& text, devices::DeviceKind kind) {
   const auto devices = described(text);
   if (!devices) return tl::unexpected(devices.error());
-  const auto present = devices::hid_devices();
-  if (!present) return tl::unexpected(present.error());
+  ECS_TRY(present, devices::hid_devices());
   const devices::DeviceDescription* chosen = &devices->front();
   for (const devices::DeviceDescription& device : *devices) {
     if (device.kind != kind)
       return problem(ProblemKind::usage, fmt::format("{}: expected a device of kind {}, this is one of kind {}", text,
                                                      devices::name_of(kind), devices::name_of(device.kind)));
-    if (devices::matching(device, *present)) chosen = &device;
+    if (devices::matching(device, present)) chosen = &device;
   }
   return devices::DevicePort::open(*chosen);
 }

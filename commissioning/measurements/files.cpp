@@ -74,33 +74,27 @@ Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments&
           "--skip, --rows, --delimiter, --decimal and --values belong to --columns: give which column is what");
     return std::optional<laser::ColumnMapping>();
   }
-  auto mapping = laser::column_mapping(arguments.columns);
-  if (!mapping) return tl::unexpected(mapping.error());
-  const auto delimiter = delimiter_given(arguments.delimiter);
-  if (!delimiter) return tl::unexpected(delimiter.error());
-  mapping->delimiter = *delimiter;
-  mapping->skip_lines = arguments.skip;
-  mapping->most_rows = arguments.rows;
-  if (!arguments.decimal.empty()) mapping->decimal = arguments.decimal == "comma" ? ',' : '.';
-  auto row_begins = laser::cell_kinds(arguments.row_begins);
-  if (!row_begins) return tl::unexpected(row_begins.error());
-  const auto target_lines = unit_given(arguments.target_lines, "target_lines");
-  if (!target_lines) return tl::unexpected(target_lines.error());
-  mapping->row_begins = std::move(*row_begins);
-  mapping->channel_column = arguments.channel_column;
-  mapping->target_lines = *target_lines;
-  mapping->values = values_given(arguments);
-  return std::optional(std::move(*mapping));
+  ECS_TRY(mapping, laser::column_mapping(arguments.columns));
+  ECS_TRY(delimiter, delimiter_given(arguments.delimiter));
+  mapping.delimiter = delimiter;
+  mapping.skip_lines = arguments.skip;
+  mapping.most_rows = arguments.rows;
+  if (!arguments.decimal.empty()) mapping.decimal = arguments.decimal == "comma" ? ',' : '.';
+  ECS_TRY(row_begins, laser::cell_kinds(arguments.row_begins));
+  ECS_TRY(target_lines, unit_given(arguments.target_lines, "target_lines"));
+  mapping.row_begins = std::move(row_begins);
+  mapping.channel_column = arguments.channel_column;
+  mapping.target_lines = target_lines;
+  mapping.values = values_given(arguments);
+  return std::optional(std::move(mapping));
 }
 
 Result<std::optional<laser::MatrixLayout>> matrix_given(const ImportArguments& arguments) {
   if (arguments.matrix.empty()) return std::optional<laser::MatrixLayout>();
-  const auto axes = laser::matrix_axes(arguments.matrix);
-  if (!axes) return tl::unexpected(axes.error());
-  const auto delimiter = delimiter_given(arguments.delimiter);
-  if (!delimiter) return tl::unexpected(delimiter.error());
-  const char between = *delimiter == '\0' ? ',' : *delimiter;
-  return std::optional(laser::MatrixLayout{*axes, arguments.section, arguments.line_prefix, arguments.absent, between});
+  ECS_TRY(axes, laser::matrix_axes(arguments.matrix));
+  ECS_TRY(delimiter, delimiter_given(arguments.delimiter));
+  const char between = delimiter == '\0' ? ',' : delimiter;
+  return std::optional(laser::MatrixLayout{axes, arguments.section, arguments.line_prefix, arguments.absent, between});
 }
 
 bool same_line(const laser::Group& a, const laser::Group& b) {
@@ -168,18 +162,17 @@ Result<std::vector<int>> integers_in(const std::vector<std::string>& words, cons
 
 /// Joins the environment of another file by time.
 Result<void> with_environment(MeasurementSet& set, const ImportArguments& arguments) {
-  const auto log = laser::read_any(arguments.environment);
-  if (!log) return tl::unexpected(log.error());
-  if (log->environment.rows.empty())
+  ECS_TRY(log, laser::read_any(arguments.environment));
+  if (log.environment.rows.empty())
     return tl::unexpected(Problem{ProblemKind::usage,
                                   fmt::format("--environment: expected temperatures, pressure or humidity over time (a "
                                               "SIOS .pos, or a table whose heading names them), found {}",
-                                              log->format->title),
+                                              log.format->title),
                                   arguments.environment,
                                   0,
                                   0,
                                   {}});
-  return laser::join_environment(set, log->environment, arguments.environment_every_s);
+  return laser::join_environment(set, log.environment, arguments.environment_every_s);
 }
 
 /// The option that a problem of usage asks for.
@@ -197,30 +190,24 @@ std::string_view option_that_helps(const Problem& wrong) {
 }  // namespace
 
 Result<laser::ImportOptions> import_options(const ImportArguments& given) {
-  const auto whole = with_profile(given);
-  if (!whole) return tl::unexpected(whole.error());
-  const ImportArguments& arguments = *whole;
+  ECS_TRY(whole, with_profile(given));
+  const ImportArguments& arguments = whole;
   laser::ImportOptions options;
-  const auto target_unit = unit_given(arguments.target_unit, "--target-unit");
-  if (!target_unit) return tl::unexpected(target_unit.error());
-  const auto reading_unit = unit_given(arguments.reading_unit, "--reading-unit");
-  if (!reading_unit) return tl::unexpected(reading_unit.error());
-  auto mapping = mapping_given(arguments);
-  if (!mapping) return tl::unexpected(mapping.error());
-  auto matrix = matrix_given(arguments);
-  if (!matrix) return tl::unexpected(matrix.error());
-  options.target_unit = *target_unit;
-  options.reading_unit = *reading_unit;
-  options.mapping = std::move(*mapping);
+  ECS_TRY(target_unit, unit_given(arguments.target_unit, "--target-unit"));
+  ECS_TRY(reading_unit, unit_given(arguments.reading_unit, "--reading-unit"));
+  ECS_TRY(mapping, mapping_given(arguments));
+  ECS_TRY(matrix, matrix_given(arguments));
+  options.target_unit = target_unit;
+  options.reading_unit = reading_unit;
+  options.mapping = std::move(mapping);
   if (options.mapping && options.mapping->rules.empty() && options.mapping->no_approach) {
     options.approach_unknown = true;
     options.mapping.reset();
   }
-  options.matrix = std::move(*matrix);
+  options.matrix = std::move(matrix);
   if (!arguments.channels.empty()) {
-    auto channels = laser::column_mapping(arguments.channels);
-    if (!channels) return tl::unexpected(channels.error());
-    options.channels = std::move(*channels);
+    ECS_TRY(channels, laser::column_mapping(arguments.channels));
+    options.channels = std::move(channels);
     options.channels->values = values_given(arguments);
   }
   if (arguments.join == "nearest") options.joining = laser::Joining::nearest;
@@ -238,11 +225,10 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   options.takes_rotary = arguments.takes_rotary;
   if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
   if (!arguments.parked.empty()) {
-    const auto parked = parked_in(arguments.parked);
-    if (!parked) return tl::unexpected(parked.error());
+    ECS_TRY(parked, parked_in(arguments.parked));
     for (const Axis axis : kAllAxes) {
-      options.parked_mm[index_of(axis)] = (*parked)[index_of(axis)].value_or(0.0);
-      options.parked_stated[index_of(axis)] = (*parked)[index_of(axis)].has_value();
+      options.parked_mm[index_of(axis)] = parked[index_of(axis)].value_or(0.0);
+      options.parked_stated[index_of(axis)] = parked[index_of(axis)].has_value();
     }
   }
   options.encoding = encoding_named(arguments.encoding);
@@ -252,15 +238,12 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
 }
 
 Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments) {
-  const auto options = import_options(with_found_profile(file, arguments));
-  if (!options) return tl::unexpected(options.error());
-  auto imported = laser::read_any(file, *options);
+  ECS_TRY(options, import_options(with_found_profile(file, arguments)));
+  auto imported = laser::read_any(file, options);
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;
-  if (imported && !arguments.environment.empty())
-    if (const auto joined_to = with_environment(imported->set, arguments); !joined_to)
-      return tl::unexpected(joined_to.error());
+  if (imported && !arguments.environment.empty()) ECS_DO(with_environment(imported->set, arguments));
   return imported;
 }
 
@@ -269,7 +252,7 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
   MeasurementSet all = sets.front();
   for (std::size_t i = 1; i < sets.size(); ++i) {
     MeasurementSet more = sets[i];
-    if (const auto same = join_metadata(all, more); !same) return tl::unexpected(same.error());
+    ECS_DO(join_metadata(all, more));
     renumber(more, all, all.notes);
     join_columns(all, more);
     all.notes.insert(all.notes.end(), more.notes.begin(), more.notes.end());
@@ -284,16 +267,14 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
 
 Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::string>& runs,
                                                     const std::vector<std::string>& rows) {
-  const auto run_numbers = integers_in(runs, "--exclude-run");
-  if (!run_numbers) return tl::unexpected(run_numbers.error());
-  const auto row_numbers = integers_in(rows, "--exclude-row");
-  if (!row_numbers) return tl::unexpected(row_numbers.error());
+  ECS_TRY(run_numbers, integers_in(runs, "--exclude-run"));
+  ECS_TRY(row_numbers, integers_in(rows, "--exclude-row"));
   std::vector<laser::Exclusion> exclusions;
-  for (const int run : *run_numbers) {
+  for (const int run : run_numbers) {
     exclusions.emplace_back();
     exclusions.back().run = run;
   }
-  for (const int row : *row_numbers) {
+  for (const int row : row_numbers) {
     exclusions.emplace_back();
     exclusions.back().row = row;
   }

@@ -152,13 +152,11 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
   if (!fs::exists(path, error))
     return problem(ProblemKind::usage,
                    fmt::format("--profile: no import profile {}: {}", path.string(), known_profiles()));
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  const auto table = parse_toml(*text, path.string());
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(text, read_file(path));
+  ECS_TRY(table, parse_toml(text, path.string()));
   const ImportArguments given = arguments;
   std::vector<Problem> problems;
-  for (const auto& [key, node] : *table) {
+  for (const auto& [key, node] : table) {
     const std::string expected = take(arguments, given, key.str(), node);
     if (!expected.empty())
       problems.push_back({ProblemKind::bad_input,
@@ -206,11 +204,10 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
   std::ostringstream text;
   text << "# import profile of ecs laser import\n" << toml::toml_formatter(table, kOneLine) << '\n';
   const fs::path path = own_profile_file(name);
-  if (auto kept = spared({path.string()}, force); !kept) return tl::unexpected(kept.error());
+  ECS_DO(spared({path.string()}, force));
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  const auto written = write_file(path, text.str());
-  if (!written) return tl::unexpected(written.error());
+  ECS_DO(write_file(path, text.str()));
   return path;
 }
 

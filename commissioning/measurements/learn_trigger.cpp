@@ -35,11 +35,10 @@ bool is_meant(const devices::HidIdentity& one, const std::string& device) {
 }
 
 Result<std::vector<Watched>> opened(const LearnChoice& choice) {
-  const auto present = devices::hid_devices();
-  if (!present) return tl::unexpected(present.error());
+  ECS_TRY(present, devices::hid_devices());
   std::vector<Watched> watched;
   std::vector<Problem> problems;
-  for (const devices::HidIdentity& identity : *present) {
+  for (const devices::HidIdentity& identity : present) {
     if (!is_meant(identity, choice.device)) continue;
     auto device = devices::HidDevice::open(identity);
     if (device)
@@ -50,7 +49,7 @@ Result<std::vector<Watched>> opened(const LearnChoice& choice) {
   if (!watched.empty()) return watched;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   return problem(ProblemKind::link,
-                 present->empty()
+                 present.empty()
                      ? "no HID device is plugged in: plug the trigger in, then try again"
                      : fmt::format("no HID device is \"{}\": `ecs laser devices` lists paths, ids and serial numbers",
                                    choice.device));
@@ -132,16 +131,14 @@ bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {
 }  // namespace
 
 Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice) {
-  auto watched = opened(choice);
-  if (!watched) return tl::unexpected(watched.error());
+  ECS_TRY(watched, opened(choice));
   messages.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
-                            choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
-  if (const auto done = watch(messages, keyboard, choice, *watched); !done) return tl::unexpected(done.error());
+                            choice.presses, watched.size(), watched.size() == 1 ? " is" : "s are"));
+  ECS_DO(watch(messages, keyboard, choice, watched));
   if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
-  const auto one = pressed_one(*watched);
-  if (!one) return tl::unexpected(one.error());
-  const devices::HidIdentity& identity = (*one)->identity;
-  const auto found = devices::learned((*one)->reports, choice.presses, (*one)->numbered());
+  ECS_TRY(one, pressed_one(watched));
+  const devices::HidIdentity& identity = one->identity;
+  const auto found = devices::learned(one->reports, choice.presses, one->numbered());
   if (!found) {
     Problem why = found.error();
     why.message = devices::to_text(identity) + ": " + why.message;
@@ -156,7 +153,7 @@ Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, co
   device.kind = devices::DeviceKind::trigger;
   device.match.ids = {{identity.vendor_id, identity.product_id}};
   if (identity.interface >= 0) device.match.interface = identity.interface;
-  if (!identity.serial.empty() && has_twin(*watched, **one)) device.match.serial = identity.serial;
+  if (!identity.serial.empty() && has_twin(watched, *one)) device.match.serial = identity.serial;
   device.report.number = found->report_number;
   device.report.bytes = found->report_bytes;
   device.trigger = found->trigger;

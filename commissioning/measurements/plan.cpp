@@ -22,10 +22,9 @@ class PlanReader {
   explicit PlanReader(const std::string& file) : reader_(file) {}
 
   Result<std::vector<PlannedMeasurement>> read(std::string_view text) {
-    const auto table = reader_.parsed(text);
-    if (!table) return tl::unexpected(table.error());
+    ECS_TRY(table, reader_.parsed(text));
     std::vector<PlannedMeasurement> plan;
-    const auto entries = reader_.children(*table, "measure");
+    const auto entries = reader_.children(table, "measure");
     if (entries.empty()) reader_.complain(1, "expected [[measure]] with name, axis and sense; found none");
     for (const toml::table* entry : entries) plan.push_back(measurement(*entry, plan));
     if (!reader_.clean()) return tl::unexpected(reader_.all());
@@ -92,9 +91,8 @@ Result<std::vector<PlannedMeasurement>> parse_plan(std::string_view text, const 
 }
 
 Result<std::vector<PlannedMeasurement>> read_plan(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::plan, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_plan(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::plan, path));
+  return parse_plan(text, path.string());
 }
 
 }  // namespace ecs::commissioning

@@ -45,11 +45,9 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or take it off the plan");
   if (std::filesystem::is_other(file, error)) return unfit(file, "is no plain file (a pipe or a device): not read");
-  const auto set = laser::read_measurement_set(file);
-  if (!set) return tl::unexpected(set.error());
-  const auto group = line_for(planned, compensated, *set, file);
-  if (!group) return tl::unexpected(group.error());
-  auto readings = laser::processed_readings(*set, *group, {planned.slope});
+  ECS_TRY(set, laser::read_measurement_set(file));
+  ECS_TRY(group, line_for(planned, compensated, set, file));
+  auto readings = laser::processed_readings(set, group, {planned.slope});
   if (!readings) return unfit(file, readings.error().message);
   const auto groups = laser::groups_of(readings->after);
   auto iso = laser::iso230_of(readings->after, groups.front());

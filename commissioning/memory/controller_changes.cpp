@@ -166,7 +166,7 @@ void MemoryController::save_now(const std::string& path, DumpScope scope) {
     auto dump = unit->with_link(
         control, [&](UnitLink& link) { return take_dump(link.client(), link.name(), scope, progress_into(control)); });
     if (!dump) return dump;
-    if (const auto written = write_file(path, to_bytes(*dump)); !written) return tl::unexpected(written.error());
+    ECS_DO(write_file(path, to_bytes(*dump)));
     return dump;
   };
   task_.start("taking the dump", work, [this, path, scope](const Result<MemoryDump>& dump) {

@@ -152,27 +152,24 @@ Json header_of(const MemoryDump& dump) {
 
 Result<MemoryDump> take_dump(protocol::UnitClient& client, const std::string& link, DumpScope scope,
                              const protocol::ProgressCallback& progress) {
-  auto snapshot = take_snapshot(client, link, protocol::kKeptEvents);
-  if (!snapshot) return tl::unexpected(snapshot.error());
-  MemoryDump dump{now_utc(), link, snapshot->identity.serial_number, std::nullopt, {}, {}};
-  const auto wanted = parts_of(*snapshot, scope);
+  ECS_TRY(snapshot, take_snapshot(client, link, protocol::kKeptEvents));
+  MemoryDump dump{now_utc(), link, snapshot.identity.serial_number, std::nullopt, {}, {}};
+  const auto wanted = parts_of(snapshot, scope);
   const std::size_t total = total_of(wanted);
   std::size_t before = 0;
   for (const auto& [region, size] : wanted) {
-    auto bytes = client.read_memory(region.first, size, [&](const protocol::Progress& piece) {
+    ECS_TRY(bytes, client.read_memory(region.first, size, [&](const protocol::Progress& piece) {
       const double whole_left = static_cast<double>(total - before - piece.bytes_done);
       const double piece_left = static_cast<double>(std::max<std::size_t>(1, piece.bytes_total - piece.bytes_done));
       if (progress) progress({before + piece.bytes_done, total, piece.seconds_left * whole_left / piece_left});
-    });
-    if (!bytes) return tl::unexpected(bytes.error());
-    dump.regions.push_back({std::string(region.name), region.first, std::move(*bytes), size, true});
+    }));
+    dump.regions.push_back({std::string(region.name), region.first, std::move(bytes), size, true});
     before += size;
   }
-  const auto after = client.status();
-  if (!after) return tl::unexpected(after.error());
-  if (after->commit_sequence != snapshot->status.commit_sequence)
+  ECS_TRY(after, client.status());
+  if (after.commit_sequence != snapshot.status.commit_sequence)
     return problem(ProblemKind::refused, "another map became active while memory was read: dump again");
-  dump.status = std::move(*snapshot);
+  dump.status = std::move(snapshot);
   return dump;
 }
 
@@ -214,9 +211,8 @@ Result<MemoryDump> dump_in(std::string_view bytes, const std::string& name) {
 }
 
 Result<MemoryDump> read_dump(const std::filesystem::path& path) {
-  const auto bytes = read_file_of(FileKind::memory, path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return dump_in(*bytes, path.string());
+  ECS_TRY(bytes, read_file_of(FileKind::memory, path));
+  return dump_in(bytes, path.string());
 }
 
 const DumpRegion* region_at(const MemoryDump& dump, Address address) {

@@ -65,8 +65,7 @@ Result<void> memory_there(Address address, std::size_t bytes, std::size_t module
 Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {
   std::vector<std::uint8_t> bytes;
   for (const std::string& argument : arguments)
-    for (const std::string_view word : split(argument, ' '))
-      if (const auto taken = take_hex(trimmed(word), bytes); !taken) return tl::unexpected(taken.error());
+    for (const std::string_view word : split(argument, ' ')) ECS_DO(take_hex(trimmed(word), bytes));
   return bytes;
 }
 

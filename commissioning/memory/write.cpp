@@ -57,27 +57,23 @@ Result<void> write_logged(protocol::UnitClient& client, const std::string& seria
 }
 
 Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number, const ByteWrite& write) {
-  const auto identity = client.identity();
-  if (!identity) return tl::unexpected(identity.error());
-  if (identity->serial_number != serial_number)
+  ECS_TRY(identity, client.identity());
+  if (identity.serial_number != serial_number)
     return problem(ProblemKind::refused,
                    fmt::format("unit {} answers now, the bytes were of unit {}; nothing was written",
-                               identity->serial_number, serial_number));
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  if (const auto may = may_write_in(status->mode); !may) return may;
-  const auto present = client.read_memory(write.address, write.after.size());
-  if (!present) return tl::unexpected(present.error());
-  if (*present != write.before)
+                               identity.serial_number, serial_number));
+  ECS_TRY(status, client.status());
+  if (const auto may = may_write_in(status.mode); !may) return may;
+  ECS_TRY(present, client.read_memory(write.address, write.after.size()));
+  if (present != write.before)
     return problem(ProblemKind::refused,
                    fmt::format("{} holds {} now, not the bytes that were shown; nothing was written, look again",
-                               hex_address(write.address), short_hex(*present)));
+                               hex_address(write.address), short_hex(present)));
   if (auto written = write_logged(client, serial_number, write.address, write.after); !written) return written;
-  const auto back = client.read_memory(write.address, write.after.size());
-  if (!back) return tl::unexpected(back.error());
-  if (*back == write.after) return {};
+  ECS_TRY(back, client.read_memory(write.address, write.after.size()));
+  if (back == write.after) return {};
   return problem(ProblemKind::link, fmt::format("{} holds {} after writing {}: run the RAM test",
-                                                hex_address(write.address), short_hex(*back), short_hex(write.after)));
+                                                hex_address(write.address), short_hex(back), short_hex(write.after)));
 }
 
 }  // namespace ecs::commissioning

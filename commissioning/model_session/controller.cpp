@@ -25,32 +25,30 @@ using model::Observations;
 
 Result<ModelController::Fitted> ModelController::fitted(model::Model model, const Observations& data,
                                                         std::string said) {
-  auto fit = model::fit(model, data);
-  if (!fit) return tl::unexpected(fit.error());
-  auto comparison = owned_lines_of(comparison_cell(model::compare(*fit, data), data.size()).text);
-  return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
+  ECS_TRY(fit, model::fit(model, data));
+  auto comparison = owned_lines_of(comparison_cell(model::compare(fit, data), data.size()).text);
+  return Fitted{std::move(model), std::move(fit), std::move(comparison), std::move(said)};
 }
 
 Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArguments& files,
                                                                std::shared_ptr<UnitConnection> unit) {
   NoMessages messages;
-  auto work = model_work(messages, files);
-  if (!work) return tl::unexpected(work.error());
-  auto first = fitted(work->model, work->data, "");
+  ECS_TRY(work, model_work(messages, files));
+  auto first = fitted(work.model, work.data, "");
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelController> controller(new ModelController);
   controller->files_ = files;
   controller->commands_ = ModelCommands(files);
-  if (work->machine) {
-    const std::string mismatch = mismatch_of(*work->machine, work->set);
-    const std::string other = unit ? other_unit_for(*work->machine, unit->snapshot()) : "";
+  if (work.machine) {
+    const std::string mismatch = mismatch_of(*work.machine, work.set);
+    const std::string other = unit ? other_unit_for(*work.machine, unit->snapshot()) : "";
     if (!mismatch.empty())
       controller->message_.say(mismatch + " Choose the machine file of this machine.", Tone::bad);
     else if (!other.empty())
       controller->message_.say(other, Tone::warning);
   }
   controller->unit_ = std::move(unit);
-  controller->work_ = std::make_shared<const ModelWork>(std::move(*work));
+  controller->work_ = std::make_shared<const ModelWork>(std::move(work));
   controller->lines_ = measured_lines(controller->data());
   const std::set<int> runs(controller->data().run.begin(), controller->data().run.end());
   controller->runs_.assign(runs.begin(), runs.end());
@@ -66,7 +64,7 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
 Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelArguments& files,
                                                                     std::shared_ptr<UnitConnection> unit) {
   NoMessages messages;
-  if (const auto begun = begun_model(messages, files); !begun) return tl::unexpected(begun.error());
+  ECS_DO(begun_model(messages, files));
   auto controller = open(files, std::move(unit));
   if (!controller) {
     std::error_code error;
@@ -164,14 +162,13 @@ void ModelController::start_adding(const model::AddRequest& request, const std::
                                    const std::vector<model::EffectInstance>& rivals) {
   start_fit("adding " + name,
             [model = model_, work = work_, request, rivals, name, commands = commands_]() -> Result<Fitted> {
-              auto added = model::add_effect(model, work->data, request, work->data_name);
-              if (!added) return tl::unexpected(added.error());
-              if (!rivals.empty()) keep_alternatives(added->model.effects.back(), rivals);
-              const std::string effect = name_with_alternatives(added->model.effects.back());
+              ECS_TRY(added, model::add_effect(model, work->data, request, work->data_name));
+              if (!rivals.empty()) keep_alternatives(added.model.effects.back(), rivals);
+              const std::string effect = name_with_alternatives(added.model.effects.back());
               auto now =
-                  fitted(std::move(added->model), work->data,
+                  fitted(std::move(added.model), work->data,
                          fmt::format("added {}: {:.3f} -> {:.3f} {} rms; u takes it back, s writes the model", effect,
-                                     added->rms_before_um, added->rms_after_um, work->data.reading_unit()));
+                                     added.rms_before_um, added.rms_after_um, work->data.reading_unit()));
               if (now) {
                 now->done = effect;
                 now->words = commands.add(name, request, now->model.effects.back().tied_with);
@@ -187,12 +184,11 @@ void ModelController::start_removing(std::size_t effect) {
   start_fit(
       "removing " + name,
       [model = model_, work = work_, before = fit_, effect, name, words = commands_.remove(name)]() -> Result<Fitted> {
-        auto without = without_effect(model, work->data, effect, before, work->data_name);
-        if (!without) return tl::unexpected(without.error());
+        ECS_TRY(without, without_effect(model, work->data, effect, before, work->data_name));
         auto comparison =
-            owned_lines_of(comparison_cell(model::compare(without->fit, work->data), work->data.size()).text);
+            owned_lines_of(comparison_cell(model::compare(without.fit, work->data), work->data.size()).text);
         Fitted now{
-            std::move(without->model), std::move(without->fit), std::move(comparison), {}, "removed " + name, words};
+            std::move(without.model), std::move(without.fit), std::move(comparison), {}, "removed " + name, words};
         now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; u puts it back", name, before.rms_um,
                                now.fit.rms_um, work->data.reading_unit());
         return now;
@@ -261,9 +257,8 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
   const auto compute = [model = model_, work = work_, files = files_, measured_again](JobControl&) -> Result<Lines> {
     NoMessages messages;
     const ModelWork now{model, work->machine, {}, work->data, work->data_name};
-    const auto answer = what_if_answer(messages, now, files.model, measured_again, files.import);
-    if (!answer) return tl::unexpected(answer.error());
-    return owned_lines_of(what_if_cell(*answer).text);
+    ECS_TRY(answer, what_if_answer(messages, now, files.model, measured_again, files.import));
+    return owned_lines_of(what_if_cell(answer).text);
   };
   task_.start("computing what compensation would leave", compute, [this, measured_again](Result<Lines> lines) {
     if (task_.cancelled()) return;

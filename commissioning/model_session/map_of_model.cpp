@@ -44,9 +44,8 @@ void ModelController::plan_map(const std::string& output, const std::string& par
         return tl::unexpected(received.error());
     }
     NoMessages messages;
-    const auto map = planned_map_from_model(messages, asked);
-    if (!map) return tl::unexpected(map.error());
-    PlannedMap planned{asked, map->missing, {}};
+    ECS_TRY(map, planned_map_from_model(messages, asked));
+    PlannedMap planned{asked, map.missing, {}};
     for (const std::string& file : {asked.output, asked.params_out})
       if (would_overwrite(file, {asked.params})) planned.exist.push_back(file);
     return planned;

@@ -20,9 +20,8 @@ constexpr std::size_t kWidestName = 40;
 Result<std::string> joined_sha256(const std::vector<std::string>& files) {
   std::string all;
   for (const std::string& file : files) {
-    const auto content = read_file(file);
-    if (!content) return tl::unexpected(content.error());
-    all += *content;
+    ECS_TRY(content, read_file(file));
+    all += content;
   }
   return sha256_hex(all);
 }
@@ -135,9 +134,8 @@ struct KeptAnswer {
 };
 
 Result<KeptAnswer> read_kept_answer(const std::string& file) {
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  const Json object = Json::parse(*text, nullptr, false);
+  ECS_TRY(text, read_file(file));
+  const Json object = Json::parse(text, nullptr, false);
   std::optional<Problem> problem;
   AnswerReader reader(file, problem);
   if (!object.is_object()) reader.refuse("expected one JSON object, as `ecs model diagnose --json` writes it");
@@ -147,18 +145,15 @@ Result<KeptAnswer> read_kept_answer(const std::string& file) {
   const std::string model_text = reader.word(object, "model");
   const auto map_text = reader.word_if_any(object, "map"), machine_text = reader.word_if_any(object, "machine");
   if (problem) return tl::unexpected(std::move(*problem));
-  auto model = model::parse_model(model_text, file + ": model", {});
-  if (!model) return tl::unexpected(model.error());
-  kept.model = std::move(*model);
+  ECS_TRY(model, model::parse_model(model_text, file + ": model", {}));
+  kept.model = std::move(model);
   if (map_text) {
-    auto map = laser::parse_map_csv(*map_text, file + ": map");
-    if (!map) return tl::unexpected(map.error());
-    kept.model.map = std::move(*map);
+    ECS_TRY(map, laser::parse_map_csv(*map_text, file + ": map"));
+    kept.model.map = std::move(map);
   }
   if (machine_text) {
-    auto machine = params::parse_machine(*machine_text, file + ": machine");
-    if (!machine) return tl::unexpected(machine.error());
-    kept.machine = std::move(machine->machine);
+    ECS_TRY(machine, params::parse_machine(*machine_text, file + ": machine"));
+    kept.machine = std::move(machine.machine);
   }
   return kept;
 }
@@ -168,18 +163,16 @@ std::string shown(const std::optional<double>& value) { return value ? fmt::form
 }  // namespace
 
 Result<void> add_check_inputs(Cell& answer, const ModelArguments& arguments, const ModelWork& work, bool plain) {
-  const auto hash = joined_sha256(arguments.data);
-  if (!hash) return tl::unexpected(hash.error());
+  ECS_TRY(hash, joined_sha256(arguments.data));
   Json machine;
   if (!arguments.machine.empty()) {
-    const auto text = read_file(arguments.machine);
-    if (!text) return tl::unexpected(text.error());
-    machine = *text;
+    ECS_TRY(text, read_file(arguments.machine));
+    machine = text;
   }
   model::Model model = work.model;
   model.map_file.clear();
   model.history.clear();
-  answer.json["data_sha256"] = *hash;
+  answer.json["data_sha256"] = hash;
   answer.json["plain"] = plain;
   answer.json["model"] = to_toml(model);
   answer.json["map"] = work.model.map ? Json(laser::to_map_csv(*work.model.map)) : Json();
@@ -190,21 +183,17 @@ Result<void> add_check_inputs(Cell& answer, const ModelArguments& arguments, con
 Result<model::Check> check_answer(MessageSink& messages, const std::string& answer_file,
                                   const std::vector<std::string>& data, const std::string& machine,
                                   const ImportArguments& import) {
-  auto kept = read_kept_answer(answer_file);
-  if (!kept) return tl::unexpected(kept.error());
-  const auto hash = joined_sha256(data);
-  if (!hash) return tl::unexpected(hash.error());
-  if (*hash != kept->data_sha256)
+  ECS_TRY(kept, read_kept_answer(answer_file));
+  ECS_TRY(hash, joined_sha256(data));
+  if (hash != kept.data_sha256)
     return problem(ProblemKind::bad_input, fmt::format("the data are not those of {}: expected SHA-256 {}, got {}",
-                                                       answer_file, kept->data_sha256, *hash));
+                                                       answer_file, kept.data_sha256, hash));
   if (!machine.empty()) {
-    auto other = machine_in(messages, machine);
-    if (!other) return tl::unexpected(other.error());
-    kept->machine = std::move(*other);
+    ECS_TRY(other, machine_in(messages, machine));
+    kept.machine = std::move(other);
   }
-  const auto set = measured_in(messages, data, import);
-  if (!set) return tl::unexpected(set.error());
-  return model::checked(kept->model, model::observations_of(*set, kept->model, kept->machine), kept->claim);
+  ECS_TRY(set, measured_in(messages, data, import));
+  return model::checked(kept.model, model::observations_of(set, kept.model, kept.machine), kept.claim);
 }
 
 Cell check_cell(const model::Check& check) {

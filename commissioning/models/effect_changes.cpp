@@ -24,9 +24,8 @@ Result<WithoutEffect> without_effect(const model::Model& model, const model::Obs
   if (model.effects.size() == 1) return problem(ProblemKind::refused, "a model keeps at least one effect");
   WithoutEffect without{model, {}, place_text(model.effects[effect]), before.rms_um};
   without.model.effects.erase(without.model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  auto fit = model::fit(without.model, data);
-  if (!fit) return tl::unexpected(fit.error());
-  without.fit = std::move(*fit);
+  ECS_TRY(fit, model::fit(without.model, data));
+  without.fit = std::move(fit);
   without.model.history.push_back(
       rung_of("without " + to_text(model.effects[effect]), data_name, before.residual, without.fit, data));
   return without;

@@ -40,16 +40,13 @@ Result<std::optional<MeasurementSet>> read_path_file(const std::string& file) {
   if (!text) return std::optional<MeasurementSet>();  // the readers of other formats say why
   const std::string_view header = header_of(*text);
   if (names_all(header, {"angle_deg", "deviation_um"})) {
-    const auto test = laser::parse_circle_test(*text, file);
-    if (!test) return tl::unexpected(test.error());
-    return std::optional(model::set_of_circle(*test));
+    ECS_TRY(test, laser::parse_circle_test(*text, file));
+    return std::optional(model::set_of_circle(test));
   }
   if (names_all(header, {"diagonal", "deviation_um"})) {
-    const auto test = laser::parse_diagonals(*text, file);
-    if (!test) return tl::unexpected(test.error());
-    auto set = model::set_of_diagonals(*test);
-    if (!set) return tl::unexpected(set.error());
-    return std::optional(std::move(*set));
+    ECS_TRY(test, laser::parse_diagonals(*text, file));
+    ECS_TRY(set, model::set_of_diagonals(test));
+    return std::optional(std::move(set));
   }
   return std::optional<MeasurementSet>();
 }

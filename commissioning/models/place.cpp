@@ -136,19 +136,17 @@ Cell volume_cell(std::string_view direction, const std::vector<VolumePoint>& poi
 
 Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<params::Machine>& machine,
                               const std::string& words) {
-  const auto asked = asked_in(words);
-  if (!asked) return tl::unexpected(asked.error());
-  PlaceShares shares{asked->query, {Sense::EX, Sense::EY, Sense::EZ}, {}};
-  const bool of_ball = asked->query.place_mm != Vector3{};
-  if (asked->query.rotary && !of_ball) shares.senses = {Sense::EA, Sense::EB, Sense::EC};
-  if (asked->sense_given) shares.senses = {asked->query.sense};
+  ECS_TRY(asked, asked_in(words));
+  PlaceShares shares{asked.query, {Sense::EX, Sense::EY, Sense::EZ}, {}};
+  const bool of_ball = asked.query.place_mm != Vector3{};
+  if (asked.query.rotary && !of_ball) shares.senses = {Sense::EA, Sense::EB, Sense::EC};
+  if (asked.sense_given) shares.senses = {asked.query.sense};
   for (const Sense sense : shares.senses) {
-    PointQuery query = asked->query;
+    PointQuery query = asked.query;
     query.sense = sense;
-    if (!asked->axis_given) query.axis = direction_of(sense);
-    auto breakdown = model::breakdown_at(fitted, machine, query);
-    if (!breakdown) return tl::unexpected(breakdown.error());
-    shares.per.push_back(std::move(*breakdown));
+    if (!asked.axis_given) query.axis = direction_of(sense);
+    ECS_TRY(breakdown, model::breakdown_at(fitted, machine, query));
+    shares.per.push_back(std::move(breakdown));
   }
   return shares;
 }
@@ -188,11 +186,9 @@ Cell shares_cell(const PlaceShares& shares) {
 Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,
                                   std::size_t points_per_axis) {
   if (!machine) return problem(ProblemKind::usage, "--volume needs --machine: its file holds the travels of the axes");
-  auto forward = model::predicted_volume(fitted, *machine, points_per_axis, 1);
-  if (!forward) return tl::unexpected(forward.error());
-  auto reverse = model::predicted_volume(fitted, *machine, points_per_axis, -1);
-  if (!reverse) return tl::unexpected(reverse.error());
-  return PredictedVolume{std::move(*forward), std::move(*reverse)};
+  ECS_TRY(forward, model::predicted_volume(fitted, *machine, points_per_axis, 1));
+  ECS_TRY(reverse, model::predicted_volume(fitted, *machine, points_per_axis, -1));
+  return PredictedVolume{std::move(forward), std::move(reverse)};
 }
 
 Cell volume_cell(const PredictedVolume& volume) {

@@ -41,19 +41,16 @@ std::string with_readings(std::string_view text) {
 }  // namespace
 
 Result<Plan> plan_in(const std::string& file, const ImportArguments& import) {
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  if (lacks_readings(*text)) {
-    auto set = laser::parse_measurement_set(with_readings(*text), file);
-    if (!set) return tl::unexpected(set.error());
-    std::erase(set->columns, "reading");
-    return Plan{std::move(*set), false};
+  ECS_TRY(text, read_file(file));
+  if (lacks_readings(text)) {
+    ECS_TRY(set, laser::parse_measurement_set(with_readings(text), file));
+    std::erase(set.columns, "reading");
+    return Plan{std::move(set), false};
   }
   ImportArguments any_axis = import;
   any_axis.takes_rotary = true;
-  auto imported = read_measurements(file, any_axis);
-  if (!imported) return tl::unexpected(imported.error());
-  return Plan{std::move(imported->set), true};
+  ECS_TRY(imported, read_measurements(file, any_axis));
+  return Plan{std::move(imported.set), true};
 }
 
 }  // namespace ecs::commissioning

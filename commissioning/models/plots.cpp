@@ -249,10 +249,9 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
     names.push_back(place_text(candidate.effect));
   }
   if (names.empty()) return std::optional<Explained>();
-  const auto after = model::fit(with, data, options);
-  if (!after) return tl::unexpected(after.error());
-  Explained explained{{}, fmt::format("{}", fmt::join(names, " + ")), *after};
-  for (std::size_t k = 0; k < data.size(); ++k) explained.um.push_back(after->predicted[k] - before.predicted[k]);
+  ECS_TRY(after, model::fit(with, data, options));
+  Explained explained{{}, fmt::format("{}", fmt::join(names, " + ")), after};
+  for (std::size_t k = 0; k < data.size(); ++k) explained.um.push_back(after.predicted[k] - before.predicted[k]);
   return std::optional(std::move(explained));
 }
 
@@ -318,17 +317,15 @@ std::string plot_unit(std::string_view unit) {
 Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observations& data,
                                     const model::Diagnosis& diagnosis, bool plain) {
   const model::FitOptions options{plain};
-  const auto fit = model::fit(model, data, options);
-  if (!fit) return tl::unexpected(fit.error());
-  const auto explained = explained_by(model, data, *fit, diagnosis, options);
-  if (!explained) return tl::unexpected(explained.error());
+  ECS_TRY(fit, model::fit(model, data, options));
+  ECS_TRY(explained, explained_by(model, data, fit, diagnosis, options));
   std::string title =
       fmt::format("{}: rms {:.2f} {}, noise {:.2f} {}", verdict_title(diagnosis), diagnosis.rms_um,
                   plot_unit(diagnosis.noise.unit), diagnosis.noise.noise_um, plot_unit(diagnosis.noise.unit));
-  if (*explained) title += fmt::format("; explained by {}", (*explained)->effects);
-  PlotFigure figure = figure_of_lines(*fit, data, *explained ? &**explained : nullptr, title);
-  if (*explained) add_folded(figure, (*explained)->after, data, fit->effects.size());
-  add_variables(figure, *fit, data, diagnosis);
+  if (explained) title += fmt::format("; explained by {}", explained->effects);
+  PlotFigure figure = figure_of_lines(fit, data, explained ? &*explained : nullptr, title);
+  if (explained) add_folded(figure, explained->after, data, fit.effects.size());
+  add_variables(figure, fit, data, diagnosis);
   return figure;
 }
 

@@ -75,21 +75,20 @@ HiddenEffect hidden_effect(const Json& object) {
 }
 
 Result<HiddenTruth> truth_in(const std::string& text, const std::string& file) {
-  const auto object = object_in(text, file);
-  if (!object) return tl::unexpected(object.error());
-  const auto kind = std::find(kKinds.begin(), kKinds.end(), word(*object, "kind"));
+  ECS_TRY(object, object_in(text, file));
+  const auto kind = std::find(kKinds.begin(), kKinds.end(), word(object, "kind"));
   if (kind == kKinds.end())
-    return tl::unexpected(not_of_form(
-        file, fmt::format("kind: expected {}, got \"{}\"", fmt::join(kKinds, ", "), word(*object, "kind"))));
+    return tl::unexpected(
+        not_of_form(file, fmt::format("kind: expected {}, got \"{}\"", fmt::join(kKinds, ", "), word(object, "kind"))));
   HiddenTruth truth;
   truth.kind = static_cast<HiddenKind>(kind - kKinds.begin());
-  truth.noise_um = number(*object, "noise_um").value_or(0.0);
-  for (const Json& one : list(*object, "effects")) truth.effects.push_back(hidden_effect(one));
-  truth.group = words(*object, "group");
-  truth.variables = words(*object, "variables");
-  truth.true_model_rms_um = number(*object, "true_model_rms_um").value_or(0.0);
-  truth.text = word(*object, "text");
-  truth.json = one_line(*object);
+  truth.noise_um = number(object, "noise_um").value_or(0.0);
+  for (const Json& one : list(object, "effects")) truth.effects.push_back(hidden_effect(one));
+  truth.group = words(object, "group");
+  truth.variables = words(object, "variables");
+  truth.true_model_rms_um = number(object, "true_model_rms_um").value_or(0.0);
+  truth.text = word(object, "text");
+  truth.json = one_line(object);
   const std::size_t needed = truth.kind == HiddenKind::single ? 1 : (truth.kind == HiddenKind::pair ? 2 : 0);
   if (truth.effects.size() < needed)
     return tl::unexpected(
@@ -223,11 +222,9 @@ Result<HiddenTruth> truth_of(const std::string& folder) {
   std::error_code error;
   if (std::filesystem::exists(at / "truth.sealed", error)) {
     const std::string file = (at / "truth.sealed").string();
-    const auto text = read_file(file);
-    if (!text) return tl::unexpected(text.error());
-    const auto opened = unsealed(*text, file);
-    if (!opened) return tl::unexpected(opened.error());
-    return truth_in(*opened, file);
+    ECS_TRY(text, read_file(file));
+    ECS_TRY(opened, unsealed(text, file));
+    return truth_in(opened, file);
   }
   const std::string file = (at / "truth.json").string();
   const auto text = read_file(file);
@@ -237,13 +234,12 @@ Result<HiddenTruth> truth_of(const std::string& folder) {
 }
 
 Result<FoundAnswer> answer_in(std::string_view text, const std::string& file) {
-  const auto object = object_in(text, file);
-  if (!object) return tl::unexpected(object.error());
+  ECS_TRY(object, object_in(text, file));
   FoundAnswer answer;
-  answer.verdict = word(*object, "verdict");
+  answer.verdict = word(object, "verdict");
   if (answer.verdict.empty())
     return tl::unexpected(not_of_form(file, "expected the JSON of `ecs model diagnose --json`, found no verdict"));
-  for (const Json& one : list(*object, "candidates")) {
+  for (const Json& one : list(object, "candidates")) {
     const auto effect = one.is_object() ? effect_in(one) : std::nullopt;
     if (!effect) return tl::unexpected(not_of_form(file, "candidates: expected effects of the library"));
     const auto named = one.find("named");
@@ -252,11 +248,11 @@ Result<FoundAnswer> answer_in(std::string_view text, const std::string& file) {
                                  words(one, "indistinguishable_from"), numbers(one, "parameters"),
                                  numbers(one, "sigma")});
   }
-  for (const Json& one : list(*object, "where"))
+  for (const Json& one : list(object, "where"))
     if (one.is_object()) answer.where.push_back(word(one, "variable"));
-  answer.rms_after_um = number(*object, "rms_after_um");
-  if (!answer.rms_after_um && !list(*object, "candidates").empty())
-    answer.rms_after_um = number(list(*object, "candidates").front(), "rms_after_um");
+  answer.rms_after_um = number(object, "rms_after_um");
+  if (!answer.rms_after_um && !list(object, "candidates").empty())
+    answer.rms_after_um = number(list(object, "candidates").front(), "rms_after_um");
   return answer;
 }
 

@@ -279,13 +279,11 @@ PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& di
 }
 
 Result<TraceComparison> compare_trace(const std::string& model, const std::string& trace) {
-  const auto drive = model::read_drive(model);
-  if (!drive) return tl::unexpected(drive.error());
-  const auto recorded = model::read_trace(trace);
-  if (!recorded) return tl::unexpected(recorded.error());
-  const DriveDiagnosis diagnosis = model::diagnose_drive(*drive, *recorded);
-  return TraceComparison{outcome_of(drive_diagnosis_cell(diagnosis, *recorded, *drive)),
-                         trace_figure(*recorded, diagnosis)};
+  ECS_TRY(drive, model::read_drive(model));
+  ECS_TRY(recorded, model::read_trace(trace));
+  const DriveDiagnosis diagnosis = model::diagnose_drive(drive, recorded);
+  return TraceComparison{outcome_of(drive_diagnosis_cell(diagnosis, recorded, drive)),
+                         trace_figure(recorded, diagnosis)};
 }
 
 }  // namespace ecs::commissioning

@@ -17,18 +17,17 @@ namespace {
 Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork& work,
                                          const std::vector<std::string>& after, const ImportArguments& import) {
   if (after.empty()) return std::optional<Achieved>();
-  auto set = measured_in(messages, after, import);
-  if (!set) return tl::unexpected(set.error());
-  const std::size_t all = set->readings.size();
-  std::erase_if(set->readings, [](const laser::Reading& r) { return !r.compensated.value_or(true); });
-  if (set->readings.empty())
+  ECS_TRY(set, measured_in(messages, after, import));
+  const std::size_t all = set.readings.size();
+  std::erase_if(set.readings, [](const laser::Reading& r) { return !r.compensated.value_or(true); });
+  if (set.readings.empty())
     return tl::unexpected(Problem{ProblemKind::bad_input,
                                   "expected readings taken with compensation active (compensated = 1), found none",
                                   after.front(),
                                   0,
                                   0,
                                   {}});
-  Achieved out{model::observations_of(*set, work.model, work.machine), 0.0, 0.0, all - set->readings.size()};
+  Achieved out{model::observations_of(set, work.model, work.machine), 0.0, 0.0, all - set.readings.size()};
   double square = 0.0;
   for (const double reading : out.data.reading) {
     square += reading * reading;
@@ -155,17 +154,16 @@ std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& wh
 
 Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work, const std::string& model_file,
                                     const std::vector<std::string>& after, const ImportArguments& import) {
-  auto again = achieved(messages, work, after, import);
-  if (!again) return tl::unexpected(again.error());
+  ECS_TRY(again, achieved(messages, work, after, import));
   const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
   const auto what = model::what_if(work.model, work.data);
   if (!what) return tl::unexpected(in_file(what.error(), model_file));
   std::vector<AfterDirection> directions =
-      after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{});
-  std::vector<std::string> notes = notes_on(work, *what, *again, directions);
+      after_by_direction(*fit, work.data, again ? (*again).data : model::Observations{});
+  std::vector<std::string> notes = notes_on(work, *what, again, directions);
   return WhatIfAnswer{
-      *what, std::move(directions), *again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
+      *what, std::move(directions), again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
 }
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model, std::string_view unit) {

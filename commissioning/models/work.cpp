@@ -20,10 +20,9 @@ namespace ecs::commissioning {
 
 Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file) {
   if (file.empty()) return std::optional<params::Machine>();
-  auto read = params::read_machine(file);
-  if (!read) return tl::unexpected(read.error());
-  for (const Problem& warning : read->warnings) messages.warn(to_text(warning));
-  return std::optional(std::move(read->machine));
+  ECS_TRY(read, params::read_machine(file));
+  for (const Problem& warning : read.warnings) messages.warn(to_text(warning));
+  return std::optional(std::move(read.machine));
 }
 
 namespace {
@@ -65,9 +64,8 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
 }
 
 Result<laser::MeasurementSet> read_lines(const std::string& file, const ImportArguments& import) {
-  auto read = read_measurements(file, import);
-  if (!read) return tl::unexpected(read.error());
-  return std::move(read->set);
+  ECS_TRY(read, read_measurements(file, import));
+  return std::move(read.set);
 }
 
 /// The first of the files that is a model; empty: none is.
@@ -118,34 +116,31 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
 
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& words,
                                           const ImportArguments& import) {
-  const auto given = given_files(words, true);
-  if (!given) return tl::unexpected(given.error());
-  for (const std::string& note : given->notes) messages.note(note);
-  const std::vector<std::string>& files = given->files;
+  ECS_TRY(given, given_files(words, true));
+  for (const std::string& note : given.notes) messages.note(note);
+  const std::vector<std::string>& files = given.files;
   std::vector<laser::MeasurementSet> sets, paths;
   int rows = 0;
   ImportArguments any_axis = import;
   any_axis.takes_rotary = true;
   for (const std::string& file : files) {
-    auto path = import.columns.empty() && import.profile.empty() ? read_path_file(file)
-                                                                 : std::optional<laser::MeasurementSet>();
-    if (!path) return tl::unexpected(path.error());
-    if (*path && files.size() > 1 && !(*path)->notes.empty())
+    ECS_TRY(path, import.columns.empty() && import.profile.empty() ? read_path_file(file)
+                                                                   : std::optional<laser::MeasurementSet>());
+    if (path && files.size() > 1 && !path->notes.empty())
       return tl::unexpected(
           Problem{ProblemKind::bad_input,
-                  (*path)->notes.front() + "; beside other files its readings need their true place: add that line",
+                  path->notes.front() + "; beside other files its readings need their true place: add that line",
                   file,
                   0,
                   0,
                   {}});
-    auto read = *path ? Result<laser::MeasurementSet>(std::move(**path)) : read_lines(file, any_axis);
-    if (!read) return tl::unexpected(read.error());
-    for (const std::string& note : read->notes) messages.note(fmt::format("{}: {}", file, note));
-    if (read->readings.empty())
+    ECS_TRY(read, path ? Result<laser::MeasurementSet>(std::move(*path)) : read_lines(file, any_axis));
+    for (const std::string& note : read.notes) messages.note(fmt::format("{}: {}", file, note));
+    if (read.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    for (laser::Reading& reading : read->readings) reading.row = ++rows;
-    read->notes.clear();
-    (*path ? paths : sets).push_back(std::move(*read));
+    for (laser::Reading& reading : read.readings) reading.row = ++rows;
+    read.notes.clear();
+    (path ? paths : sets).push_back(std::move(read));
   }
   auto all = joined(sets);
   if (all) all = joined_with_paths(std::move(*all), std::move(paths));
@@ -163,17 +158,14 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
                                                    "model first, then the measurements",
                                                    model_among(arguments.data), arguments.model));
   if (!model) return tl::unexpected(model.error());
-  auto machine = machine_in(messages, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto set = measured_in(messages, arguments.data, arguments.import);
-  if (!set) return tl::unexpected(set.error());
-  if (auto other = of_other_axes(*model, *set, arguments.model)) return tl::unexpected(std::move(*other));
-  if (*machine)
-    if (const auto other =
-            other_machine(measured_machine(set->metadata), {(*machine)->name, ""}, "the machine file is of"))
+  ECS_TRY(machine, machine_in(messages, arguments.machine));
+  ECS_TRY(set, measured_in(messages, arguments.data, arguments.import));
+  if (auto other = of_other_axes(*model, set, arguments.model)) return tl::unexpected(std::move(*other));
+  if (machine)
+    if (const auto other = other_machine(measured_machine(set.metadata), {machine->name, ""}, "the machine file is of"))
       messages.warn(fmt::format("{}: {}", fmt::join(arguments.data, " "), *other));
   ModelWork work{
-      std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
+      std::move(*model), std::move(machine), std::move(set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
   const auto& steps = work.model.history;
   if (std::any_of(steps.begin(), steps.end(), [&](const auto& step) { return step.data == work.data_name; }))
@@ -190,8 +182,7 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   std::error_code error;
   if (std::filesystem::exists(arguments.model, error))
     return problem(ProblemKind::usage, arguments.model + " exists already: open it, or give another name");
-  if (const auto written = model::write_model(arguments.model, model::Model{}); !written)
-    return tl::unexpected(written.error());
+  ECS_DO(model::write_model(arguments.model, model::Model{}));
   auto work = model_work(messages, arguments);
   if (work) {
     work->model.effects = model::usual_effects(work->data);

@@ -44,14 +44,12 @@ Result<void> plain_file(const std::string& path) {
 
 Result<void> ParametersController::open_file(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
-  auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  auto read = params::parse_parameters(*text, path);
-  if (!read) return tl::unexpected(read.error());
-  in_file_ = ParameterSet{read->parameters, read->identity};
-  file_text_ = std::move(*text);
-  file_findings_ = params::check_file(*read);
-  held_ = {path, {}, *in_file_, read->has_end};
+  ECS_TRY(text, read_file(path));
+  ECS_TRY(read, params::parse_parameters(text, path));
+  in_file_ = ParameterSet{read.parameters, read.identity};
+  file_text_ = std::move(text);
+  file_findings_ = params::check_file(read);
+  held_ = {path, {}, *in_file_, read.has_end};
   load(*in_file_, path);
   return {};
 }
@@ -103,25 +101,24 @@ void ParametersController::offer_another() { exchange_draft(kParametersDraft); }
 Result<void> ParametersController::take_up_draft() {
   const auto kept = draft_of(kParametersDraft);
   if (!kept) return problem(ProblemKind::refused, "the unsaved work is gone: another program took it up");
-  auto draft = parsed_draft(kept->text);
-  if (!draft) return tl::unexpected(draft.error());
-  if (!draft->machine.empty()) (void)check_with(draft->machine);
+  ECS_TRY(draft, parsed_draft(kept->text));
+  if (!draft.machine.empty()) (void)check_with(draft.machine);
   in_file_.reset();
   file_text_.clear();
   file_findings_.clear();
   held_ = {};
-  if (auto text = read_file(draft->file); !draft->file.empty() && text) {
-    if (auto read = params::parse_parameters(*text, draft->file)) {
-      held_ = {draft->file, {}, {read->parameters, read->identity}, read->has_end};
+  if (auto text = read_file(draft.file); !draft.file.empty() && text) {
+    if (auto read = params::parse_parameters(*text, draft.file)) {
+      held_ = {draft.file, {}, {read->parameters, read->identity}, read->has_end};
       in_file_ = ParameterSet{read->parameters, read->identity};
       file_text_ = std::move(*text);
       file_findings_ = params::check_file(*read);
     }
   }
   loaded_ = true;
-  set_ = std::move(draft->set);
-  base_ = std::move(draft->base);
-  file_ = draft->file;
+  set_ = std::move(draft.set);
+  base_ = std::move(draft.base);
+  file_ = draft.file;
   done_.clear();
   undone_.clear();
   if (set_ != base_) done_.push_back({base_, set_, "the work of the draft"});
@@ -273,9 +270,8 @@ Result<void> ParametersController::check_with(const std::string& machine_path) {
     machine_name_.clear();
   } else {
     if (auto plain = plain_file(machine_path); !plain) return plain;
-    auto read = params::read_machine(machine_path);
-    if (!read) return tl::unexpected(read.error());
-    machine_ = std::move(read->machine);
+    ECS_TRY(read, params::read_machine(machine_path));
+    machine_ = std::move(read.machine);
     machine_path_ = machine_path;
     machine_name_ = machine_->name.empty() ? machine_path : machine_->name;
   }

@@ -13,9 +13,8 @@ constexpr std::string_view kBase = "#@ as loaded";
 constexpr const char* kName = "draft of the parameters screen";
 
 Result<ParameterSet> set_in(const std::string& text) {
-  auto parsed = params::parse_parameters(text, kName);
-  if (!parsed) return tl::unexpected(parsed.error());
-  return ParameterSet{parsed->parameters, parsed->identity};
+  ECS_TRY(parsed, params::parse_parameters(text, kName));
+  return ParameterSet{parsed.parameters, parsed.identity};
 }
 
 }  // namespace

@@ -14,18 +14,16 @@ std::string title_of(const UnitContent& unit) {
 Result<UnitContent> unit_content(UnitLink& link) {
   UnitContent unit;
   unit.name = link.is_emulator() ? "EMULATOR" : link.name();
-  auto identity = link.client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  unit.identity = std::move(*identity);
-  const auto status = link.client().status();
-  if (!status) return tl::unexpected(status.error());
-  unit.mode = status->mode;
+  ECS_TRY(identity, link.client().identity());
+  unit.identity = std::move(identity);
+  ECS_TRY(status, link.client().status());
+  unit.mode = status.mode;
   auto parameters = receive_parameters(link.client());
   if (parameters) {
     unit.parameters = *parameters;
   } else if (parameters.error().kind == ProblemKind::refused) {
     unit.none_because =
-        status->active_bank == protocol::Bank::none ? "it holds no parameters yet" : to_text(parameters.error());
+        status.active_bank == protocol::Bank::none ? "it holds no parameters yet" : to_text(parameters.error());
   } else {
     return tl::unexpected(parameters.error());
   }
@@ -33,20 +31,19 @@ Result<UnitContent> unit_content(UnitLink& link) {
 }
 
 Result<UnitContent> switched_to_integration(UnitLink& link) {
-  if (auto entered = link.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+  ECS_DO(link.client().enter_integration());
   return unit_content(link);
 }
 
 Result<SentParameters> sent_to_unit(UnitLink& link, const UnitParameters& parameters, const params::Identity& owner,
                                     UnfitMap unfit, const protocol::ProgressCallback& progress) {
-  auto report = send_parameters(link.client(), parameters, owner, unfit, progress);
-  if (!report) return tl::unexpected(report.error());
+  ECS_TRY(report, send_parameters(link.client(), parameters, owner, unfit, progress));
   auto after = unit_content(link);
   if (!after) {
     after.error().message = "the unit has taken the parameters; but looking at it afterwards: " + after.error().message;
     return tl::unexpected(std::move(after.error()));
   }
-  return SentParameters{std::move(*report), std::move(*after)};
+  return SentParameters{std::move(report), std::move(*after)};
 }
 
 bool refused_for_map(const Problem& why) {

@@ -24,21 +24,18 @@ Result<std::array<std::vector<double>, 2>> pitches_of(const params::Machine& mac
 }  // namespace
 
 Result<CircleWork> circle_work(const std::filesystem::path& file, const params::Machine* machine) {
-  const auto text = read_file_of(FileKind::circle_test, file);
-  if (!text) return tl::unexpected(text.error());
-  auto test = laser::parse_circle_test(*text, file.string());
-  if (!test) return tl::unexpected(test.error());
+  ECS_TRY(text, read_file_of(FileKind::circle_test, file));
+  ECS_TRY(test, laser::parse_circle_test(text, file.string()));
   std::array<std::vector<double>, 2> pitches_mm;
   if (machine != nullptr) {
-    auto known = pitches_of(*machine, *test);
-    if (!known) return tl::unexpected(known.error());
-    pitches_mm = std::move(*known);
+    ECS_TRY(known, pitches_of(*machine, test));
+    pitches_mm = std::move(known);
   }
-  auto diagnosis = model::diagnose_circle(
-      *test, pitches_mm, machine == nullptr ? model::PitchSource::nowhere : model::PitchSource::machine_file);
-  if (!diagnosis) return tl::unexpected(diagnosis.error());
-  laser::CircleValues values = laser::circle_values_of(*test);
-  return CircleWork{file, std::move(*test), std::move(values), std::move(*diagnosis)};
+  ECS_TRY(diagnosis,
+          model::diagnose_circle(test, pitches_mm,
+                                 machine == nullptr ? model::PitchSource::nowhere : model::PitchSource::machine_file));
+  laser::CircleValues values = laser::circle_values_of(test);
+  return CircleWork{file, std::move(test), std::move(values), std::move(diagnosis)};
 }
 
 }  // namespace ecs::commissioning

@@ -85,9 +85,8 @@ std::vector<double> speeds_mm_min(const DatumRecording& recording) {
 
 Result<DatumRecording> read_recording(protocol::UnitClient& client, Address address,
                                       const protocol::ProgressCallback& progress) {
-  const auto head = client.read_memory(address, kDatumRecordHeaderBytes);
-  if (!head) return tl::unexpected(head.error());
-  const auto header = decode_datum_header(*head);
+  ECS_TRY(head, client.read_memory(address, kDatumRecordHeaderBytes));
+  const auto header = decode_datum_header(head);
   if (!header) return problem(ProblemKind::link, fmt::format("no datum record at 0x{:06X}", address));
   DatumRecording recording{header->axis, header->sample_period_us, header->um_per_count, {}, {}, {}};
   const auto bytes =
@@ -145,9 +144,8 @@ Result<DatumRecording> parse_recording(std::string_view text, const std::string&
 }
 
 Result<DatumRecording> read_recording_file(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_recording(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_recording(text, path.string());
 }
 
 std::vector<DatumEvent> events_of(const DatumRecording& recording) {

@@ -64,7 +64,7 @@ Result<MonitorRecording> MonitorRecording::begun(const std::string& file) {
                           "is there already: another recording runs, or this holds what one recorded that was broken "
                           "off; rename or remove it");
   if (made.handle_ < 0) return output_problem(file, fmt::format("cannot write: {}", std::strerror(errno)));
-  if (const auto written = made.write(kMonitorColumns); !written) return tl::unexpected(written.error());
+  ECS_DO(made.write(kMonitorColumns));
   return made;
 }
 

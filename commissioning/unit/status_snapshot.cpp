@@ -22,16 +22,13 @@ constexpr int kFormat = 1;
 constexpr std::uint16_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
 
 Result<void> decode(StatusSnapshot& snapshot) {
-  const auto identity = protocol::identity_in(snapshot.identity_registers);
-  if (!identity) return tl::unexpected(identity.error());
-  const auto status = protocol::status_in(snapshot.status_registers);
-  if (!status) return tl::unexpected(status.error());
-  snapshot.identity = *identity;
-  snapshot.status = *status;
+  ECS_TRY(identity, protocol::identity_in(snapshot.identity_registers));
+  ECS_TRY(status, protocol::status_in(snapshot.status_registers));
+  snapshot.identity = identity;
+  snapshot.status = status;
   for (const Registers& block : snapshot.event_blocks) {
-    const auto page = protocol::event_page_in(block);
-    if (!page) return tl::unexpected(page.error());
-    for (const protocol::HostEvent& event : page->events)
+    ECS_TRY(page, protocol::event_page_in(block));
+    for (const protocol::HostEvent& event : page.events)
       if (event.number != 0) snapshot.events.push_back(event);
   }
   return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
@@ -147,14 +144,12 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
   for (const auto& [block, into] : {std::pair{protocol::kIdentity, &snapshot.identity_registers},
                                     std::pair{protocol::kStatus, &snapshot.status_registers},
                                     std::pair{protocol::kPointers, &snapshot.pointer_registers}}) {
-    auto registers = read(block);
-    if (!registers) return tl::unexpected(registers.error());
-    *into = std::move(*registers);
+    ECS_TRY(registers, read(block));
+    *into = std::move(registers);
   }
-  auto blocks = client.event_blocks(events);
-  if (!blocks) return tl::unexpected(blocks.error());
-  snapshot.event_blocks = std::move(*blocks);
-  if (const auto decoded = decode(snapshot); !decoded) return tl::unexpected(decoded.error());
+  ECS_TRY(blocks, client.event_blocks(events));
+  snapshot.event_blocks = std::move(blocks);
+  ECS_DO(decode(snapshot));
   read_selected(client, snapshot);
   return snapshot;
 }
@@ -187,22 +182,19 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
   for (const auto& [key, block, into] : {std::tuple{"identity", protocol::kIdentity, &snapshot.identity_registers},
                                          std::tuple{"status", protocol::kStatus, &snapshot.status_registers},
                                          std::tuple{"pointers", protocol::kPointers, &snapshot.pointer_registers}}) {
-    auto registers = registers_at(*raw, key, block, name);
-    if (!registers) return tl::unexpected(registers.error());
-    *into = std::move(*registers);
+    ECS_TRY(registers, registers_at(*raw, key, block, name));
+    *into = std::move(registers);
   }
-  auto blocks = event_blocks_in(*raw, name);
-  if (!blocks) return tl::unexpected(blocks.error());
-  snapshot.event_blocks = std::move(*blocks);
+  ECS_TRY(blocks, event_blocks_in(*raw, name));
+  snapshot.event_blocks = std::move(blocks);
   if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
   take_selected(*raw, snapshot);
   return snapshot;
 }
 
 Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_snapshot(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_snapshot(text, path.string());
 }
 
 }  // namespace ecs::commissioning

@@ -64,29 +64,24 @@ tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objectio
 
 Result<std::optional<Image>> read_active_image(protocol::UnitClient& client,
                                                const protocol::ProgressCallback& progress) {
-  const auto before = client.status();
-  if (!before) return tl::unexpected(before.error());
-  if (const auto sane = has_image(*before); !sane) return tl::unexpected(sane.error());
-  if (before->active_bank == Bank::none) return std::optional<Image>();
-  auto image = client.read_memory(address_of(before->active_bank), before->image_length_bytes, progress);
-  if (!image) return tl::unexpected(image.error());
-  const auto after = client.status();
-  if (!after) return tl::unexpected(after.error());
-  if (after->commit_sequence != before->commit_sequence)
+  ECS_TRY(before, client.status());
+  ECS_DO(has_image(before));
+  if (before.active_bank == Bank::none) return std::optional<Image>();
+  ECS_TRY(image, client.read_memory(address_of(before.active_bank), before.image_length_bytes, progress));
+  ECS_TRY(after, client.status());
+  if (after.commit_sequence != before.commit_sequence)
     return problem(ProblemKind::refused, "another map became active while it was read: read again");
-  return std::optional<Image>(std::move(*image));
+  return std::optional<Image>(std::move(image));
 }
 
 Result<UnitParameters> receive_parameters(protocol::UnitClient& client) {
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  if (status->active_bank == Bank::none)
+  ECS_TRY(status, client.status());
+  if (status.active_bank == Bank::none)
     return problem(ProblemKind::refused, "the unit holds no parameters yet: send some with `ecs params send FILE`");
-  const Address first = address_of(status->active_bank);
-  const auto bytes = client.read_memory(first, kPrefixBytes + kParameterBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto parameters = decode_parameters(ByteView(*bytes).subspan(kPrefixBytes, kParameterBytes));
-  if (load_big<std::uint32_t>(*bytes, prefix_at::magic) != kImageMagic || !parameters)
+  const Address first = address_of(status.active_bank);
+  ECS_TRY(bytes, client.read_memory(first, kPrefixBytes + kParameterBytes));
+  const auto parameters = decode_parameters(ByteView(bytes).subspan(kPrefixBytes, kParameterBytes));
+  if (load_big<std::uint32_t>(bytes, prefix_at::magic) != kImageMagic || !parameters)
     return problem(ProblemKind::refused,
                    fmt::format("the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; "
                                "look at it with `ecs memory show --unit`, and send parameters and map again",
@@ -178,13 +173,12 @@ Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image
                                        const protocol::ProgressCallback& progress) {
   const auto active = read_active_image(client, progress);
   if (!active && active.error().kind != ProblemKind::refused) return tl::unexpected(active.error());
-  const auto now = client.active_map();
-  if (!now) return tl::unexpected(now.error());
-  if (!active || now->commit_sequence != commit)
+  ECS_TRY(now, client.active_map());
+  if (!active || now.commit_sequence != commit)
     return problem(ProblemKind::refused,
                    fmt::format("the unit has taken the map (commit {}), but meanwhile the active map is another one "
                                "(commit {}): another host uses the unit; compare before compensating",
-                               commit, now->commit_sequence));
+                               commit, now.commit_sequence));
   if (!*active) return std::string("the unit holds none");
   const Image& held = **active;
   if (held.size() != sent.size()) return fmt::format("it has {} bytes in place of {}", held.size(), sent.size());
@@ -234,23 +228,21 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
 
 Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
-  const auto identity = client.identity();
-  if (!identity) return tl::unexpected(identity.error());
-  return send_image_to(client, *identity, image, addressee, progress);
+  ECS_TRY(identity, client.identity());
+  return send_image_to(client, identity, image, addressee, progress);
 }
 
 Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::Identity& unit,
                                  std::span<const std::uint8_t> bytes, Addressee addressee,
                                  const protocol::ProgressCallback& progress) {
   if (auto refused = refused_map(no_room_for(bytes, unit), {})) return tl::unexpected(std::move(*refused));
-  const auto image = addressed(bytes, unit, addressee);
-  if (!image) return tl::unexpected(image.error());
-  const auto [sent, not_compared] = upload(client, *image, progress);
-  record_transfer(in_log(unit, *image, sent));
+  ECS_TRY(image, addressed(bytes, unit, addressee));
+  const auto [sent, not_compared] = upload(client, image, progress);
+  record_transfer(in_log(unit, image, sent));
   if (!sent) return tl::unexpected(sent.error());
   if (not_compared) return tl::unexpected(*not_compared);
-  return SendReport{image->size(),
-                    ImageView(*image).check(),
+  return SendReport{image.size(),
+                    ImageView(image).check(),
                     sent->commit_sequence,
                     sent->bytes_sent,
                     sent->already_held,
@@ -262,13 +254,11 @@ Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::I
 Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
                                    const params::Identity& owner, UnfitMap unfit,
                                    const protocol::ProgressCallback& progress) {
-  const auto active = read_active_image(client, progress);
-  if (!active) return tl::unexpected(active.error());
-  KeptMap kept = map_to_keep(*active, parameters, owner);
+  ECS_TRY(active, read_active_image(client, progress));
+  KeptMap kept = map_to_keep(active, parameters, owner);
   if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
-  auto image = kept.image ? laser::with_parameters(std::move(*kept.image), parameters) : laser::image_of(parameters);
-  if (!image) return tl::unexpected(image.error());
-  auto report = send_image(client, *image, Addressee::this_unit, progress);
+  ECS_TRY(image, kept.image ? laser::with_parameters(std::move(*kept.image), parameters) : laser::image_of(parameters));
+  auto report = send_image(client, image, Addressee::this_unit, progress);
   if (!report) return report;
   report->map_kept = kept.had_one && kept.objections.empty();
   report->map_dropped = kept.had_one && !report->map_kept;

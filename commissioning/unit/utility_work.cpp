@@ -15,9 +15,8 @@ Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chr
   if (result) return AxisTest{axis, true, {}};
   const auto failure = client.link().last_failure();
   if (failure != protocol::LinkFailure::none || client.link().cancelled()) return tl::unexpected(result.error());
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  const protocol::AxisStatus& state = status->axes[index_of(axis)];
+  ECS_TRY(status, client.status());
+  const protocol::AxisStatus& state = status.axes[index_of(axis)];
   std::string message = result.error().message;
   if (state.datum_failure != DatumFailure::none)
     message += fmt::format(" ({}: {})", ecs::name_of(state.datum_failure), advice_for(state.datum_failure));
@@ -35,12 +34,11 @@ Result<void> begin_compensation(protocol::UnitClient& client) {
 }
 
 Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client) {
-  const auto bytes = client.read_memory(kUserRegisters, kUserRegisterBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
+  ECS_TRY(bytes, client.read_memory(kUserRegisters, kUserRegisterBytes));
   std::vector<KeptRegister> kept;
   for (std::size_t i = 0; i < kUserRegisterBytes / 4; ++i)
     kept.push_back({i < 16 ? fmt::format("{}{}", i < 8 ? 'D' : 'A', i % 8) : (i == 16 ? "PC" : "SR"),
-                    load_big<std::uint32_t>(*bytes, 4 * i)});
+                    load_big<std::uint32_t>(bytes, 4 * i)});
   return kept;
 }
 

@@ -13,18 +13,16 @@ namespace {
 constexpr std::chrono::milliseconds kRecordLimit{30'000};
 
 Result<DatumRecording> recorded(UnitLink& link, Axis axis, DatumLive& live) {
-  const auto identity = link.client().identity();
-  if (!identity) return tl::unexpected(identity.error());
+  ECS_TRY(identity, link.client().identity());
   live.begin(link, axis);
-  const auto result = link.client().record_datum(
-      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(link, busy, false); });
-  if (!result) return tl::unexpected(result.error());
-  auto recording = read_recording(link.client(), result->value,
+  ECS_TRY(result, link.client().record_datum(
+                      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(link, busy, false); }));
+  auto recording = read_recording(link.client(), result.value,
                                   [&live](const protocol::Progress& progress) { live.fetch(progress); });
   live.end();
   if (!recording) return recording;
   recording->taken = now_utc();
-  recording->serial_number = identity->serial_number;
+  recording->serial_number = identity.serial_number;
   return recording;
 }
 

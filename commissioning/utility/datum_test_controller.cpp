@@ -70,11 +70,10 @@ void DatumTestController::start() {
     return connection->with_link(control, [&](UnitLink& link) -> Result<void> {
       for (const Axis axis : axes) {
         live->begin(link, axis);
-        auto test = test_datum_of(link.client(), axis, kLimit,
-                                  [&](const protocol::CommandResult& busy) { live->look(link, busy, true); });
-        if (!test) return tl::unexpected(test.error());
+        ECS_TRY(test, test_datum_of(link.client(), axis, kLimit,
+                                    [&](const protocol::CommandResult& busy) { live->look(link, busy, true); }));
         const std::lock_guard lock(finished->mutex);
-        finished->tests.push_back(std::move(*test));
+        finished->tests.push_back(std::move(test));
       }
       return {};
     });

@@ -97,9 +97,8 @@ void DatumViewController::drop_earlier_draft() {
 void DatumViewController::read(const std::string& path, bool as_overlay) {
   if (busy()) return;
   const auto work = [path](JobControl&) -> Result<ShownRecord> {
-    auto recording = read_recording_file(path);
-    if (!recording) return tl::unexpected(recording.error());
-    return shown(std::move(*recording), std::filesystem::path(path).filename().string());
+    ECS_TRY(recording, read_recording_file(path));
+    return shown(std::move(recording), std::filesystem::path(path).filename().string());
   };
   file_task_.start("reading", work, [this, as_overlay, path](Result<ShownRecord> record) {
     if (!record) return message_.say(record.error());

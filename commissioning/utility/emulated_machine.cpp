@@ -145,19 +145,17 @@ void note_measured(const std::string& workshop, const EmulatedMeasurement& wante
 
 Measured measured_by_plan(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
   const Json request{{"action", "plan"}, {"plan", wanted.plan}, {"phase", wanted.phase}, {"folder", wanted.folder}};
-  const auto done = workshop.ask(request, [&control](double part) { control.part = part; });
-  if (!done) return tl::unexpected(done.error());
-  return done->value("output", std::vector<std::string>());
+  ECS_TRY(done, workshop.ask(request, [&control](double part) { control.part = part; }));
+  return done.value("output", std::vector<std::string>());
 }
 
 /// Forty steps over the travel of each axis, off equal steps as ISO 230-2 asks.
 Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
-  const auto read = params::read_machine(wanted.machine);
-  if (!read) return tl::unexpected(read.error());
+  ECS_TRY(read, params::read_machine(wanted.machine));
   std::vector<std::string> files;
   std::vector<Json> requests;
   for (const Axis a : kAllAxes) {
-    const auto& axis = read->machine.axes[index_of(a)];
+    const auto& axis = read.machine.axes[index_of(a)];
     if (!axis) continue;
     const std::string letter(1, letter_of(a));
     files.push_back(file_of_axis(wanted, a));
@@ -170,12 +168,12 @@ Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasur
                         {"moved", true},
                         {"output", Json::array({files.back()})}});
   }
-  if (auto kept = none_there(files, "give another folder"); !kept) return tl::unexpected(kept.error());
+  ECS_DO(none_there(files, "give another folder"));
   std::error_code fault;
   std::filesystem::create_directories(wanted.folder, fault);
   for (std::size_t k = 0; k < requests.size(); ++k) {
     control.part = static_cast<double>(k) / static_cast<double>(requests.size());
-    if (const auto done = workshop.ask(requests[k]); !done) return tl::unexpected(done.error());
+    ECS_DO(workshop.ask(requests[k]));
   }
   return files;
 }

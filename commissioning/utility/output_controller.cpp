@@ -172,11 +172,9 @@ void OutputController::set(double um, bool relay) {
   const OutputSetting wanted{setting_.axis, um, relay};
   start("putting out", [connection = connection_, wanted](JobControl& control) {
     return connection->with_link(control, [&](UnitLink& link) -> Result<Taken> {
-      const auto before = link.client().monitor();
-      if (!before) return tl::unexpected(before.error());
-      if (const auto out = link.client().output_compensation(wanted.axis, wanted.um, wanted.relay); !out)
-        return tl::unexpected(out.error());
-      return Taken{wanted, *before};
+      ECS_TRY(before, link.client().monitor());
+      ECS_DO(link.client().output_compensation(wanted.axis, wanted.um, wanted.relay));
+      return Taken{wanted, before};
     });
   });
 }
@@ -198,11 +196,10 @@ void OutputController::off() {
   if (busy()) return task_.cancel();
   start("switching off", [connection = connection_, axis = setting_.axis](JobControl& control) {
     return connection->with_link_to_any_unit(control, [&](UnitLink& link) -> Result<Taken> {
-      if (const auto off = link.client().output_off(); !off) return tl::unexpected(off.error());
-      const auto seen = link.client().monitor();
-      if (!seen) return tl::unexpected(seen.error());
+      ECS_DO(link.client().output_off());
+      ECS_TRY(seen, link.client().monitor());
       for (const Axis a : kAllAxes)
-        if (seen->axes[index_of(a)].relay_closed)
+        if (seen.axes[index_of(a)].relay_closed)
           return problem(ProblemKind::link, fmt::format("the unit answers that all is off, but shows the relay of {} "
                                                         "closed: press o again; if it stays, use the emergency stop",
                                                         letter_of(a)));
@@ -217,8 +214,7 @@ void OutputController::renew() {
   sent_at_ = std::chrono::steady_clock::now();
   start("holding the output", [connection = connection_, held = setting_](JobControl& control) {
     return connection->with_link(control, [&](UnitLink& link) -> Result<Taken> {
-      if (const auto out = link.client().output_compensation(held.axis, held.um, held.relay); !out)
-        return tl::unexpected(out.error());
+      ECS_DO(link.client().output_compensation(held.axis, held.um, held.relay));
       return Taken{held, std::nullopt};
     });
   });

@@ -53,11 +53,10 @@ void PositionController::start(Axis axis, double position_mm, bool is_undo, doub
   if (busy()) return;
   const auto work = [connection = connection_, axis, position_mm, is_undo, shift_mm](JobControl& control) {
     return connection->with_link(control, [&](UnitLink& link) -> Result<Change> {
-      const auto before = link.client().monitor();
-      if (!before) return tl::unexpected(before.error());
-      const double shown_mm = before->axes[index_of(axis)].position_mm;
+      ECS_TRY(before, link.client().monitor());
+      const double shown_mm = before.axes[index_of(axis)].position_mm;
       const double wanted_mm = is_undo ? shown_mm + shift_mm : position_mm;
-      if (const auto set = link.client().set_axis_position(axis, wanted_mm); !set) return tl::unexpected(set.error());
+      ECS_DO(link.client().set_axis_position(axis, wanted_mm));
       return Change{{axis, shown_mm, wanted_mm}, is_undo};
     });
   };

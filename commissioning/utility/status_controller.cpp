@@ -42,20 +42,17 @@ std::string_view meaning_of(UnitMode mode) {
 }
 
 Result<StatusFile> read_status_file(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+  ECS_TRY(text, read_file(path));
   StatusFile file;
   file.name = std::filesystem::path(path).filename().string();
-  if (const auto first = trimmed(*text); !first.empty() && first.front() == '{') {
-    auto snapshot = parse_snapshot(*text, path);
-    if (!snapshot) return tl::unexpected(snapshot.error());
-    file.snapshot = std::move(*snapshot);
+  if (const auto first = trimmed(text); !first.empty() && first.front() == '{') {
+    ECS_TRY(snapshot, parse_snapshot(text, path));
+    file.snapshot = std::move(snapshot);
     return file;
   }
-  const auto dump = dump_in(*text, path);
-  if (!dump) return tl::unexpected(dump.error());
-  file.snapshot = dump->status;
-  const std::string said = memory_cell(*dump, decoded(*dump), false).text;
+  ECS_TRY(dump, dump_in(text, path));
+  file.snapshot = dump.status;
+  const std::string said = memory_cell(dump, decoded(dump), false).text;
   for (const std::string_view line : lines_of(said)) file.memory.emplace_back(line);
   return file;
 }
@@ -121,16 +118,15 @@ void StatusController::start(std::string working_on, std::vector<std::string> wo
 
 void StatusController::test_memory() {
   start("memory test", {"utility", "ramtest"}, [](UnitLink& link, JobControl& control) -> Result<std::string> {
-    const auto result = link.client().run_ram_test(
-        [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; });
-    if (!result) return tl::unexpected(result.error());
-    if (result->value == protocol::kUnused)
+    ECS_TRY(result, link.client().run_ram_test(
+                        [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; }));
+    if (result.value == protocol::kUnused)
       return std::string("Every location of the axis memory holds what is written to it.");
     return problem(
         ProblemKind::refused,
         fmt::format(
             "The memory test failed at 0x{:06X}: replace that axis memory module, then send parameters and map again.",
-            result->value));
+            result.value));
   });
 }
 
@@ -143,7 +139,7 @@ Question StatusController::clear_question() const {
 
 void StatusController::clear_fault() {
   start("clearing the fault", {"utility", "clear"}, [](UnitLink& link, JobControl&) -> Result<std::string> {
-    if (const auto cleared = link.client().clear_fault(); !cleared) return tl::unexpected(cleared.error());
+    ECS_DO(link.client().clear_fault());
     return std::string("The fault is cleared.");
   });
 }
@@ -170,14 +166,14 @@ Question StatusController::mode_question() const {
 void StatusController::change_mode() {
   if (!integrating()) {
     start("integration mode", {"utility", "mode", "integrate"}, [](UnitLink& link, JobControl&) -> Result<std::string> {
-      if (const auto entered = link.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+      ECS_DO(link.client().enter_integration());
       return std::string("Integration mode: every relay is open.");
     });
     return;
   }
   start("compensation mode", {"utility", "mode", "compensate", "--wait", "0"},
         [](UnitLink& link, JobControl&) -> Result<std::string> {
-          if (const auto begun = begin_compensation(link.client()); !begun) return tl::unexpected(begun.error());
+          ECS_DO(begin_compensation(link.client()));
           return fmt::format("Reference every axis of the machine now{}.",
                              link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
         });
@@ -195,7 +191,7 @@ void StatusController::reference() {
 void StatusController::save(const std::string& path) {
   if (snapshot() == nullptr || writing_.running()) return;
   const auto work = [path, snapshot = *snapshot()](JobControl&) -> Result<std::string> {
-    if (const auto written = write_snapshot(path, snapshot); !written) return tl::unexpected(written.error());
+    ECS_DO(write_snapshot(path, snapshot));
     return "written: " + path;
   };
   writing_.start("writing", work, [this, path, of_file = file_.has_value()](const Result<std::string>& done) {
@@ -222,9 +218,8 @@ void StatusController::start_reading() {
   asked_at_ = Clock::now();
   const auto work = [connection = connection_](JobControl& control) {
     return connection->with_link(control, [](UnitLink& link) -> Result<Read> {
-      auto snapshot = take_snapshot(link.client(), link.name(), protocol::kEventsInBlock);
-      if (!snapshot) return tl::unexpected(snapshot.error());
-      return Read{std::move(*snapshot), link.workshop()};
+      ECS_TRY(snapshot, take_snapshot(link.client(), link.name(), protocol::kEventsInBlock));
+      return Read{std::move(snapshot), link.workshop()};
     });
   };
   reading_.start("reading", work, [this](Result<Read> read) { take(std::move(read)); });

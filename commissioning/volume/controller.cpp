@@ -14,11 +14,9 @@ namespace {
 
 Result<VolumeView> computed(const VolumeArguments& arguments) {
   NoMessages nobody;
-  const auto work = volume_work(nobody, arguments);
-  if (!work) return tl::unexpected(work.error());
-  auto figure = volume_figure(*work);
-  if (!figure) return tl::unexpected(figure.error());
-  return VolumeView{owned_lines_of(volume_cell(*work, "", "").text), std::move(*figure)};
+  ECS_TRY(work, volume_work(nobody, arguments));
+  ECS_TRY(figure, volume_figure(work));
+  return VolumeView{owned_lines_of(volume_cell(work, "", "").text), std::move(figure)};
 }
 
 }  // namespace

@@ -272,8 +272,7 @@ std::string size_words(const volume::ErrorSize& size) {
 Result<PlotFigure> volume_figure(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const Grid wires = volume::even_grid(machine.travel_mm, kPlacesAlongAWire, work.answer.grid.reference_mm);
-  const auto on_wires = errors_over(machine, wires);
-  if (!on_wires) return tl::unexpected(on_wires.error());
+  ECS_TRY(on_wires, errors_over(machine, wires));
   const double larger = enlargement(work.answer.before.all.largest_um, longest_of(machine.travel_mm));
   PlotFigure figure;
   figure.title = fmt::format("Volume of {} ({}), {}", work.machine_name.empty() ? "the machine" : work.machine_name,
@@ -290,24 +289,23 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   else
     after += fmt::format("; at most {:.0f} um (95 %)", work.uncertainty.largest_95_um);
   figure.panels = {
-      sizes_panel("before: " + size_words(work.answer.before.all), on_wires->before),
-      bounded ? bounded_cube_panel(work, wires, on_wires->after, larger) : sizes_panel(after, on_wires->after)};
+      sizes_panel("before: " + size_words(work.answer.before.all), on_wires.before),
+      bounded ? bounded_cube_panel(work, wires, on_wires.after, larger) : sizes_panel(after, on_wires.after)};
   if (wires.axes() < 2) return figure;
   const auto [across, up] = longest_plane(machine);
-  const auto slice = slice_of(machine, work.answer.before.all.at_mm, across, up, 17, 11);
-  if (!slice) return tl::unexpected(slice.error());
+  ECS_TRY(slice, slice_of(machine, work.answer.before.all.at_mm, across, up, 17, 11));
   std::string place;
   for (const Axis axis : kAllAxes)
-    if (wires.exists[index_of(axis)] && index_of(axis) != slice->across && index_of(axis) != slice->up)
-      place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice->grid.mm[index_of(axis)].front());
-  figure.panels.push_back(slice_panel("before" + place, *slice, slice->errors.before, larger));
+    if (wires.exists[index_of(axis)] && index_of(axis) != slice.across && index_of(axis) != slice.up)
+      place = fmt::format(", slice at {} {:.0f} mm", letter_of(axis), slice.grid.mm[index_of(axis)].front());
+  figure.panels.push_back(slice_panel("before" + place, slice, slice.errors.before, larger));
   const double left_um = work.answer.after.all.largest_um;
   const double larger_after = left_um > kDrawn_um ? enlargement(left_um, longest_of(machine.travel_mm)) : larger;
-  figure.panels.push_back(bounded ? bounded_slice_panel(work, "after" + place, *slice)
-                                  : slice_panel("after" + place, *slice, slice->errors.after, larger_after));
-  figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires->before));
-  figure.panels.push_back(bounded ? bounded_diagonal_panel(work, wires, on_wires->after)
-                                  : diagonal_panel("after, body diagonals", wires, on_wires->after));
+  figure.panels.push_back(bounded ? bounded_slice_panel(work, "after" + place, slice)
+                                  : slice_panel("after" + place, slice, slice.errors.after, larger_after));
+  figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires.before));
+  figure.panels.push_back(bounded ? bounded_diagonal_panel(work, wires, on_wires.after)
+                                  : diagonal_panel("after, body diagonals", wires, on_wires.after));
   return figure;
 }
 

@@ -41,10 +41,9 @@ Result<std::vector<double>> motion_of(const model::Model& fitted, const model::E
   model::Model alone = fitted;
   alone.effects = {effect};
   const model::Observations at = observations_of(set, alone, std::nullopt);
-  const auto predicted = model::predicted(alone, at);
-  if (!predicted) return tl::unexpected(predicted.error());
+  ECS_TRY(predicted, model::predicted(alone, at));
   std::vector<double> values(angles_deg.size());
-  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted)[k];
+  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = predicted[k];
   return values;
 }
 
@@ -95,12 +94,11 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
     }
     const std::vector<double> angles = angles_of(machine, *effect.axis);
     for (const Approach side : {Approach::forward, Approach::reverse}) {
-      const auto values = motion_of(fitted, effect, angles, side);
-      if (!values) return tl::unexpected(values.error());
+      ECS_TRY(values, motion_of(fitted, effect, angles, side));
       volume::RotaryTable& table =
           table_for(out.errors, static_cast<kinematics::Joint>(kAxes + r), *effect.sense, side, angles);
       for (std::size_t i = 0; i < angles.size(); ++i) {
-        table.error[i] += (*values)[i];
+        table.error[i] += values[i];
         table.u[i] = std::hypot(table.u[i], standard_uncertainty_of(one));
       }
     }

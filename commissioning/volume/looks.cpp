@@ -19,9 +19,8 @@ namespace {
 Result<std::pair<Vector3, kinematics::Angles>> place_in(const std::string& text,
                                                         const std::optional<volume::RotaryAxes>& rotary) {
   if (!rotary || std::count(text.begin(), text.end(), ',') < static_cast<std::ptrdiff_t>(kAxes)) {
-    const auto place = coordinates_in(text, "--at");
-    if (!place) return tl::unexpected(place.error());
-    return std::pair{*place, rotary ? reference_angles(*rotary) : kinematics::Angles{}};
+    ECS_TRY(place, coordinates_in(text, "--at"));
+    return std::pair{place, rotary ? reference_angles(*rotary) : kinematics::Angles{}};
   }
   std::vector<std::string> names{"X", "Y", "Z"};
   std::vector<double> numbers;
@@ -62,9 +61,8 @@ Result<Vector3> coordinates_in(const std::string& text, std::string_view option)
 
 Result<void> look_at(const std::string& text, const volume::CompensatedMachine& expected, VolumeWork& work) {
   volume::CompensatedMachine machine = work.prepared.machine;
-  const auto asked = place_in(text, machine.rotary);
-  if (!asked) return tl::unexpected(asked.error());
-  const auto& [place, angles_deg] = *asked;
+  ECS_TRY(asked, place_in(text, machine.rotary));
+  const auto& [place, angles_deg] = asked;
   for (const Axis axis : kAllAxes)
     if (const auto& travel = machine.travel_mm[index_of(axis)];
         travel && (place[index_of(axis)] < (*travel)[0] || place[index_of(axis)] > (*travel)[1]))
@@ -72,19 +70,17 @@ Result<void> look_at(const std::string& text, const volume::CompensatedMachine& 
                                                      (*travel)[0], (*travel)[1], place[index_of(axis)]));
   if (machine.rotary) machine.rotary->angles_deg = angles_deg;
   const volume::Grid grid = volume::grid_at(machine.travel_mm, place, volume::reference_of(machine.parameters));
-  const auto errors = errors_over(machine, grid);
-  if (!errors) return tl::unexpected(errors.error());
+  ECS_TRY(errors, errors_over(machine, grid));
   PlaceAnswer answer;
   answer.position_mm = grid.at({});
   answer.angles_deg = angles_deg;
   for (std::size_t side = 0; side < volume::kSides.size(); ++side) {
-    answer.before_um[side] = errors->before.at(grid, side, {});
-    answer.after_um[side] = errors->after.at(grid, side, {});
+    answer.before_um[side] = errors.before.at(grid, side, {});
+    answer.after_um[side] = errors.after.at(grid, side, {});
   }
   if (machine.rotary) {
-    const auto here = volume::JointVolume::over(machine, grid);
-    if (!here) return tl::unexpected(here.error());
-    answer.orientation_um_per_m = here->orientation_at(angles_deg);
+    ECS_TRY(here, volume::JointVolume::over(machine, grid));
+    answer.orientation_um_per_m = here.orientation_at(angles_deg);
   }
   const std::size_t forward = volume::kSides.size() - 1;
   const volume::Covariance covariance =
@@ -112,9 +108,8 @@ Result<void> cut(const std::string& plane, VolumeWork& work) {
   if (!exists(across) || !exists(up) || across == up)
     return problem(ProblemKind::usage,
                    fmt::format("--slice: expected two axes of the machine, such as XY, got \"{}\"", plane));
-  auto slice = slice_of(machine, work.answer.before.all.at_mm, index_of(*across), index_of(*up), kColumns, kRows);
-  if (!slice) return tl::unexpected(slice.error());
-  work.slice = std::move(*slice);
+  ECS_TRY(slice, slice_of(machine, work.answer.before.all.at_mm, index_of(*across), index_of(*up), kColumns, kRows));
+  work.slice = std::move(slice);
   return {};
 }
 
@@ -122,11 +117,9 @@ Result<void> look_between(VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   if (machine.rotary)
     return problem(ProblemKind::usage, "--between: of linear axes only; the machine file has rotary axes");
-  auto before = largest_between(machine, work.answer.before.all, &volume::BeforeAfter::before);
-  if (!before) return tl::unexpected(before.error());
-  auto after = largest_between(machine, work.answer.after.all, &volume::BeforeAfter::after);
-  if (!after) return tl::unexpected(after.error());
-  work.between = {*before, *after};
+  ECS_TRY(before, largest_between(machine, work.answer.before.all, &volume::BeforeAfter::before));
+  ECS_TRY(after, largest_between(machine, work.answer.after.all, &volume::BeforeAfter::after));
+  work.between = {before, after};
   return {};
 }
 
@@ -154,9 +147,8 @@ Result<VolumeSlice> slice_of(const volume::CompensatedMachine& machine, const Ve
   slice.grid = volume::grid_at(machine.travel_mm, through_mm, reference_mm);
   slice.grid.mm[across] = volume::even_grid(machine.travel_mm, columns, reference_mm).mm[across];
   slice.grid.mm[up] = volume::even_grid(machine.travel_mm, rows, reference_mm).mm[up];
-  auto errors = errors_over(machine, slice.grid);
-  if (!errors) return tl::unexpected(errors.error());
-  slice.errors = std::move(*errors);
+  ECS_TRY(errors, errors_over(machine, slice.grid));
+  slice.errors = std::move(errors);
   return slice;
 }
 

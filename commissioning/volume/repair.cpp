@@ -297,11 +297,9 @@ Result<Vectors> errors_of_effect(const model::EffectInstance& effect, const Mode
 
 Result<Contribution> contribution_of(const model::EffectFit& effect, const ModelWork& work, const Places& volume,
                                      const Circle& circle, const std::string& model_file) {
-  auto in_volume = errors_of_effect(effect.effect, work, volume, model_file);
-  if (!in_volume) return tl::unexpected(in_volume.error());
-  auto on_circle = errors_of_effect(effect.effect, work, circle.places, model_file);
-  if (!on_circle) return tl::unexpected(on_circle.error());
-  return Contribution{effect.contribution, std::move(*in_volume), std::move(*on_circle)};
+  ECS_TRY(in_volume, errors_of_effect(effect.effect, work, volume, model_file));
+  ECS_TRY(on_circle, errors_of_effect(effect.effect, work, circle.places, model_file));
+  return Contribution{effect.contribution, std::move(in_volume), std::move(on_circle)};
 }
 
 /// What the unit takes an effect for at the places: straight between the points of its axis's table, squareness
@@ -319,12 +317,11 @@ Result<Vectors> errors_in_map(const model::EffectInstance& effect, const ModelWo
   }
   auto below = errors_of_effect(effect, work, at[0], model_file);
   if (!below) return below;
-  const auto above = errors_of_effect(effect, work, at[1], model_file);
-  if (!above) return tl::unexpected(above.error());
+  ECS_TRY(above, errors_of_effect(effect, work, at[1], model_file));
   for (std::size_t k = 0; k < places.size(); ++k) {
     const double from_mm = at[0][k].position_mm[axis], to_mm = at[1][k].position_mm[axis];
     const double share = (places[k].position_mm[axis] - from_mm) / (to_mm - from_mm);
-    for (std::size_t d = 0; d < kAxes; ++d) (*below)[k][d] = std::lerp((*below)[k][d], (*above)[k][d], share);
+    for (std::size_t d = 0; d < kAxes; ++d) (*below)[k][d] = std::lerp((*below)[k][d], above[k][d], share);
   }
   return below;
 }
@@ -332,11 +329,9 @@ Result<Vectors> errors_in_map(const model::EffectInstance& effect, const ModelWo
 Result<Contribution> contribution_in_map(const model::EffectFit& effect, const ModelWork& work,
                                          const TablePoints& tables_mm, const Places& volume, const Circle& circle,
                                          const std::string& model_file) {
-  auto in_volume = errors_in_map(effect.effect, work, tables_mm, volume, model_file);
-  if (!in_volume) return tl::unexpected(in_volume.error());
-  auto on_circle = errors_in_map(effect.effect, work, tables_mm, circle.places, model_file);
-  if (!on_circle) return tl::unexpected(on_circle.error());
-  return Contribution{effect.contribution, std::move(*in_volume), std::move(*on_circle)};
+  ECS_TRY(in_volume, errors_in_map(effect.effect, work, tables_mm, volume, model_file));
+  ECS_TRY(on_circle, errors_in_map(effect.effect, work, tables_mm, circle.places, model_file));
+  return Contribution{effect.contribution, std::move(in_volume), std::move(on_circle)};
 }
 
 }  // namespace
@@ -367,9 +362,8 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   const auto contributions = [&](const model::Fit& of, const auto& contribution) -> Result<std::vector<Contribution>> {
     std::vector<Contribution> each;
     for (const model::EffectFit& effect : of.effects) {
-      auto one = contribution(effect);
-      if (!one) return tl::unexpected(one.error());
-      each.push_back(std::move(*one));
+      ECS_TRY(one, contribution(effect));
+      each.push_back(std::move(one));
     }
     return each;
   };
@@ -384,28 +378,26 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
       });
       if (!fitted) return tl::unexpected(fitted.error());
     }
-    const auto machine = contributions(possible, [&](const model::EffectFit& effect) {
-      return contribution_of(effect, work, volume.places, circle, model_file);
-    });
-    if (!machine) return tl::unexpected(machine.error());
+    ECS_TRY(machine, contributions(possible, [&](const model::EffectFit& effect) {
+              return contribution_of(effect, work, volume.places, circle, model_file);
+            }));
     Contribution rest{fit->residual, Vectors(volume.places.size()), Vectors(circle.places.size())};
-    for (std::size_t i = 0; i < machine->size(); ++i) {
-      rest.add((*machine)[i], 1.0);
+    for (std::size_t i = 0; i < machine.size(); ++i) {
+      rest.add(machine[i], 1.0);
       if (is_carried(fit->effects[i].effect, *work.machine)) rest.add((*fitted)[i], -1.0);
     }
-    for (std::size_t i = 0; i < machine->size(); ++i) {
+    for (std::size_t i = 0; i < machine.size(); ++i) {
       const bool carried = is_carried(fit->effects[i].effect, *work.machine);
       Contribution other = rest;
       draws[i].compensated.take(sizes_left(other, volume.weight, circle));
       if (carried) other.add((*fitted)[i], 1.0);
       draws[i].left.take(sizes_left(other, volume.weight, circle));
-      other.add((*machine)[i], -1.0);
+      other.add(machine[i], -1.0);
       draws[i].repaired.take(sizes_left(other, volume.weight, circle));
     }
     return {};
   };
-  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed))
-    if (auto drawn = draw(possible); !drawn) return tl::unexpected(drawn.error());
+  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) ECS_DO(draw(possible));
   answer.places = volume.places.empty() ? 0 : volume.places.size() / 2 - 1;
   bool unseen = false;
   for (std::size_t i = 0; i < draws.size(); ++i) {

@@ -36,12 +36,11 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
   double increment_mm = kIncrement_mm;
   for (const auto& axis : machine.axes)
     if (axis) increment_mm = std::max(increment_mm, (axis->travel_mm[1] - axis->travel_mm[0]) / kMostPoints);
-  const auto compiled = model::compiled(model, machine, increment_mm);
-  if (!compiled) return tl::unexpected(compiled.error());
+  ECS_TRY(compiled, model::compiled(model, machine, increment_mm));
   volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
   evaluated_machine.errors =
-      components_of_model(*compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
-  for (const std::string& left_out : compiled->not_carried)
+      components_of_model(compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
+  for (const std::string& left_out : compiled.not_carried)
     work.notes.push_back(fmt::format("left out of the volume: {}", left_out));
   return {};
 }
@@ -53,9 +52,8 @@ char rotary_letter(std::size_t rotary) { return kinematics::letter_of(static_cas
 Result<void> take_rotary(const VolumeArguments& arguments, const std::string& machine_file,
                          const std::optional<model::Model>& model, volume::CompensatedMachine& expected,
                          VolumeWork& work) {
-  const auto machine = machine_file.empty() ? params::RotaryMachine{} : params::read_rotary_machine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  if (!has_rotary_axes(*machine)) {
+  ECS_TRY(machine, machine_file.empty() ? params::RotaryMachine{} : params::read_rotary_machine(machine_file));
+  if (!has_rotary_axes(machine)) {
     if (arguments.rotary.empty()) return {};
     return problem(
         ProblemKind::usage,
@@ -64,27 +62,25 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
   volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
   if (evaluated_machine.parameters.convention != Convention::iso)
     return problem(ProblemKind::refused, "convention as_printed: the printed equations know no rotary axes");
-  const auto joints = params::joint_machine_of(machine->machine);
+  const auto joints = params::joint_machine_of(machine.machine);
   if (!joints) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
   if (model) {
-    if (const auto taken = take_model(*model, machine->machine, work); !taken) return tl::unexpected(taken.error());
+    ECS_DO(take_model(*model, machine.machine, work));
     expected.errors = evaluated_machine.errors;
   }
   volume::RotaryAxes rotary;
   rotary.machine = *joints;
   for (std::size_t r = 0; r < kAxes; ++r)
-    if (const auto& axis = machine->rotary[r]) rotary.travel_deg[r] = axis->travel_deg;
+    if (const auto& axis = machine.rotary[r]) rotary.travel_deg[r] = axis->travel_deg;
   if (!arguments.rotary.empty()) {
-    auto errors = volume::read_rotary_errors(arguments.rotary, rotary.machine.chain);
-    if (!errors) return tl::unexpected(errors.error());
-    rotary.errors = std::move(*errors);
+    ECS_TRY(errors, volume::read_rotary_errors(arguments.rotary, rotary.machine.chain));
+    rotary.errors = std::move(errors);
   }
   rotary.angles_deg = reference_angles(rotary);
   expected.rotary = rotary;
   if (!arguments.errors.empty()) {
-    auto errors = true_rotary_errors(arguments.errors, machine_file, rotary);
-    if (!errors) return tl::unexpected(errors.error());
-    rotary.errors = std::move(*errors);
+    ECS_TRY(errors, true_rotary_errors(arguments.errors, machine_file, rotary));
+    rotary.errors = std::move(errors);
     work.true_rotary = true;
   }
   evaluated_machine.rotary = std::move(rotary);

@@ -32,7 +32,7 @@ class TemporaryFile {
     if (file < 0) return problem(ProblemKind::output, fmt::format("cannot write {}", name));
     ::close(file);
     auto made = std::make_shared<TemporaryFile>(name);
-    if (auto written = write_file(name, text); !written) return tl::unexpected(written.error());
+    ECS_DO(write_file(name, text));
     return made;
   }
   explicit TemporaryFile(std::string name) : name_(std::move(name)) {}
@@ -132,26 +132,23 @@ Result<TrueErrors> true_errors(const std::string& errors_file, const std::string
                    "on PATH: only it reads errors files");
   std::shared_ptr<TemporaryFile> made;
   if (machine_file.empty()) {
-    auto file = TemporaryFile::with(machine_toml(machine));
-    if (!file) return tl::unexpected(file.error());
-    made = std::move(*file);
+    ECS_TRY(file, TemporaryFile::with(machine_toml(machine)));
+    made = std::move(file);
   }
   const std::string name = made ? made->name() : machine_file;
   const auto ask = [made, name, errors_file, program = program->string()](const volume::Grid& grid) {
     return answer_of(words_for(program, name, errors_file, grid), errors_file);
   };
-  const auto first = ask(volume::grid_over(machine.travel_mm, 8, volume::reference_of(machine.parameters)));
-  if (!first) return tl::unexpected(first.error());
+  ECS_TRY(first, ask(volume::grid_over(machine.travel_mm, 8, volume::reference_of(machine.parameters))));
   volume::ErrorSource source;
   source.kinematics = {volume::terms_of_machine(machine.parameters, Convention::iso, CurveKind::carriage),
-                       lines_in(*first), machine.tool_offset_mm};
+                       lines_in(first), machine.tool_offset_mm};
   source.curves = CurveKind::carriage;
   source.components = [ask](const volume::Grid& grid) -> Result<volume::Components> {
-    const auto answer = ask(grid);
-    if (!answer) return tl::unexpected(answer.error());
-    return components_in(*answer);
+    ECS_TRY(answer, ask(grid));
+    return components_in(answer);
   };
-  return TrueErrors{std::move(source), left_out_in(*first)};
+  return TrueErrors{std::move(source), left_out_in(first)};
 }
 
 Result<volume::RotaryErrors> true_rotary_errors(const std::string& errors_file, const std::string& machine_file,
@@ -172,17 +169,16 @@ Result<volume::RotaryErrors> true_rotary_errors(const std::string& errors_file, 
     }
     words.push_back(fmt::format("--{}={}", "abc"[r], fmt::join(places, ",")));
   }
-  const auto answer = answer_of(words, errors_file);
-  if (!answer) return tl::unexpected(answer.error());
+  ECS_TRY(answer, answer_of(words, errors_file));
   volume::RotaryErrors errors;
   for (std::size_t r = 0; r < kAxes; ++r) {
     if (angles_deg[r].empty()) continue;
     for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
       const auto joint = static_cast<kinematics::Joint>(kAxes + r);
       const auto sense = static_cast<Sense>(s);
-      errors.location[r][s] = (*answer)["rotary"]["location"].value(volume::location_name(r, s), 0.0);
+      errors.location[r][s] = answer["rotary"]["location"].value(volume::location_name(r, s), 0.0);
       errors.location_given[r][s] = true;
-      const Json& curve = (*answer)["rotary"]["components"][volume::rotary_name(joint, sense)];
+      const Json& curve = answer["rotary"]["components"][volume::rotary_name(joint, sense)];
       for (const auto& [side, key] : {std::pair{Approach::forward, "forward"}, {Approach::reverse, "reverse"}}) {
         volume::RotaryTable table{joint, sense, side, angles_deg[r], {}, {}};
         take(curve[key], table.error);

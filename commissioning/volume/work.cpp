@@ -86,14 +86,13 @@ Result<void> take_errors(const VolumeArguments& arguments, const std::string& ma
     if (work.prepared.remark.empty()) return {};
     return tl::unexpected(Problem{ProblemKind::refused, work.prepared.remark, arguments.model, 0, 0, {}});
   }
-  auto errors = true_errors(arguments.errors, machine ? machine_file : std::string(), work.prepared.machine);
-  if (!errors) return tl::unexpected(errors.error());
-  work.prepared.machine.errors = std::move(errors->source);
-  if (!errors->left_out.empty())
+  ECS_TRY(errors, true_errors(arguments.errors, machine ? machine_file : std::string(), work.prepared.machine));
+  work.prepared.machine.errors = std::move(errors.source);
+  if (!errors.left_out.empty())
     work.notes.push_back(
         fmt::format("the true errors are those of the machine at rest, cold and without load; the errors file holds "
                     "more, which is left out: {}",
-                    errors->left_out));
+                    errors.left_out));
   work.prepared.errors_from = "the errors file";
   return {};
 }
@@ -211,8 +210,7 @@ std::string travels_in_words(const volume::Travels& travel_mm) {
 }
 
 Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arguments) {
-  auto map = laser::read_map_csv(arguments.map);
-  if (!map) return tl::unexpected(map.error());
+  ECS_TRY(map, laser::read_map_csv(arguments.map));
   const bool has_tool = arguments.tool_length_mm || !arguments.tool_offset.empty();
   if (!arguments.model.empty() && !arguments.errors.empty())
     return problem(ProblemKind::usage, "expected --errors or --model, got both");
@@ -224,54 +222,46 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
                                "place",
                                kMostPlacesOfModel));
   std::string machine_file = machine_file_for(arguments);
-  auto machine = machine_in(messages, machine_file);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, machine_in(messages, machine_file));
   ExportArguments exported;
   exported.map = arguments.map;
   exported.params = arguments.params;
   exported.other_machine = arguments.other_machine;
-  if (!arguments.machine.empty() && *machine && !arguments.other_machine)
+  if (!arguments.machine.empty() && machine && !arguments.other_machine)
     if (const auto other =
-            laser::other_machine({map->header.machine, ""}, {(*machine)->name, ""}, "the machine file is of"))
+            laser::other_machine({map.header.machine, ""}, {machine->name, ""}, "the machine file is of"))
       return tl::unexpected(Problem{ProblemKind::refused,
                                     fmt::format("{}: give the right one, or --other-machine", *other),
                                     arguments.map,
                                     0,
                                     0,
                                     {}});
-  auto source = export_work(messages, exported, {std::move(*map), {}, arguments.map});
-  if (!source) return tl::unexpected(source.error());
-  const UnitParameters& parameters = source->source.parameters;
-  if (arguments.machine.empty() && *machine && !is_of(**machine, parameters, source->source.map.header))
-    machine->reset();
+  ECS_TRY(source, export_work(messages, exported, {std::move(map), {}, arguments.map}));
+  const UnitParameters& parameters = source.source.parameters;
+  if (arguments.machine.empty() && machine && !is_of(*machine, parameters, source.source.map.header)) machine.reset();
 
   VolumeWork work;
   work.settings = arguments.settings;
-  work.notes = source->notes;
-  work.machine_name = source->source.map.header.machine;
+  work.notes = source.notes;
+  work.machine_name = source.source.map.header.machine;
   std::optional<model::Model> model;
   if (!arguments.model.empty()) {
-    auto read = model::read_model(arguments.model);
-    if (!read) return tl::unexpected(read.error());
-    model = std::move(*read);
+    ECS_TRY(read, model::read_model(arguments.model));
+    model = std::move(read);
   }
-  work.prepared = prepared_volume(source->source.map, parameters, *machine, model ? &*model : nullptr);
-  const auto tool = tool_of(arguments, parameters);
-  if (!tool) return tl::unexpected(tool.error());
+  work.prepared = prepared_volume(source.source.map, parameters, machine, model ? &*model : nullptr);
+  ECS_TRY(tool, tool_of(arguments, parameters));
   volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
-  evaluated_machine.tool_offset_mm = *tool;
-  if (!model) evaluated_machine.errors = volume::errors_of_map(evaluated_machine.map, parameters, *tool);
-  if (const auto known = check_travels(work); !known) return tl::unexpected(known.error());
+  evaluated_machine.tool_offset_mm = tool;
+  if (!model) evaluated_machine.errors = volume::errors_of_map(evaluated_machine.map, parameters, tool);
+  ECS_DO(check_travels(work));
   volume::CompensatedMachine expected = evaluated_machine;  // what is known before the true errors are
-  if (const auto taken = take_errors(arguments, machine_file, *machine, work); !taken)
-    return tl::unexpected(taken.error());
+  ECS_DO(take_errors(arguments, machine_file, machine, work));
 
-  if (const auto taken = take_rotary(arguments, *machine ? machine_file : std::string(), model, expected, work); !taken)
-    return tl::unexpected(taken.error());
+  ECS_DO(take_rotary(arguments, machine ? machine_file : std::string(), model, expected, work));
 
-  auto answer = evaluated(evaluated_machine, arguments.places);
-  if (!answer) return tl::unexpected(answer.error());
-  work.answer = std::move(*answer);
+  ECS_TRY(answer, evaluated(evaluated_machine, arguments.places));
+  work.answer = std::move(answer);
   work.budget = budget_of(expected, arguments.settings);
   if (expected.rotary) work.rotary_budget = rotary_budget_of(*expected.rotary, arguments.settings);
   const auto uncertainty =
@@ -284,12 +274,9 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
     rotary->angles_deg = work.answer.settings[work.answer.before.all.setting];  // of slice and picture
   note_missing(work);
   note_rotary(work);
-  if (!arguments.at.empty())
-    if (const auto looked = look_at(arguments.at, expected, work); !looked) return tl::unexpected(looked.error());
-  if (!arguments.plane.empty())
-    if (const auto done = cut(arguments.plane, work); !done) return tl::unexpected(done.error());
-  if (arguments.between)
-    if (const auto looked = look_between(work); !looked) return tl::unexpected(looked.error());
+  if (!arguments.at.empty()) ECS_DO(look_at(arguments.at, expected, work));
+  if (!arguments.plane.empty()) ECS_DO(cut(arguments.plane, work));
+  if (arguments.between) ECS_DO(look_between(work));
   for (const std::string& file :
        {arguments.map, arguments.params, arguments.errors, arguments.model, arguments.rotary, machine_file})
     if (!file.empty()) work.inputs.push_back(file);

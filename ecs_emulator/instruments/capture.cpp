@@ -129,7 +129,7 @@ class Capturing {
 }  // namespace
 
 Result<laser::MeasurementSet> capture(Simulation& simulation, const CapturePlan& plan) {
-  if (auto fit = checked(simulation, plan); !fit) return tl::unexpected(fit.error());
+  ECS_DO(checked(simulation, plan));
   return Capturing(simulation, plan).run();
 }
 

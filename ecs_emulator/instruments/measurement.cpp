@@ -26,7 +26,7 @@ class Measuring {
         axis_(index_of(plan.axis)) {}
 
   Result<laser::MeasurementSet> run() {
-    if (auto fit = check(); !fit) return tl::unexpected(fit.error());
+    ECS_DO(check());
     parked_mm_ = parking_place(simulation_.description(), plan_);
     MeasuringPost post(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting);
     if (plan_.beam_broken_at) post.interrupt_beam_at(*plan_.beam_broken_at);

@@ -17,21 +17,20 @@ class PlanReader {
   PlanReader(const std::string& file, const PlanChoice& choice) : reader_(file), choice_(choice) {}
 
   Result<std::vector<std::string>> read(std::string_view text) {
-    const auto table = reader_.parsed(text);
-    if (!table) return tl::unexpected(table.error());
-    reader_.only(*table, {"name", "runs", "feed_mm_min", "measure"}, "plan");
+    ECS_TRY(table, reader_.parsed(text));
+    reader_.only(table, {"name", "runs", "feed_mm_min", "measure"}, "plan");
     Json common = Json::object();
-    put_text(common, "plan_name", reader_.word(*table, "name").value_or(""));
+    put_text(common, "plan_name", reader_.word(table, "name").value_or(""));
     put_text(common, "date", choice_.date);
     put_text(common, "engineer", choice_.engineer);
-    put_number(common, "feed", *table, "feed_mm_min");
-    if (const auto runs = reader_.number(*table, "runs")) {
-      if (!table->get("runs")->is_integer()) reader_.complain(*table->get("runs"), "runs: expected a whole number");
+    put_number(common, "feed", table, "feed_mm_min");
+    if (const auto runs = reader_.number(table, "runs")) {
+      if (!table.get("runs")->is_integer()) reader_.complain(*table.get("runs"), "runs: expected a whole number");
       common["runs"] = static_cast<long long>(*runs);
     }
     std::vector<std::string> requests;
-    if (!table->contains("measure")) reader_.complain(1, "expected at least one [[measure]] table");
-    for (const toml::table* row : reader_.children(*table, "measure")) take(*row, common, requests);
+    if (!table.contains("measure")) reader_.complain(1, "expected at least one [[measure]] table");
+    for (const toml::table* row : reader_.children(table, "measure")) take(*row, common, requests);
     if (!reader_.clean()) return tl::unexpected(reader_.all());
     return requests;
   }
@@ -99,9 +98,8 @@ class PlanReader {
 }  // namespace
 
 Result<std::vector<std::string>> requests_of(const std::filesystem::path& plan, const PlanChoice& choice) {
-  const auto text = read_file(plan);
-  if (!text) return tl::unexpected(text.error());
-  return PlanReader(plan.string(), choice).read(*text);
+  ECS_TRY(text, read_file(plan));
+  return PlanReader(plan.string(), choice).read(text);
 }
 
 }  // namespace ecs::emulator

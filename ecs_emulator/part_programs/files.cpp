@@ -15,9 +15,8 @@ using Json = nlohmann::json;
 
 Result<std::optional<WorkshopMachine>> machine_at(const std::optional<std::filesystem::path>& path) {
   if (!path) return std::optional<WorkshopMachine>{};
-  auto machine = load_workshop_machine(*path);
-  if (!machine) return tl::unexpected(machine.error());
-  return std::optional(std::move(*machine));
+  ECS_TRY(machine, load_workshop_machine(*path));
+  return std::optional(std::move(machine));
 }
 
 /// Empty where `measure` would not refuse the plan either.
@@ -42,11 +41,9 @@ void park(MeasurementPlan& plan, const WorkshopMachine& machine) {
 }
 
 Result<void> checked(const ProgramFile& file, const WorkshopMachine& machine) {
-  const auto program = parse_program(file.text, file.name);
-  if (!program) return tl::unexpected(program.error());
+  ECS_TRY(program, parse_program(file.text, file.name));
   const MachineTool tool(machine);
-  const auto summary = checked_program(*program, tool.command_mm(), range_of(tool));
-  if (!summary) return tl::unexpected(summary.error());
+  ECS_DO(checked_program(program, tool.command_mm(), range_of(tool)));
   return {};
 }
 
@@ -56,12 +53,11 @@ Result<ProgramFile> written(const std::string& request, const std::string& name,
   Arguments arguments(json);
   static_cast<void>(arguments.words("output"));  // of a plan: where its readings would go
   auto plan = plan_in(arguments);
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  if (auto fit = fits(*plan); !fit) return tl::unexpected(fit.error());
+  ECS_DO(arguments.checked());
+  ECS_DO(fits(*plan));
   if (machine) park(*plan, *machine);
   ProgramFile file{name, program_for(*plan)};
-  if (machine)
-    if (auto right = checked(file, *machine); !right) return tl::unexpected(right.error());
+  if (machine) ECS_DO(checked(file, *machine));
   return file;
 }
 
@@ -71,15 +67,13 @@ Result<std::vector<ProgramFile>> programs_of_plan(const std::filesystem::path& p
                                                   const std::optional<std::filesystem::path>& machine, bool even) {
   PlanChoice choice;
   choice.moved = !even;
-  const auto requests = requests_of(plan, choice);
-  if (!requests) return tl::unexpected(requests.error());
-  const auto tool = machine_at(machine);
-  if (!tool) return tl::unexpected(tool.error());
+  ECS_TRY(requests, requests_of(plan, choice));
+  ECS_TRY(tool, machine_at(machine));
   std::vector<ProgramFile> files;
   std::vector<Problem> problems;
-  for (const std::string& request : *requests) {
+  for (const std::string& request : requests) {
     const std::filesystem::path output = Json::parse(request)["output"][0].get<std::string>();
-    auto file = written(request, output.stem().string() + ".nc", *tool);
+    auto file = written(request, output.stem().string() + ".nc", tool);
     if (file)
       files.push_back(std::move(*file));
     else
@@ -91,9 +85,8 @@ Result<std::vector<ProgramFile>> programs_of_plan(const std::filesystem::path& p
 
 Result<ProgramFile> program_of_request(const std::string& request, const std::string& name,
                                        const std::optional<std::filesystem::path>& machine) {
-  const auto tool = machine_at(machine);
-  if (!tool) return tl::unexpected(tool.error());
-  return written(request, name, *tool);
+  ECS_TRY(tool, machine_at(machine));
+  return written(request, name, tool);
 }
 
 }  // namespace ecs::emulator

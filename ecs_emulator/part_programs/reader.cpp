@@ -255,9 +255,8 @@ class ProgramReader {
 Result<Program> parse_program(std::string_view text, const std::string& file) { return ProgramReader(file).read(text); }
 
 Result<Program> read_program(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_program(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_program(text, path.string());
 }
 
 }  // namespace ecs::emulator

@@ -68,17 +68,15 @@ class ProgramRunner {
       : simulation_(simulation), program_(program), order_(order), hooks_(hooks) {}
 
   Result<ProgramResult> run() {
-    if (auto right = check(); !right) return tl::unexpected(right.error());
+    ECS_DO(check());
     if (!order_.trace.empty()) {
-      auto trace = ProgramTrace::open(order_.trace, order_.trace_period_s, simulation_);
-      if (!trace) return tl::unexpected(trace.error());
-      trace_.emplace(std::move(*trace));
+      ECS_TRY(trace, ProgramTrace::open(order_.trace, order_.trace_period_s, simulation_));
+      trace_.emplace(std::move(trace));
     }
     if (order_.axis && !set_up()) return stopped_early();
     const double start_s = simulation_.machine().time_s();
     if (!follow()) return stopped_early();
-    if (trace_)
-      if (auto written = trace_->finish(); !written) return tl::unexpected(written.error());
+    if (trace_) ECS_DO(trace_->finish());
     result_.took_s = simulation_.machine().time_s() - start_s;
     if (post_) result_.readings = post_->post().finished();
     return std::move(result_);
@@ -90,9 +88,8 @@ class ProgramRunner {
     if (order_.instrument && !order_.axis) return wrong("instrument: expected axis and sense with it");
     if (!(order_.trace_period_s >= 0.0)) return wrong("trace_period: expected 0 s or more");
     const MachineTool& machine = simulation_.machine();
-    auto summary = checked_program(program_, machine.command_mm(), range_of(machine));
-    if (!summary) return tl::unexpected(summary.error());
-    result_.summary = std::move(*summary);
+    ECS_TRY(summary, checked_program(program_, machine.command_mm(), range_of(machine)));
+    result_.summary = std::move(summary);
     if (!order_.axis) return {};
     if (result_.summary.readings == 0) return wrong("expected a program that takes readings (M08)");
     if (result_.summary.readings > kMostReadings)

@@ -176,11 +176,9 @@ Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& fol
                                                                {"figure_3_10.csv", to_csv(two_turns.before)},
                                                                {"figure_3_11.csv", to_csv(full_travel.after)},
                                                                {"figure_3_12.csv", to_csv(two_turns.after)}};
-  for (const auto& [name, text] : files)
-    if (const auto written = write_file(folder / name, text); !written) return tl::unexpected(written.error());
-  const auto drawn = draw_rig_pictures(
-      folder, {&full_travel.band_before, &full_travel.band_after, &two_turns.band_before, &two_turns.band_after});
-  if (!drawn) return tl::unexpected(drawn.error());
+  for (const auto& [name, text] : files) ECS_DO(write_file(folder / name, text));
+  ECS_DO(draw_rig_pictures(
+      folder, {&full_travel.band_before, &full_travel.band_after, &two_turns.band_before, &two_turns.band_after}));
 
   std::vector<RigNumber> numbers;
   add_step(numbers, step, printed);

@@ -66,12 +66,10 @@ void reference_towards_datum(const toml::table& file, WorkshopMachine& workshop)
 
 Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std::string& file,
                                                const std::filesystem::path& folder) {
-  auto machine = params::parse_machine(text, file);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, params::parse_machine(text, file));
   TomlReader reader(file);
-  const auto table = reader.parsed(text);
-  if (!table) return tl::unexpected(table.error());
-  WorkshopMachine workshop{std::move(machine->machine), {}};
+  ECS_TRY(table, reader.parsed(text));
+  WorkshopMachine workshop{std::move(machine.machine), {}};
   for (const Axis a : kAllAxes) {
     const auto& axis = workshop.machine.axes[index_of(a)];
     if (axis && (axis->datum_mm < axis->travel_mm[0] || axis->datum_mm > axis->travel_mm[1]))
@@ -79,16 +77,15 @@ Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std:
                       fmt::format("axis.{}: expected datum_mm within travel_mm, or the control cannot go there, got {}",
                                   letter_of(a), axis->datum_mm));
   }
-  if (const auto* own = reader.child(*table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
-  reference_towards_datum(*table, workshop);
+  if (const auto* own = reader.child(table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
+  reference_towards_datum(table, workshop);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return workshop;
 }
 
 Result<WorkshopMachine> load_workshop_machine(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_workshop_machine(*text, path.string(), path.parent_path());
+  ECS_TRY(text, read_file(path));
+  return parse_workshop_machine(text, path.string(), path.parent_path());
 }
 
 }  // namespace ecs::emulator

@@ -40,18 +40,17 @@ Result<void> keep_name(const std::filesystem::path& path) {
 Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return {};
-  const auto content = read_file(path);
-  if (!content) return tl::unexpected(content.error());
+  ECS_TRY(content, read_file(path));
   std::size_t wanted = kMagic.size();
   for (const Part& part : parts_of(memory)) wanted += part.size;
-  if (!content->starts_with(kMagic) || content->size() != wanted)
+  if (!content.starts_with(kMagic) || content.size() != wanted)
     return problem_at(path.string(), 0, 0,
                       fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes, got {} "
                                   "bytes; name another file, or delete it to begin with an empty memory",
-                                  memory.modules(), wanted, content->size()));
+                                  memory.modules(), wanted, content.size()));
   std::size_t at = kMagic.size();
   for (const Part& part : parts_of(memory)) {
-    const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content->data()) + at, part.size);
+    const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content.data()) + at, part.size);
     memory.write(part.first, bytes);
     at += part.size;
   }

@@ -72,16 +72,14 @@ WorkshopSocket::~WorkshopSocket() {
 }
 
 Result<WorkshopSocket> WorkshopSocket::listen_at(const std::filesystem::path& path) {
-  const auto address = address_of(path);
-  if (!address) return tl::unexpected(address.error());
+  ECS_TRY(address, address_of(path));
   Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (connected(probe.get(), *address))
+  if (connected(probe.get(), address))
     return problem(ProblemKind::output, fmt::format("{}: another workshop listens here", path.string()));
   std::error_code ignored;
   if (std::filesystem::is_socket(path, ignored)) ::unlink(path.c_str());
   Descriptor listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (listener.get() < 0 ||
-      ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&*address), sizeof(*address)) != 0 ||
+  if (listener.get() < 0 || ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       ::listen(listener.get(), 8) != 0)
     return problem(ProblemKind::output, fmt::format("{}: cannot listen here: {}", path.string(), reason()));
   return WorkshopSocket(std::move(listener), path);
@@ -146,10 +144,9 @@ void WorkshopSocket::serve_ready(const WorkshopHandler& handler) {
 
 Result<std::string> ask_workshop(const std::filesystem::path& socket, const std::string& request,
                                  const std::function<void(const std::string&)>& report) {
-  const auto address = address_of(socket);
-  if (!address) return tl::unexpected(address.error());
+  ECS_TRY(address, address_of(socket));
   const Descriptor line(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (!connected(line.get(), *address))
+  if (!connected(line.get(), address))
     return problem(ProblemKind::link,
                    fmt::format("{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
                                socket.string(), reason(), socket.string()));

@@ -19,12 +19,11 @@ Result<Outcome> act_alone(const AloneArguments& arguments) {
   const auto& [machine, errors, seed] = arguments.machine;
   nlohmann::json request = arguments.request;
   const bool force = force_in(request);
-  if (auto kept = spared_by(request, force); !kept) return tl::unexpected(kept.error());
-  auto simulation = simulation_for(machine, errors, seed);
-  if (!simulation) return tl::unexpected(simulation.error());
+  ECS_DO(spared_by(request, force));
+  ECS_TRY(simulation, simulation_for(machine, errors, seed));
   stop_on_signals();
-  simulation->on_pause([] { return stop_requested() == 0; });
-  return printed(perform({&*simulation, nullptr, nullptr}, request.dump(), show_progress));
+  simulation.on_pause([] { return stop_requested() == 0; });
+  return printed(perform({&simulation, nullptr, nullptr}, request.dump(), show_progress));
 }
 
 VerbDefinition without_unit(const std::string& name, std::string help, const std::string& example,

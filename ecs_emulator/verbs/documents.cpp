@@ -37,8 +37,7 @@ struct ManualArguments {
 
 Result<Outcome> manual(VerbContext& context, const ManualArguments& arguments) {
   const std::vector<cli::ManualPage> pages = manual_pages(shown_program(context));
-  if (auto written = cli::write_pages(pages, arguments.folder, arguments.force); !written)
-    return tl::unexpected(written.error());
+  ECS_DO(cli::write_pages(pages, arguments.folder, arguments.force));
   return Outcome{std::to_string(pages.size()) + " manual pages in " + arguments.folder, {}};
 }
 

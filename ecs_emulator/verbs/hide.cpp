@@ -54,9 +54,8 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideArguments& arguments) {
     return problem(ProblemKind::usage,
                    fmt::format("--effect: expected one of the {} effects of docs/physics.md, got {}", effects().size(),
                                arguments.effect));
-  const auto lines = write_hidden_cases(request, arguments.count, arguments.folder);
-  if (!lines) return tl::unexpected(lines.error());
-  return Outcome{fmt::format("{}", fmt::join(*lines, "\n")), {}};
+  ECS_TRY(lines, write_hidden_cases(request, arguments.count, arguments.folder));
+  return Outcome{fmt::format("{}", fmt::join(lines, "\n")), {}};
 }
 
 }  // namespace

@@ -41,11 +41,10 @@ void add_plan_options(RequestVerb verb) {
 Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>& files, bool force) {
   std::vector<std::string> names;
   for (const ProgramFile& file : files) names.push_back((folder / file.name).string());
-  if (auto kept = spared(names, force); !kept) return tl::unexpected(kept.error());
+  ECS_DO(spared(names, force));
   std::error_code error;
   fs::create_directories(folder, error);
-  for (const ProgramFile& file : files)
-    if (auto written = write_file(folder / file.name, file.text); !written) return tl::unexpected(written.error());
+  for (const ProgramFile& file : files) ECS_DO(write_file(folder / file.name, file.text));
   return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
 }
 
@@ -56,9 +55,8 @@ Result<Outcome> write_one(const ProgramArguments& arguments, const std::optional
   if (!arguments.even && !request.contains("targets")) request["moved"] = true;
   if (!request.contains("sense") && request.contains("axis"))
     request["sense"] = "E" + request["axis"].get<std::string>();
-  const auto file = program_of_request(request.dump(), output.filename().string(), machine);
-  if (!file) return tl::unexpected(file.error());
-  const auto written = write_file(output, file->text);
+  ECS_TRY(file, program_of_request(request.dump(), output.filename().string(), machine));
+  const auto written = write_file(output, file.text);
   return written ? Result<Outcome>(Outcome{}) : tl::unexpected(written.error());
 }
 

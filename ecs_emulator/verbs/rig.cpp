@@ -26,10 +26,9 @@ nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
 }
 
 Result<Outcome> draw_rig(VerbContext& /*context*/, const RigArguments& arguments) {
-  if (auto kept = spared(rig_files(arguments.folder), arguments.force); !kept) return tl::unexpected(kept.error());
-  const auto numbers = draw_rig_figures(arguments.folder, arguments.seed.value_or(7));
-  if (!numbers) return tl::unexpected(numbers.error());
-  return Outcome{arguments.json ? json_of(*numbers).dump(2) : table_of(*numbers), {}};
+  ECS_DO(spared(rig_files(arguments.folder), arguments.force));
+  ECS_TRY(numbers, draw_rig_figures(arguments.folder, arguments.seed.value_or(7)));
+  return Outcome{arguments.json ? json_of(numbers).dump(2) : table_of(numbers), {}};
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ VerbDefinition request(const std::string& name, std::string help, const std::str
             declare(RequestVerb(verb, *request));
             return [request](VerbContext& context) -> Result<Outcome> {
               const bool force = force_in(*request);
-              if (auto kept = spared_by(*request, force); !kept) return tl::unexpected(kept.error());
+              ECS_DO(spared_by(*request, force));
               return ask(context, request->dump());
             };
           }};
@@ -66,11 +66,10 @@ Result<Outcome> follow_plan(VerbContext& context, const PlanArguments& arguments
   choice.folder = std::filesystem::absolute(arguments.folder);
   std::error_code error;
   std::filesystem::create_directories(choice.folder, error);
-  const auto requests = requests_of(arguments.plan, choice);
-  if (!requests) return tl::unexpected(requests.error());
-  for (const std::string& request : *requests)  // all of them before the first is measured
-    if (auto kept = spared_by(Json::parse(request), arguments.force); !kept) return tl::unexpected(kept.error());
-  for (const std::string& request : *requests)
+  ECS_TRY(requests, requests_of(arguments.plan, choice));
+  for (const std::string& request : requests)  // all of them before the first is measured
+    ECS_DO(spared_by(Json::parse(request), arguments.force));
+  for (const std::string& request : requests)
     if (auto answered = ask(context, request); !answered) return answered;
   return Outcome{};
 }

@@ -159,7 +159,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
   if (sweeps.empty())
     return problem(ProblemKind::usage, "the ball is out of reach while the rotary axes turn: set it up elsewhere");
   for (const Sweep& sweep : sweeps) {
-    if (const auto fits = check(machine, sweep); !fits) return tl::unexpected(fits.error());
+    ECS_DO(check(machine, sweep));
     for (std::size_t r = 0; r < kAxes; ++r)
       if (sweep.parked_deg[r] != rotary.angle_deg[r])
         rotary.approach[r] = sweep.parked_deg[r] > rotary.angle_deg[r] ? Approach::forward : Approach::reverse;
@@ -168,13 +168,12 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
       rotary.angle_deg[sweep.axis] = stop.angle_deg;
       rotary.approach[sweep.axis] = stop.approach;
       rotary.time_s = time_s += plan.seconds;
-      const auto place = linear_axes_at(geometry, machine, workpiece_mm, rotary.angle_deg);
-      if (!place) return tl::unexpected(place.error());
+      ECS_TRY(place, linear_axes_at(geometry, machine, workpiece_mm, rotary.angle_deg));
       MachineState state;
-      state.position_mm = *place;
+      state.position_mm = place;
       state.time_s = time_s;
       const TurningPose pose = turning_pose(geometry, simulation.errors().at(state, simulation.heat()),
-                                            simulation.errors().rotary_at(rotary), *place, rotary.angle_deg);
+                                            simulation.errors().rotary_at(rotary), place, rotary.angle_deg);
       Vector3 error_um = pose.error_um;
       for (std::size_t d = 0; d < kAxes; ++d) {
         error_um[d] -= plan.off_um[d];
@@ -184,7 +183,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
         laser::Reading reading;
         reading.axis = static_cast<Axis>(sweep.axis);
         reading.rotary = true;
-        reading.position_mm = *place;
+        reading.position_mm = place;
         reading.angle_deg = rotary.angle_deg;
         reading.sense = static_cast<Sense>(d);
         reading.error = (plan.on_workpiece ? error_um[d] : along(error_um, pose.bed[d])) +
@@ -205,7 +204,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
 
 Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPlan& plan) {
   const params::Machine& machine = simulation.description().machine;
-  if (const auto fits = check(machine, plan.sweep); !fits) return tl::unexpected(fits.error());
+  ECS_DO(check(machine, plan.sweep));
   laser::MeasurementSet set = begun(machine, "sensor at the axis");
   const auto s = static_cast<std::size_t>(plan.sense);
   RotaryState rotary;

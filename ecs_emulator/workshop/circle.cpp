@@ -145,9 +145,8 @@ std::string circle_program(const CirclePlan& plan) {
 
 Result<laser::CircleTest> contour_circle(Simulation& simulation, const CirclePlan& plan,
                                          const std::function<void()>& report) {
-  if (auto right = checked_plan(plan); !right) return tl::unexpected(right.error());
-  const auto program = parse_program(circle_program(plan), "circle");
-  if (!program) return tl::unexpected(program.error());
+  ECS_DO(checked_plan(plan));
+  ECS_TRY(program, parse_program(circle_program(plan), "circle"));
   laser::CircleTest test;
   test.plane = plan.plane;
   test.radius_mm = plan.radius_mm;
@@ -158,7 +157,7 @@ Result<laser::CircleTest> contour_circle(Simulation& simulation, const CirclePla
   ProgramHooks hooks;
   hooks.each = [&bar] { bar.watch(); };
   if (report) hooks.report = [&report](const ProgramProgress&) { report(); };
-  const auto ran = run_program(simulation, *program, {}, hooks);
+  const auto ran = run_program(simulation, program, {}, hooks);
   if (!ran) {
     Problem problem = ran.error();
     problem.kind = ProblemKind::usage;  // the program is the plan's, no file is to blame

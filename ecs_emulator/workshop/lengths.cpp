@@ -49,23 +49,22 @@ class LengthPlanReader {
   Result<MeasuredLengths> measure(std::string_view text, const std::string& file) {
     constexpr std::array<std::string_view, 9> kColumns{"set_up", "run",        "tool",       "x_mm",      "y_mm",
                                                        "z_mm",   "approach_x", "approach_y", "approach_z"};
-    const auto table = laser::parse_csv_table(text, file, kColumns, findings_);
-    if (!table) return tl::unexpected(table.error());
-    for (const laser::MetadataEntry& entry : table->metadata) take_head(entry);
+    ECS_TRY(table, laser::parse_csv_table(text, file, kColumns, findings_));
+    for (const laser::MetadataEntry& entry : table.metadata) take_head(entry);
     MeasuredLengths out;
-    for (const laser::MetadataEntry& entry : table->metadata)
+    for (const laser::MetadataEntry& entry : table.metadata)
       if (!entry.key.empty()) out.csv += fmt::format("# {}: {}\n", entry.key, entry.value);
     out.csv += "set_up,run,tool,x_mm,y_mm,z_mm,approach_x,approach_y,approach_z,deviation_um\n";
-    for (const laser::CsvRow& row : table->rows) {
+    for (const laser::CsvRow& row : table.rows) {
       std::vector<std::string> cells;
-      for (const std::string_view column : kColumns) cells.push_back(row.fields[*place_of(*table, column)].text);
+      for (const std::string_view column : kColumns) cells.push_back(row.fields[*place_of(table, column)].text);
       const auto deviation_um = read(row.line, cells);
       if (!deviation_um) continue;
       for (const std::string& cell : cells) out.csv += cell + ',';
       out.csv += fmt::format("{:.4f}\n", *deviation_um);
       ++out.readings;
     }
-    if (findings_.empty() && out.readings == 0) findings_.add(table->header_line, 0, "expected poses, found none");
+    if (findings_.empty() && out.readings == 0) findings_.add(table.header_line, 0, "expected poses, found none");
     if (!findings_.empty()) return tl::unexpected(findings_.as_problem());
     return out;
   }

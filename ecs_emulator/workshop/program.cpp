@@ -84,21 +84,18 @@ Result<Json> run_part_program(const Workshop& workshop, Arguments& arguments, co
   const auto outputs = arguments.words("output");
   if (file.empty()) arguments.complain("program: expected the file of a part program");
   if (!outputs.empty() && !order.axis) arguments.complain("output: expected axis and sense, what is measured");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto program = read_program(file);
-  if (!program) return tl::unexpected(program.error());
+  ECS_DO(arguments.checked());
+  ECS_TRY(program, read_program(file));
   ProgramHooks hooks;
   hooks.report = percents(report);
   hooks.spindle = spindle_of(workshop);
-  const auto result = run_program(*workshop.simulation, *program, order, hooks);
-  if (!result) return tl::unexpected(result.error());
-  Json answer = answer_of(*result, *workshop.simulation);
-  if (!result->readings) return answer;
-  for (const std::string& output : outputs)
-    if (auto written = write_measurement(output, *result->readings); !written) return tl::unexpected(written.error());
-  answer["readings"] = result->readings->readings.size();
+  ECS_TRY(result, run_program(*workshop.simulation, program, order, hooks));
+  Json answer = answer_of(result, *workshop.simulation);
+  if (!result.readings) return answer;
+  for (const std::string& output : outputs) ECS_DO(write_measurement(output, *result.readings));
+  answer["readings"] = result.readings->readings.size();
   answer["output"] = outputs;
-  if (outputs.empty()) answer["csv"] = laser::to_csv(*result->readings);
+  if (outputs.empty()) answer["csv"] = laser::to_csv(*result.readings);
   return answer;
 }
 
@@ -106,12 +103,10 @@ Result<Json> run_block(const Workshop& workshop, Arguments& arguments) {
   const std::string block = arguments.word("block");
   if (block.empty()) arguments.complain("block: expected one block, such as G01 X-100 F2000");
   if (block.find_first_of("\r\n") != block.npos) arguments.complain("block: expected one line");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto program = parse_program(block, "mdi");
-  if (!program) return tl::unexpected(program.error());
-  const auto result = run_program(*workshop.simulation, *program, {}, {{}, spindle_of(workshop), {}});
-  if (!result) return tl::unexpected(result.error());
-  return answer_of(*result, *workshop.simulation);
+  ECS_DO(arguments.checked());
+  ECS_TRY(program, parse_program(block, "mdi"));
+  ECS_TRY(result, run_program(*workshop.simulation, program, {}, {{}, spindle_of(workshop), {}}));
+  return answer_of(result, *workshop.simulation);
 }
 
 }  // namespace ecs::emulator

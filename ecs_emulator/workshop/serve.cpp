@@ -26,9 +26,8 @@ constexpr std::chrono::milliseconds kBatteryDelay{500};  ///< a changed memory i
 /// The way in for a second host, where one is wanted.
 Result<std::optional<protocol::ModbusServer>> open_second_line(const ServeOptions& options) {
   if (!options.also_tcp) return std::optional<protocol::ModbusServer>();
-  auto line = protocol::ModbusServer::on_tcp({0, options.unit, 8, "127.0.0.1", options.token_file});
-  if (!line) return tl::unexpected(line.error());
-  return std::optional<protocol::ModbusServer>(std::move(*line));
+  ECS_TRY(line, protocol::ModbusServer::on_tcp({0, options.unit, 8, "127.0.0.1", options.token_file}));
+  return std::optional<protocol::ModbusServer>(std::move(line));
 }
 
 Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
@@ -215,45 +214,38 @@ nlohmann::json ready_line(const protocol::LinkAddress& address, const ServeOptio
 
 Result<Simulation> simulation_for(const std::filesystem::path& machine, const std::filesystem::path& errors,
                                   std::optional<std::uint64_t> seed, const std::string& serial_number) {
-  auto description = load_workshop_machine(machine);
-  if (!description) return tl::unexpected(description.error());
-  if (!serial_number.empty()) description->settings.serial_number = serial_number;
-  const std::filesystem::path file = errors.empty() ? description->settings.errors : errors;
-  auto true_errors = file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file);
-  if (!true_errors) return tl::unexpected(true_errors.error());
-  if (auto fit = true_errors->checked_for(description->machine); !fit) return tl::unexpected(fit.error());
-  return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
+  ECS_TRY(description, load_workshop_machine(machine));
+  if (!serial_number.empty()) description.settings.serial_number = serial_number;
+  const std::filesystem::path file = errors.empty() ? description.settings.errors : errors;
+  ECS_TRY(true_errors, file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file));
+  ECS_DO(true_errors.checked_for(description.machine));
+  return Simulation(description, std::move(true_errors), seed.value_or(description.settings.seed));
 }
 
 Result<void> serve(const ServeOptions& given, const std::atomic<int>& stop,
                    const std::function<void(const std::string&)>& ready) {
   ServeOptions options = given;
   if (options.arm_code.empty()) options.arm_code = code_by_chance();
-  auto simulation = simulation_for(options.machine, options.errors, options.seed, options.serial_number);
-  if (!simulation) return tl::unexpected(simulation.error());
+  ECS_TRY(simulation, simulation_for(options.machine, options.errors, options.seed, options.serial_number));
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)
     return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));
-  const std::string serial_number = simulation->description().settings.serial_number;
+  const std::string serial_number = simulation.description().settings.serial_number;
   // What another process may hold is claimed before anything of it can be spoilt: battery, door, then the line's link.
   std::optional<BatteryLock> battery;
   if (!options.memory.empty()) {
-    auto lock = BatteryLock::take(options.memory);
-    if (!lock) return tl::unexpected(lock.error());
-    battery.emplace(std::move(*lock));
+    ECS_TRY(lock, BatteryLock::take(options.memory));
+    battery.emplace(std::move(lock));
   }
   std::optional<WorkshopSocket> door;
   if (!options.workshop.empty()) {
-    auto listening = WorkshopSocket::listen_at(options.workshop);
-    if (!listening) return tl::unexpected(listening.error());
-    door.emplace(std::move(*listening));
+    ECS_TRY(listening, WorkshopSocket::listen_at(options.workshop));
+    door.emplace(std::move(listening));
   }
-  auto line = open_line(options);
-  if (!line) return tl::unexpected(line.error());
-  auto second_line = open_second_line(options);
-  if (!second_line) return tl::unexpected(second_line.error());
-  nlohmann::json greeting = ready_line(line->address(), options, serial_number);
-  if (*second_line) greeting["second_link"] = second_link_of((*second_line)->address(), options.token_file);
-  RunningWorkshop running(std::move(*simulation), options, serial_number, std::move(*line), std::move(*second_line),
+  ECS_TRY(line, open_line(options));
+  ECS_TRY(second_line, open_second_line(options));
+  nlohmann::json greeting = ready_line(line.address(), options, serial_number);
+  if (second_line) greeting["second_link"] = second_link_of(second_line->address(), options.token_file);
+  RunningWorkshop running(std::move(simulation), options, serial_number, std::move(line), std::move(second_line),
                           std::move(door), stop);
   if (auto on = running.switch_on(); !on) return on;
   ready(greeting.dump());

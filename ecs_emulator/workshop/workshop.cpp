@@ -77,7 +77,7 @@ Json state_of(const Workshop& workshop) {
 }
 
 Answer show(const Workshop& workshop, Arguments& arguments) {
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   return state_of(workshop);
 }
 
@@ -98,7 +98,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
   if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
     arguments.complain(
         fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   if (!simulation.move_to(target_mm, feed)) return simulation_stopped_early();
   return state_of(workshop);
 }
@@ -121,11 +121,11 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
     else
       arguments.complain(fmt::format("axes: expected an axis of this machine, got \"{}\"", name));
   }
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   if (axes.empty())
     for (const Axis a : kAllAxes)
       if (workshop.simulation->machine().has(a)) axes.push_back(a);
-  if (auto referenced = reference(*workshop.simulation, axes); !referenced) return tl::unexpected(referenced.error());
+  ECS_DO(reference(*workshop.simulation, axes));
   if (workshop.unit != nullptr && !wait_for_unit(workshop)) return simulation_stopped_early();
   return state_of(workshop);
 }
@@ -164,12 +164,11 @@ Answer read_circle(const Workshop& workshop, Arguments& arguments) {
   plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
   plan.noise_um = arguments.number_or("noise", plan.noise_um);
   const std::string output = arguments.word("output");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto test = contour_circle(*workshop.simulation, plan);
-  if (!test) return tl::unexpected(test.error());
-  if (output.empty()) return Json{{"readings", test->readings.size()}, {"csv", laser::to_csv(*test)}};
-  if (auto written = write_file(output, laser::to_csv(*test)); !written) return tl::unexpected(written.error());
-  return Json{{"readings", test->readings.size()}, {"output", output}};
+  ECS_DO(arguments.checked());
+  ECS_TRY(test, contour_circle(*workshop.simulation, plan));
+  if (output.empty()) return Json{{"readings", test.readings.size()}, {"csv", laser::to_csv(test)}};
+  ECS_DO(write_file(output, laser::to_csv(test)));
+  return Json{{"readings", test.readings.size()}, {"output", output}};
 }
 
 Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
@@ -181,27 +180,26 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
   if (approach == 0) arguments.complain("approach: expected 1 or -1");
   plan.approach = approach < 0 ? Approach::reverse : Approach::forward;
   const std::string output = arguments.word("output");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto found = survey(*workshop.simulation, plan);
-  if (!found) return tl::unexpected(found.error());
+  ECS_DO(arguments.checked());
+  ECS_TRY(found, survey(*workshop.simulation, plan));
   const MachineTool& machine = workshop.simulation->machine();
   if (!output.empty()) {
     std::string text = "x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,length_um\n";
-    for (const SurveyPoint& p : found->grid)
+    for (const SurveyPoint& p : found.grid)
       text +=
           fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", shortest(p.position_mm[0]), shortest(p.position_mm[1]),
                       shortest(p.position_mm[2]), p.error_um[0], p.error_um[1], p.error_um[2], p.length_um());
-    if (auto written = write_file(output, text); !written) return tl::unexpected(written.error());
+    ECS_DO(write_file(output, text));
   }
   Json corners = Json::array();
-  for (const SurveyPoint& corner : found->corners) corners.push_back(point_of(machine, corner));
+  for (const SurveyPoint& corner : found.corners) corners.push_back(point_of(machine, corner));
   return Json{{"approach", approach},
               {"with_scatter", plan.scatter},
-              {"corners", {{"worst", point_of(machine, worst(found->corners))}, {"all", corners}}},
+              {"corners", {{"worst", point_of(machine, worst(found.corners))}, {"all", corners}}},
               {"grid",
-               {{"points", found->grid.size()},
-                {"worst", point_of(machine, worst(found->grid))},
-                {"rms_um", rms_um(found->grid)}}}};
+               {{"points", found.grid.size()},
+                {"worst", point_of(machine, worst(found.grid))},
+                {"rms_um", rms_um(found.grid)}}}};
 }
 
 /// The lengths of a plan.
@@ -220,20 +218,18 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
     if (!(deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero, bar: expected 0 or more");
   if (workshop.unit != nullptr)
     arguments.complain("lengths: expected a machine without a unit; use `ecs-emulator lengths`");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto text = read_file(plan);
-  if (!text) return tl::unexpected(text.error());
-  const auto lengths = measured_lengths(*workshop.simulation, *text, plan, settings);
-  if (!lengths) return tl::unexpected(lengths.error());
-  if (output.empty()) return Json{{"readings", lengths->readings}, {"csv", lengths->csv}};
-  if (auto written = write_file(output, lengths->csv); !written) return tl::unexpected(written.error());
-  return Json{{"readings", lengths->readings}, {"output", output}};
+  ECS_DO(arguments.checked());
+  ECS_TRY(text, read_file(plan));
+  ECS_TRY(lengths, measured_lengths(*workshop.simulation, text, plan, settings));
+  if (output.empty()) return Json{{"readings", lengths.readings}, {"csv", lengths.csv}};
+  ECS_DO(write_file(output, lengths.csv));
+  return Json{{"readings", lengths.readings}, {"output", output}};
 }
 
 /// Into the file under `output`, or back as `csv` where there is none.
 Answer kept(const laser::MeasurementSet& set, const std::string& output) {
   if (output.empty()) return Json{{"readings", set.readings.size()}, {"csv", to_csv(set)}};
-  if (auto written = write_measurement_set(output, set); !written) return tl::unexpected(written.error());
+  ECS_DO(write_measurement_set(output, set));
   return Json{{"readings", set.readings.size()}, {"output", output}};
 }
 
@@ -276,7 +272,7 @@ Answer read_ball(const Workshop& workshop, Arguments& arguments) {
   ask_for_readings(workshop, arguments, plan.runs, plan.noise_um, plan.seconds);
   for (const std::string& text : arguments.words("sweep")) plan.sweeps.push_back(asked_sweep(arguments, text));
   const std::string output = arguments.word("output");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   const auto set = ball_readings(*workshop.simulation, plan);
   return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
 }
@@ -291,7 +287,7 @@ Answer read_turn(const Workshop& workshop, Arguments& arguments) {
     arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense));
   ask_for_readings(workshop, arguments, plan.runs, plan.noise, plan.seconds);
   const std::string output = arguments.word("output");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   const auto set = turn_readings(*workshop.simulation, plan);
   return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
 }
@@ -315,14 +311,12 @@ Json true_rotary_components(const Simulation& simulation, const PerAxis<std::vec
 Answer true_components(const Workshop& workshop, Arguments& arguments) {
   const PerAxis<std::vector<double>> places{arguments.numbers("x"), arguments.numbers("y"), arguments.numbers("z")};
   const PerAxis<std::vector<double>> angles{arguments.numbers("a"), arguments.numbers("b"), arguments.numbers("c")};
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  const auto found = components_along(*workshop.simulation, places);
-  if (!found) return tl::unexpected(found.error());
+  ECS_DO(arguments.checked());
+  ECS_TRY(found, components_along(*workshop.simulation, places));
   Json curves = Json::object(), squareness = Json::object();
   for (std::size_t c = 0; c < kCurves; ++c)
-    curves[std::string(kComponentNames[c])] = {{"forward", found->forward[c]}, {"reverse", found->reverse[c]}};
-  for (std::size_t c = kCurves; c < kComponents; ++c)
-    squareness[std::string(kComponentNames[c])] = found->squareness[c];
+    curves[std::string(kComponentNames[c])] = {{"forward", found.forward[c]}, {"reverse", found.reverse[c]}};
+  for (std::size_t c = kCurves; c < kComponents; ++c) squareness[std::string(kComponentNames[c])] = found.squareness[c];
   Json lines = Json::object();
   const MeasurementLines lines_mm = params::measurement_lines_of(workshop.simulation->description().machine);
   for (const Axis a : kAllAxes) lines[std::string(1, letter_of(a))] = lines_mm[index_of(a)];
@@ -344,7 +338,7 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
   if (state != "on" && state != "off" && state != "cycle")
     arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   if (state != "on") workshop.unit->power(false);
   if (state == "cycle") workshop.simulation->come_to_rest();
   if (state != "off" && !(state == "on" && workshop.unit->powered())) workshop.unit->power(true);
@@ -355,14 +349,14 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
 Answer wait(const Workshop& workshop, Arguments& arguments) {
   const double seconds = arguments.number_or("seconds", 0.0);
   if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   if (!workshop.simulation->dwell(seconds)) return simulation_stopped_early();
   return state_of(workshop);
 }
 
 Answer tick(const Workshop& workshop, Arguments& arguments) {
   const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
   if (!workshop.simulation->run_for(seconds)) return simulation_stopped_early();
   return state_of(workshop);
@@ -371,20 +365,20 @@ Answer tick(const Workshop& workshop, Arguments& arguments) {
 Answer load(const Workshop& workshop, Arguments& arguments) {
   const double load_kg = arguments.number("kg").value_or(-1.0);
   if (!(load_kg >= 0.0 && load_kg <= 1e6)) arguments.complain("kg: expected 0 to 1000000");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   workshop.simulation->machine().load(load_kg);
   return state_of(workshop);
 }
 
 Answer fault(const Workshop& workshop, Arguments& arguments) {
-  if (auto provoked = provoke(workshop, arguments); !provoked) return tl::unexpected(provoked.error());
+  ECS_DO(provoke(workshop, arguments));
   return state_of(workshop);
 }
 
 /// What stands on the front of the unit.
 Answer arm_code(const Workshop& workshop, Arguments& arguments) {
   if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
-  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
+  ECS_DO(arguments.checked());
   return Json{{"arm_code", workshop.arm_code}};
 }
 

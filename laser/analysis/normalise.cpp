@@ -103,14 +103,12 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
   const double difference = how.coefficient_um_per_m_degC - done.instrument_um_per_m_degC;
   for (Reading& reading : done.set.readings) {
     if (!is_positioning(reading)) continue;
-    const auto material_degC = temperature_of(reading, how);
-    if (!material_degC) return tl::unexpected(material_degC.error());
-    const double per_coefficient_um =
-        (*material_degC - kReference_degC) * (target_mm(reading) - how.fixed_mm) / kMmPerM;
+    ECS_TRY(material_degC, temperature_of(reading, how));
+    const double per_coefficient_um = (material_degC - kReference_degC) * (target_mm(reading) - how.fixed_mm) / kMmPerM;
     reading.extras.insert_or_assign(std::string(kBeforeNormalisation), reading.error);
     reading.error -= difference * per_coefficient_um;
-    done.least_degC = done.changed == 0 ? *material_degC : std::min(done.least_degC, *material_degC);
-    done.most_degC = done.changed == 0 ? *material_degC : std::max(done.most_degC, *material_degC);
+    done.least_degC = done.changed == 0 ? material_degC : std::min(done.least_degC, material_degC);
+    done.most_degC = done.changed == 0 ? material_degC : std::max(done.most_degC, material_degC);
     done.largest_um = std::max(done.largest_um, std::abs(difference * per_coefficient_um));
     done.per_coefficient_um = std::max(done.per_coefficient_um, std::abs(per_coefficient_um));
     ++done.changed;

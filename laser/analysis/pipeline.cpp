@@ -15,9 +15,8 @@ double range_of(const MeasurementSet& set) {
 }  // namespace
 
 Result<ProcessedCurve> processed(const Curve& curve, const CurveSteps& steps) {
-  auto level = levelled(curve, steps.slope);
-  if (!level) return tl::unexpected(std::move(level.error()));
-  ProcessedCurve out{std::move(*level), std::nullopt, std::nullopt};
+  ECS_TRY(level, levelled(curve, steps.slope));
+  ProcessedCurve out{std::move(level), std::nullopt, std::nullopt};
   if (steps.smoothing_mm <= 0.0) return out;
   Smoothing how;
   how.window_mm = steps.smoothing_mm;
@@ -30,11 +29,9 @@ Result<ProcessedCurve> processed(const Curve& curve, const CurveSteps& steps) {
 }
 
 Result<ProcessedReadings> processed_readings(const MeasurementSet& set, const Group& group, const CurveSteps& steps) {
-  auto curve = averaged(set, group);
-  if (!curve) return tl::unexpected(std::move(curve.error()));
-  auto steps_done = processed(*curve, steps);
-  if (!steps_done) return tl::unexpected(std::move(steps_done.error()));
-  ProcessedReadings out{std::move(*steps_done), set, std::move(*curve), {}};
+  ECS_TRY(curve, averaged(set, group));
+  ECS_TRY(steps_done, processed(curve, steps));
+  ProcessedReadings out{std::move(steps_done), set, std::move(curve), {}};
   out.before.readings.clear();
   for (const std::size_t i : group.readings) out.before.readings.push_back(set.readings[i]);
   out.after = out.before;

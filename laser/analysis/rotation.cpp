@@ -73,15 +73,14 @@ Result<Curve> rotation_from(const Curve& first, const Curve& second) {
   if (is_rotation(first.sense))
     return problem(ProblemKind::refused,
                    fmt::format("expected translations EX, EY or EZ, found {}", ecs::name_of(first.sense)));
-  const auto lever = lever_of(first, second);
-  if (!lever) return tl::unexpected(lever.error());
+  ECS_TRY(lever, lever_of(first, second));
   const Axis observed = direction_of(first.sense);
-  if (*lever == observed)
+  if (lever == observed)
     return problem(ProblemKind::refused,
                    fmt::format("the lines differ along {}, the direction of the readings: no rotation acts there",
-                               letter_of(*lever)));
-  const Rotation rotation = rotation_of(observed, *lever);
-  const double distance_mm = first.parked_mm[index_of(*lever)] - second.parked_mm[index_of(*lever)];
+                               letter_of(lever)));
+  const Rotation rotation = rotation_of(observed, lever);
+  const double distance_mm = first.parked_mm[index_of(lever)] - second.parked_mm[index_of(lever)];
   Curve result;
   result.axis = first.axis;
   result.sense = static_cast<Sense>(static_cast<std::size_t>(Sense::EA) + index_of(rotation.about));

@@ -127,10 +127,9 @@ Result<double> smooth_sides(Curve& curve, const Window& forward, const Window& r
   for (const Side side : {Side::forward, Side::reverse}) {
     const auto points = side_of(curve, side);
     if (points.empty()) continue;
-    const auto result = smooth(points, side == Side::forward ? forward : reverse);
-    if (!result) return tl::unexpected(result.error());
-    put(curve, side, result->values);
-    freedom += result->removed_freedom;
+    ECS_TRY(result, smooth(points, side == Side::forward ? forward : reverse));
+    put(curve, side, result.values);
+    freedom += result.removed_freedom;
   }
   return freedom;
 }
@@ -207,14 +206,12 @@ Result<Smoothed> smoothed(const Curve& curve, const Smoothing& how) {
     return problem(ProblemKind::usage, "a window for the reversal error needs smoothing of mean and reversal together");
   Smoothed result{curve, 0.0, 0.0, 0.0, std::nullopt, std::nullopt, std::nullopt, Taken::unknown};
   if (how.common) {
-    auto turned = as_mean_and_reversal(curve);
-    if (!turned) return tl::unexpected(turned.error());
-    result.curve = std::move(*turned);
+    ECS_TRY(turned, as_mean_and_reversal(curve));
+    result.curve = std::move(turned);
   }
-  const auto freedom = smooth_sides(result.curve, window, reversal);
-  if (!freedom) return tl::unexpected(freedom.error());
+  ECS_TRY(freedom, smooth_sides(result.curve, window, reversal));
   if (how.common) turn_back(result.curve);
-  judge(result, curve, *freedom);
+  judge(result, curve, freedom);
   return result;
 }
 

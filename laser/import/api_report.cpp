@@ -44,8 +44,7 @@ void keep_one_account(MeasurementSet& set) {
 
 /// Position and mean error in mm.
 Result<MeasurementSet> read_report(std::string_view text, const std::string& file_name, const ImportOptions& options) {
-  const auto line = positioning_line(options, file_name);
-  if (!line) return tl::unexpected(line.error());
+  ECS_TRY(line, positioning_line(options, file_name));
   MeasurementSet set;
   set.source = file_name;
   bool in_block = false;
@@ -65,7 +64,7 @@ Result<MeasurementSet> read_report(std::string_view text, const std::string& fil
       continue;
     }
     if (!in_block) continue;
-    set.readings.push_back(reading_at(options, *line, (*row)[0], (*row)[1] * kUmPerMm, static_cast<int>(i) + 1));
+    set.readings.push_back(reading_at(options, line, (*row)[0], (*row)[1] * kUmPerMm, static_cast<int>(i) + 1));
     set.readings.back().approach = approach;
   }
   if (set.readings.empty())

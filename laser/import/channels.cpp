@@ -108,11 +108,10 @@ Result<JoinedRows> joined_rows(const ChannelLog& log, const Plan& plan, const st
   std::optional<std::size_t> clock;
   std::vector<std::string> names;
   for (std::size_t i = 1; i < plan.fields.size(); ++i) {
-    const auto name = channel_named(log, plan.fields[i].rule, file_name);
-    if (!name) return tl::unexpected(name.error());
-    names.push_back(*name);
+    ECS_TRY(name, channel_named(log, plan.fields[i].rule, file_name));
+    names.push_back(name);
     if (!clock && is_value(plan.fields[i].role)) clock = i;
-    channels.emplace_back(*name, log.channels.at(*name), options);
+    channels.emplace_back(name, log.channels.at(name), options);
   }
   if (!clock) return tl::unexpected(usage(file_name, plan_fault(plan)));
   JoinedRows joined;
@@ -162,16 +161,15 @@ Result<MeasurementSet> read_channels(ChannelLog log, const std::string& file_nam
   std::string fault = take_units(plan, options);
   if (fault.empty()) fault = plan_fault(plan);
   if (!fault.empty()) return tl::unexpected(usage(file_name, fault));
-  const auto joined = joined_rows(log, plan, file_name, options);
-  if (!joined) return tl::unexpected(joined.error());
+  ECS_TRY(joined, joined_rows(log, plan, file_name, options));
   MeasurementSet set;
   set.source = file_name;
   Findings findings(file_name);
-  for (const TableRow& row : joined->rows) static_cast<void>(take_row(set, plan, row, 1, findings));
+  for (const TableRow& row : joined.rows) static_cast<void>(take_row(set, plan, row, 1, findings));
   if (findings.empty() && set.readings.empty())
     findings.add(0, 0, "expected values of all channels wanted at the same time, found none: give a greater --max-gap");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  set.notes = joined->notes;
+  set.notes = joined.notes;
   if (log.left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", log.left_out));
   begin_at_zero(set);
   finish(set, *options.channels, plan);

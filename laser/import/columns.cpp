@@ -141,10 +141,9 @@ Result<std::vector<ColumnRule>> column_rules(std::string_view text) {
 }
 
 Result<ColumnMapping> column_mapping(std::string_view text) {
-  auto rules = column_rules(text);
-  if (!rules) return tl::unexpected(rules.error());
+  ECS_TRY(rules, column_rules(text));
   ColumnMapping mapping;
-  for (ColumnRule& rule : *rules) {
+  for (ColumnRule& rule : rules) {
     if (is_word(rule, "approach", "motion"))
       mapping.motion_approach = true;
     else if (is_word(rule, "approach", "none"))

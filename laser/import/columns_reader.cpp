@@ -306,8 +306,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
     if (!findings.empty()) return tl::unexpected(findings.as_problem());
     return read_channels(std::move(log), file_name, options);
   }
-  const auto channel = keep_channel(table.rows, file_name, options);
-  if (!channel) return tl::unexpected(channel.error());
+  ECS_TRY(channel, keep_channel(table.rows, file_name, options));
   std::string fault = take_units(plan, options);
   if (fault.empty()) fault = plan_fault(plan);
   if (!fault.empty()) return tl::unexpected(usage(file_name, fault));
@@ -334,7 +333,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
                      : fmt::format("expected rows after line {}, found none", std::max(0, mapping.skip_lines)));
   if (findings.empty()) refuse_tiny(set, plan, headings, table.rows.front().number, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  if (!channel->empty()) set.metadata.push_back({"channel", *channel});
+  if (!channel.empty()) set.metadata.push_back({"channel", channel});
   note_rows(set, options, table, left_out);
   finish(set, mapping, plan);
   return set;

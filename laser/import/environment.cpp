@@ -107,9 +107,8 @@ std::vector<Condition> conditions_of(const EnvironmentSeries& series, const std:
 
 Result<void> join_environment(MeasurementSet& set, const EnvironmentSeries& series, std::optional<double> every_s) {
   if (set.readings.empty() || series.rows.empty()) return {};
-  const auto times_s = times_of(set, series, every_s);
-  if (!times_s) return tl::unexpected(times_s.error());
-  const auto conditions = conditions_of(series, *times_s);
+  ECS_TRY(times_s, times_of(set, series, every_s));
+  const auto conditions = conditions_of(series, times_s);
   std::vector<std::string> joined;
   for (const Condition& condition : conditions) {
     std::size_t given = 0;

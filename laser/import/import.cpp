@@ -22,16 +22,14 @@ namespace {
 Result<Imported> content_of(const FileFormat& format, std::string_view text, const std::string& file_name,
                             const ImportOptions& options) {
   if (format.read_environment) {
-    auto series = format.read_environment(text, file_name);
-    if (!series) return tl::unexpected(std::move(series.error()));
-    Imported imported{&format, {}, std::move(*series)};
+    ECS_TRY(series, format.read_environment(text, file_name));
+    Imported imported{&format, {}, std::move(series)};
     imported.set.source = file_name;
     imported.set.notes = imported.environment.notes;
     return imported;
   }
-  auto set = format.read(text, file_name, options);
-  if (!set) return tl::unexpected(std::move(set.error()));
-  return Imported{&format, std::move(*set), {}};
+  ECS_TRY(set, format.read(text, file_name, options));
+  return Imported{&format, std::move(set), {}};
 }
 
 /// The unit in which a reader took the errors of a file.
@@ -110,13 +108,12 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   const bool is_mapped = options.mapping || options.matrix;
   const FileFormat* binary = is_mapped ? nullptr : recognised_format(bytes, file_name);
   if (binary && binary->is_binary) return rescaled(content_of(*binary, bytes, file_name, options), options);
-  const auto text = decoded(bytes, file_name, options.encoding);
-  if (!text) return tl::unexpected(text.error());
+  ECS_TRY(text, decoded(bytes, file_name, options.encoding));
   const FileFormat* format = options.mapping  ? file_format("mapped_columns")
                              : options.matrix ? file_format("mapped_matrix")
-                                              : recognised_format(text->text, file_name);
-  if (!format) return tl::unexpected(explanation_of(text->text, file_name));
-  auto imported = content_of(*format, text->text, file_name, options);
+                                              : recognised_format(text.text, file_name);
+  if (!format) return tl::unexpected(explanation_of(text.text, file_name));
+  auto imported = content_of(*format, text.text, file_name, options);
   if (!is_mapped) imported = turned(rescaled(std::move(imported), options), options);
   if (imported && !options.takes_rotary)
     if (auto refused = rotary_refused(imported->set, file_name)) return tl::unexpected(std::move(*refused));
@@ -129,18 +126,16 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
-  if (imported && text->encoding != Encoding::utf8)
-    imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));
+  if (imported && text.encoding != Encoding::utf8)
+    imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text.encoding)));
   return imported;
 }
 
 Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options) {
-  const auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(bytes.error());
+  ECS_TRY(bytes, read_file(path));
   if (!options.mapping && !options.matrix)
-    if (auto wrong = wrong_kind(FileKind::measurements, *bytes, path.string()))
-      return tl::unexpected(std::move(*wrong));
-  return parse_any(*bytes, path.string(), options);
+    if (auto wrong = wrong_kind(FileKind::measurements, bytes, path.string())) return tl::unexpected(std::move(*wrong));
+  return parse_any(bytes, path.string(), options);
 }
 
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
@@ -167,11 +162,9 @@ Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const s
 }
 
 Result<PositioningLine> positioning_line(const ImportOptions& options, const std::string& file_name) {
-  const auto axis = axis_wanted(options, file_name);
-  if (!axis) return tl::unexpected(axis.error());
-  const auto sense = positioning_sense(options, *axis, file_name);
-  if (!sense) return tl::unexpected(sense.error());
-  return PositioningLine{*axis, *sense};
+  ECS_TRY(axis, axis_wanted(options, file_name));
+  ECS_TRY(sense, positioning_sense(options, axis, file_name));
+  return PositioningLine{axis, sense};
 }
 
 Reading reading_at(const ImportOptions& options, const PositioningLine& at, double position_mm, double error_um,

@@ -143,8 +143,7 @@ void check(const Contents& contents, bool accept_truncated, Findings& findings) 
 /// TGT_DATA[i], REF_DATA_FWD[i,j], REF_DATA_BWD[i,j]: absolute positions in mm, or in UNIT.
 Result<MeasurementSet> read_assignments(std::string_view text, const std::string& file_name,
                                         const ImportOptions& options) {
-  const auto line = positioning_line(options, file_name);
-  if (!line) return tl::unexpected(line.error());
+  ECS_TRY(line, positioning_line(options, file_name));
   Findings findings(file_name);
   const Contents contents = contents_of(text, findings);
   if (findings.empty()) check(contents, options.accept_truncated, findings);
@@ -158,7 +157,7 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
     for (const auto& [key, stop] : *stops) {
       const double target = contents.targets_mm.at(key.second);
       Reading reading =
-          reading_at(options, *line, target * factor, (stop.position_mm - target) * factor * kUmPerMm, stop.line);
+          reading_at(options, line, target * factor, (stop.position_mm - target) * factor * kUmPerMm, stop.line);
       reading.approach = approach;
       reading.run = static_cast<int>(key.first);
       set.readings.push_back(std::move(reading));

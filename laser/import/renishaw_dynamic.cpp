@@ -119,31 +119,28 @@ Result<MeasurementSet> read_dynamic(std::string_view bytes, const std::string& f
   MeasurementSet set;
   set.source = file_name;
   set.metadata = head->entries;
-  const auto capture = capture_of(*head, bytes, file_name, options, set.notes);
-  if (!capture) return tl::unexpected(capture.error());
+  ECS_TRY(capture, capture_of(*head, bytes, file_name, options, set.notes));
   ImportOptions known = options;
   if (!known.axis) known.axis = axis_named(*head);
-  const auto axis = axis_wanted(known, file_name);
-  if (!axis) return tl::unexpected(axis.error());
-  const auto sense = sense_of_capture(*capture, options, *axis, file_name);
-  if (!sense) return tl::unexpected(sense.error());
+  ECS_TRY(axis, axis_wanted(known, file_name));
+  ECS_TRY(sense, sense_of_capture(capture, options, axis, file_name));
   const std::size_t most = std::max<std::size_t>(1, options.most_samples);
-  const std::size_t step = (capture->count + most - 1) / most;
-  for (std::size_t i = 0; i < capture->count; i += step) {
+  const std::size_t step = (capture.count + most - 1) / most;
+  for (std::size_t i = 0; i < capture.count; i += step) {
     const double value = sample_at(bytes, head->data_at + i * kSampleBytes) * kUmPerMm;
     if (!std::isfinite(value))
       return problem_at(file_name, 0, 0, fmt::format("Data: expected a finite number as sample {}, found none", i + 1));
     Reading reading;
-    reading.axis = *axis;
-    reading.sense = *sense;
+    reading.axis = axis;
+    reading.sense = sense;
     reading.position_mm = options.parked_mm;
     reading.error = value;
-    reading.time_s = static_cast<double>(i) / capture->rate_Hz;
+    reading.time_s = static_cast<double>(i) / capture.rate_Hz;
     set.readings.push_back(std::move(reading));
   }
-  if (step > 1) set.notes.push_back(fmt::format("every {}. of {} samples is kept", step, capture->count));
-  if (capture->feed_mm_min)
-    set.notes.push_back(fmt::format("Velocity {} has no unit in the head: not used as feed", *capture->feed_mm_min));
+  if (step > 1) set.notes.push_back(fmt::format("every {}. of {} samples is kept", step, capture.count));
+  if (capture.feed_mm_min)
+    set.notes.push_back(fmt::format("Velocity {} has no unit in the head: not used as feed", *capture.feed_mm_min));
   set.notes.push_back("readings are displacements from the origin of the capture, not deviations from targets");
   number_rows(set);
   return set;

@@ -180,28 +180,24 @@ void add_metadata(MeasurementSet& set, const RunFile& file) {
 /// target list, even ones back; approach is the sign of that motion, so a descending list starts with reverse. Two
 /// passes make one run. Zero-filled backward passes of a file flagged unidirectional are left out.
 Result<MeasurementSet> read_run(std::string_view text, const std::string& file_name, const ImportOptions& options) {
-  const auto file = run_file_in(text, file_name, options.accept_truncated);
-  if (!file) return tl::unexpected(file.error());
+  ECS_TRY(file, run_file_in(text, file_name, options.accept_truncated));
   MeasurementSet set;
   set.source = file_name;
-  const auto kind = kind_of(*file, file_name);
-  if (!kind) return tl::unexpected(kind.error());
-  const auto axis = axis_of_file(*file, file_name, options, set.notes);
-  if (!axis) return tl::unexpected(axis.error());
-  const auto sense = sense_of_file(*kind, *axis, file_name, options);
-  if (!sense) return tl::unexpected(sense.error());
-  add_metadata(set, *file);
-  const bool descending = file->targets.back() < file->targets.front();
-  const bool filled = has_filled_passes(*file);
-  const double factor = *kind == Kind::angular ? kUmPerMPerMrad : 1.0;
-  for (const RunPoint& point : file->points) {
+  ECS_TRY(kind, kind_of(file, file_name));
+  ECS_TRY(axis, axis_of_file(file, file_name, options, set.notes));
+  ECS_TRY(sense, sense_of_file(kind, axis, file_name, options));
+  add_metadata(set, file);
+  const bool descending = file.targets.back() < file.targets.front();
+  const bool filled = has_filled_passes(file);
+  const double factor = kind == Kind::angular ? kUmPerMPerMrad : 1.0;
+  for (const RunPoint& point : file.points) {
     const bool along_list = point.run % 2 == 1;
     if (filled && !along_list) continue;
     Reading reading;
     reading.line = point.line;
-    reading.axis = *axis;
-    reading.sense = *sense;
-    reading.position_mm = position_at(options, *axis, file->targets[static_cast<std::size_t>(point.target) - 1]);
+    reading.axis = axis;
+    reading.sense = sense;
+    reading.position_mm = position_at(options, axis, file.targets[static_cast<std::size_t>(point.target) - 1]);
     reading.error = point.deviation * factor;
     reading.approach = along_list != descending ? Approach::forward : Approach::reverse;
     reading.run = (point.run + 1) / 2;
@@ -209,8 +205,8 @@ Result<MeasurementSet> read_run(std::string_view text, const std::string& file_n
   }
   if (descending) set.notes.push_back("targets descend: odd passes approach in reverse");
   if (filled) set.notes.push_back("flagged unidirectional: backward passes full of zeros are left out");
-  if (!file->has_end) set.notes.push_back("no EOF section");
-  spread(set, environment_of(*file, set.notes), options.spread_environment);
+  if (!file.has_end) set.notes.push_back("no EOF section");
+  spread(set, environment_of(file, set.notes), options.spread_environment);
   number_rows(set);
   return set;
 }

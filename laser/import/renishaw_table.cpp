@@ -56,8 +56,7 @@ bool is_table_heading(std::string_view line) {
 
 /// Rows number, position, combined value in mm.
 Result<MeasurementSet> read_table(std::string_view text, const std::string& file_name, const ImportOptions& options) {
-  const auto line = positioning_line(options, file_name);
-  if (!line) return tl::unexpected(line.error());
+  ECS_TRY(line, positioning_line(options, file_name));
   MeasurementSet set;
   set.source = file_name;
   Findings findings(file_name);
@@ -71,7 +70,7 @@ Result<MeasurementSet> read_table(std::string_view text, const std::string& file
     } else if (in_table && !trimmed(lines[i]).empty()) {
       const auto row = row_of(lines[i], 3);
       if (row)
-        set.readings.push_back(reading_at(options, *line, (*row)[1],
+        set.readings.push_back(reading_at(options, line, (*row)[1],
                                           (options.table_holds_errors ? 1.0 : -1.0) * (*row)[2] * kUmPerMm, number));
       else
         findings.add(number, 1, "expected number, position and combined value, found " + in_quotes(trimmed(lines[i])));

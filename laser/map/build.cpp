@@ -55,7 +55,7 @@ class Builder {
     for (const ComponentRecipe& one : recipe_.components)
       if (auto done = add(one); !done) problems.push_back(std::move(done.error()));
     if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-    if (auto filled = fill_header(); !filled) return tl::unexpected(std::move(filled.error()));
+    ECS_DO(fill_header());
     std::stable_sort(built_.map.tables.begin(), built_.map.tables.end(), [](const MapTable& a, const MapTable& b) {
       if (a.component != b.component) return a.component < b.component;
       return static_cast<int>(a.approach) > static_cast<int>(b.approach);
@@ -82,13 +82,12 @@ class Builder {
   /// The curve of one file, its source and numbers kept.
   Result<Curve> curve_from(const std::filesystem::path& path, const ComponentRecipe& one,
                            const std::vector<Wanted>& wanted) {
-    auto found = files_.curve(path, one.component, wanted, one.exclude_runs);
-    if (!found) return tl::unexpected(found.error());
-    outcome_.band = std::max(outcome_.band, found->band);
-    outcome_.readings += found->readings;
-    built_.map.header.sources.push_back(std::move(found->source));
-    Curve curve = std::move(found->curve);
-    if (found->repeatability) take_repeatability(*found->repeatability, curve, one.component);
+    ECS_TRY(found, files_.curve(path, one.component, wanted, one.exclude_runs));
+    outcome_.band = std::max(outcome_.band, found.band);
+    outcome_.readings += found.readings;
+    built_.map.header.sources.push_back(std::move(found.source));
+    Curve curve = std::move(found.curve);
+    if (found.repeatability) take_repeatability(*found.repeatability, curve, one.component);
     return curve;
   }
 
@@ -117,13 +116,12 @@ class Builder {
   // --- curves --------------------------------------------------------------------------------------------------------
 
   Result<void> add_curve(const ComponentRecipe& one) {
-    auto measured = one.files.size() == 2
-                        ? rotation_curve(one)
-                        : curve_from(one.files.front(), one, {{moving_axis(one.component), sense_of(one.component)}});
-    if (!measured) return tl::unexpected(measured.error());
+    ECS_TRY(measured, one.files.size() == 2 ? rotation_curve(one)
+                                            : curve_from(one.files.front(), one,
+                                                         {{moving_axis(one.component), sense_of(one.component)}}));
     if (!is_angular(one.component))
-      if (auto off = off_line(*measured)) return tl::unexpected(refusal(one.files.front(), one.component, *off));
-    auto processed = process(*measured, one);
+      if (auto off = off_line(measured)) return tl::unexpected(refusal(one.files.front(), one.component, *off));
+    auto processed = process(measured, one);
     if (!processed) return tl::unexpected(refusal(one.files.front(), one.component, processed.error().message));
     put_tables(*processed, one.component);
     state_uncertainty(one.component, kMmPerM / lever_mm_);
@@ -168,20 +166,17 @@ class Builder {
   /// Slope, smoothing, datum, grid: in this order, each step named in the header.
   Result<Curve> process(const Curve& curve, const ComponentRecipe& one) {
     const SlopeMethod method = one.slope.value_or(default_slope(one.component));
-    const auto steps = processed(curve, {method, one.smoothing_mm});
-    if (!steps) return tl::unexpected(steps.error());
-    if (steps->smoothing_fault) return tl::unexpected(*steps->smoothing_fault);
+    ECS_TRY(steps, processed(curve, {method, one.smoothing_mm}));
+    if (steps.smoothing_fault) return tl::unexpected(*steps.smoothing_fault);
     if (method != SlopeMethod::none) {
-      outcome_.slope_um_per_m = steps->level.removed.slope_per_m;
+      outcome_.slope_um_per_m = steps.level.removed.slope_per_m;
       note_step(one.component, fmt::format("slope {:.2f} {}/m removed by {}", outcome_.slope_um_per_m,
                                            unit_of(one.component), name_of(method)));
     }
-    if (steps->smooth) note_smoothing(*steps->smooth, one);
-    const auto zero_mm = zero_position_mm(one.component);
-    if (!zero_mm) return tl::unexpected(zero_mm.error());
-    auto zero = zeroed_at(steps->curve(), *zero_mm);
-    if (!zero) return tl::unexpected(zero.error());
-    return on_grid(std::move(zero->curve), one);
+    if (steps.smooth) note_smoothing(*steps.smooth, one);
+    ECS_TRY(zero_mm, zero_position_mm(one.component));
+    ECS_TRY(zero, zeroed_at(steps.curve(), zero_mm));
+    return on_grid(std::move(zero.curve), one);
   }
 
   /// Where a curve is zero. Translations: at the datum. A rotation: where its axis stood while the axes it levers were
@@ -267,20 +262,19 @@ class Builder {
 
   Result<void> add_squareness(const ComponentRecipe& one) {
     const auto squares = squares_for(one.component);
-    const auto curve = curve_from(one.files.front(), one, {squares.begin(), squares.end()});
-    if (!curve) return tl::unexpected(curve.error());
-    const auto square = squareness_of(*curve);
+    ECS_TRY(curve, curve_from(one.files.front(), one, {squares.begin(), squares.end()}));
+    const auto square = squareness_of(curve);
     if (!square) return tl::unexpected(refusal(one.files.front(), one.component, square.error().message));
     double& value = squareness_um_per_m(built_.parameters, one.component);
     value = unit_sign(one.component) * square->um_per_m;
     outcome_.largest = std::abs(square->um_per_m);
-    const double length_m = std::abs(curve->points.back().position_mm - curve->points.front().position_mm) / kMmPerM;
+    const double length_m = std::abs(curve.points.back().position_mm - curve.points.front().position_mm) / kMmPerM;
     // The straight line of a pass: a quarter of its mean square (volume/shapes.hpp), over the length measured.
     stated_.value = std::hypot(square->std_error_um_per_m.value_or(0.0), std::sqrt(3.0) * stated_.pass / length_m);
     stated_.pass = 0.0;
     state_uncertainty(one.component);
     outcome_.slope_um_per_m = square->indicator_slope_um_per_m;
-    outcome_.points = curve->points.size();
+    outcome_.points = curve.points.size();
     note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", value));
     return {};
   }
@@ -298,12 +292,10 @@ class Builder {
     header.date = recipe_.date;
     header.configuration = configuration_of(built_.parameters);
     header.declared_zero = recipe_.declared_zero;
-    auto machine = only_one(recipe_.machine, files_.machines(), "machine");
-    if (!machine) return tl::unexpected(machine.error());
-    auto serial_number = only_one(recipe_.serial_number, files_.serial_numbers(), "serial_number");
-    if (!serial_number) return tl::unexpected(serial_number.error());
-    header.machine = std::move(*machine);
-    header.serial_number = std::move(*serial_number);
+    ECS_TRY(machine, only_one(recipe_.machine, files_.machines(), "machine"));
+    ECS_TRY(serial_number, only_one(recipe_.serial_number, files_.serial_numbers(), "serial_number"));
+    header.machine = std::move(machine);
+    header.serial_number = std::move(serial_number);
     return {};
   }
 

@@ -163,9 +163,8 @@ std::string to_map_csv(const ErrorMap& map) {
 }
 
 Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_name) {
-  const auto plain = as_utf8(bytes, file_name);
-  if (!plain) return tl::unexpected(plain.error());
-  std::string_view text = *plain;
+  ECS_TRY(plain, as_utf8(bytes, file_name));
+  std::string_view text = plain;
   Findings findings(file_name);
   std::string header;
   std::optional<std::array<std::size_t, 5>> place;
@@ -209,16 +208,14 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
   ErrorMap map;
   for (auto& [key, rows] : points) map.tables.push_back(table_from(key, std::move(rows), findings));
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  auto parsed = parse_header(header, file_name);
-  if (!parsed) return tl::unexpected(std::move(parsed.error()));
-  map.header = std::move(*parsed);
+  ECS_TRY(parsed, parse_header(header, file_name));
+  map.header = std::move(parsed);
   return map;
 }
 
 Result<ErrorMap> read_map_csv(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::map, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_map_csv(*text, path.string());
+  ECS_TRY(text, read_file_of(FileKind::map, path));
+  return parse_map_csv(text, path.string());
 }
 
 }  // namespace ecs::laser

@@ -174,8 +174,7 @@ Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters)
     for (const double value : grid.values) counts.push_back(static_cast<std::int16_t>(std::lround(value / resolution)));
   }
   image.bytes = assemble(parameters, entries, counts, map.header);
-  const auto fits = within_capacity(counts.size(), image.bytes.size(), parameters);
-  if (!fits) return tl::unexpected(fits.error());
+  ECS_DO(within_capacity(counts.size(), image.bytes.size(), parameters));
   return image;
 }
 
@@ -192,9 +191,8 @@ Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
   const ImageView view(image);
   ImageContent content;
   content.parameters = *view.parameters();
-  auto header = parse_header(view.header(), "map header");
-  if (!header) return tl::unexpected(header.error());
-  content.map.header = std::move(*header);
+  ECS_TRY(header, parse_header(view.header(), "map header"));
+  content.map.header = std::move(header);
   for (std::uint32_t i = 0; i < view.table_count(); ++i) {
     const TableEntry entry = view.entry(i);
     if (entry.declared_zero) continue;

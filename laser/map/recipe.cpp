@@ -21,26 +21,25 @@ class RecipeReader {
   RecipeReader(const std::string& file, std::filesystem::path folder) : reader_(file), folder_(std::move(folder)) {}
 
   Result<MapRecipe> read(std::string_view text) {
-    const auto table = reader_.parsed(text);
-    if (!table) return tl::unexpected(table.error());
+    ECS_TRY(table, reader_.parsed(text));
     MapRecipe recipe;
     reader_.only(
-        *table,
+        table,
         {"customer", "engineer", "date", "machine", "serial_number", "remark", "shrink", "component", "declared_zero"},
         "recipe");
-    recipe.customer = reader_.word(*table, "customer").value_or("");
-    recipe.engineer = reader_.word(*table, "engineer").value_or("");
-    recipe.date = reader_.word(*table, "date").value_or("");
-    if (const auto wrong = wrong_date(recipe.date)) reader_.complain(*table->get("date"), "date: " + *wrong);
-    recipe.machine = reader_.word(*table, "machine").value_or("");
-    recipe.serial_number = reader_.word(*table, "serial_number").value_or("");
-    recipe.remark = reader_.word(*table, "remark").value_or("");
-    if (const toml::node* shrink = table->get("shrink")) {
+    recipe.customer = reader_.word(table, "customer").value_or("");
+    recipe.engineer = reader_.word(table, "engineer").value_or("");
+    recipe.date = reader_.word(table, "date").value_or("");
+    if (const auto wrong = wrong_date(recipe.date)) reader_.complain(*table.get("date"), "date: " + *wrong);
+    recipe.machine = reader_.word(table, "machine").value_or("");
+    recipe.serial_number = reader_.word(table, "serial_number").value_or("");
+    recipe.remark = reader_.word(table, "remark").value_or("");
+    if (const toml::node* shrink = table.get("shrink")) {
       if (!shrink->is_boolean()) reader_.complain(*shrink, "shrink: expected true or false");
       recipe.shrink = shrink->value_or(false);
     }
-    for (const toml::table* each : reader_.children(*table, "component")) take_component(*each, recipe);
-    for (const toml::table* each : reader_.children(*table, "declared_zero")) take_zero(*each, recipe);
+    for (const toml::table* each : reader_.children(table, "component")) take_component(*each, recipe);
+    for (const toml::table* each : reader_.children(table, "declared_zero")) take_zero(*each, recipe);
     if (!reader_.clean()) return tl::unexpected(reader_.all());
     return recipe;
   }
@@ -166,9 +165,8 @@ Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& fil
 }
 
 Result<MapRecipe> read_map_recipe(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::recipe, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_map_recipe(*text, path.string(), path.parent_path());
+  ECS_TRY(text, read_file_of(FileKind::recipe, path));
+  return parse_map_recipe(text, path.string(), path.parent_path());
 }
 
 }  // namespace ecs::laser

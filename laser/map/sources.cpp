@@ -97,11 +97,9 @@ Problem refusal(const std::filesystem::path& file, Component component, const st
 
 Result<const MeasuredFiles::Loaded*> MeasuredFiles::load(const std::filesystem::path& path) {
   if (const auto known = files_.find(path); known != files_.end()) return &known->second;
-  const auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto imported = read_(path);
-  if (!imported) return tl::unexpected(imported.error());
-  Loaded loaded{std::move(imported->set), sha256_hex(*bytes)};
+  ECS_TRY(bytes, read_file(path));
+  ECS_TRY(imported, read_(path));
+  Loaded loaded{std::move(imported.set), sha256_hex(bytes)};
   const MeasuredMachine machine = measured_machine(loaded.set.metadata);
   remember(machines_, machine.name, path);
   remember(serial_numbers_, machine.serial_number, path);
@@ -110,22 +108,20 @@ Result<const MeasuredFiles::Loaded*> MeasuredFiles::load(const std::filesystem::
 
 Result<SourceCurve> MeasuredFiles::curve(const std::filesystem::path& path, Component component,
                                          const std::vector<Wanted>& wanted, const std::vector<int>& exclude_runs) {
-  const auto loaded = load(path);
-  if (!loaded) return tl::unexpected(loaded.error());
-  const auto selection = without_runs((*loaded)->set, exclude_runs);
+  ECS_TRY(loaded, load(path));
+  const auto selection = without_runs(loaded->set, exclude_runs);
   if (!selection) return tl::unexpected(refusal(path, component, selection.error().message));
-  const auto group = group_in(selection->chosen, path, component, wanted);
-  if (!group) return tl::unexpected(group.error());
-  auto curve = averaged(selection->chosen, *group);
+  ECS_TRY(group, group_in(selection->chosen, path, component, wanted));
+  auto curve = averaged(selection->chosen, group);
   if (!curve) return tl::unexpected(refusal(path, component, curve.error().message));
   if (curve->points.size() < 2)
     return tl::unexpected(refusal(path, component, "expected at least two targets, found one"));
   SourceCurve source;
   source.curve = std::move(*curve);
-  source.source = {std::string(name_of(component)), path.filename().string(), (*loaded)->sha256};
-  source.band = range_of(selection->chosen, *group);
-  source.readings = group->readings.size();
-  source.repeatability = repeatability_of(selection->chosen, *group);
+  source.source = {std::string(name_of(component)), path.filename().string(), loaded->sha256};
+  source.band = range_of(selection->chosen, group);
+  source.readings = group.readings.size();
+  source.repeatability = repeatability_of(selection->chosen, group);
   return source;
 }
 

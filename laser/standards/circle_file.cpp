@@ -137,22 +137,21 @@ void check_closed(std::vector<double> angles_deg, bool clockwise, int run, Findi
 
 Result<CircleTest> parse_circle_test(std::string_view text, const std::string& file_name) {
   Findings findings(file_name);
-  auto table = parse_csv_table(text, file_name, kCircleColumns, findings);
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(table, parse_csv_table(text, file_name, kCircleColumns, findings));
   CircleTest test;
   test.source = file_name;
-  test.metadata = table->metadata;
+  test.metadata = table.metadata;
   CircleHead(test, findings).take();
-  const CircleColumns columns{*place_of(*table, "angle_deg"), *place_of(*table, "deviation_um"),
-                              *place_of(*table, "direction"), place_of(*table, "run")};
+  const CircleColumns columns{*place_of(table, "angle_deg"), *place_of(table, "deviation_um"),
+                              *place_of(table, "direction"), place_of(table, "run")};
   std::map<std::pair<bool, int>, std::vector<double>> passes;
-  for (const CsvRow& row : table->rows) {
+  for (const CsvRow& row : table.rows) {
     test.readings.push_back(circle_reading(row, columns, findings));
     const CircleReading& reading = test.readings.back();
     passes[{reading.clockwise, reading.run}].push_back(reading.angle_deg);
   }
   if (findings.empty()) {
-    if (passes.empty()) findings.add(table->header_line, 0, "expected readings below the header, found none");
+    if (passes.empty()) findings.add(table.header_line, 0, "expected readings below the header, found none");
     for (const auto& [pass, angles_deg] : passes) check_closed(angles_deg, pass.first, pass.second, findings);
   }
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

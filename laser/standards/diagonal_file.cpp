@@ -239,12 +239,11 @@ class DiagonalReader {
 
 Result<DiagonalTest> parse_diagonals(std::string_view text, const std::string& file_name) {
   Findings findings(file_name);
-  auto table = parse_csv_table(text, file_name, kDiagonalColumns, findings);
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(table, parse_csv_table(text, file_name, kDiagonalColumns, findings));
   DiagonalTest test;
   test.source = file_name;
-  test.metadata = table->metadata;
-  DiagonalReader(*table, findings, test).read();
+  test.metadata = table.metadata;
+  DiagonalReader(table, findings, test).read();
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   return test;
 }

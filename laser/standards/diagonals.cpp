@@ -99,9 +99,8 @@ Result<DiagonalResults> diagonal_results_of(const DiagonalTest& test) {
     DiagonalValues values{diagonal.name, diagonal.direction, 0.0, {}, 0.0, 0.0};
     for (std::size_t i = 0; i < kAxes; ++i)
       if (diagonal.direction[i] != 0) values.length_mm = std::hypot(values.length_mm, test.span_mm[i]);
-    const auto iso = iso230_of(diagonal.readings, groups_of(diagonal.readings).front());
-    if (!iso) return tl::unexpected(iso.error());
-    values.iso = *iso;
+    ECS_TRY(iso, iso230_of(diagonal.readings, groups_of(diagonal.readings).front()));
+    values.iso = iso;
     fit_growth(values);
     results.diagonals.push_back(std::move(values));
   }

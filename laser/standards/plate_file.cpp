@@ -157,14 +157,13 @@ void check_plate(const PlateReadings& plate, Findings& findings) {
 
 Result<PlateReadings> parse_plate_readings(std::string_view text, const std::string& file_name) {
   Findings findings(file_name);
-  auto table = parse_csv_table(text, file_name, kPlateColumns, findings);
-  if (!table) return tl::unexpected(table.error());
-  PlateReadings plate{file_name, table->metadata, 0.0, {}};
-  const PlateHead head = plate_head(*table, findings);
+  ECS_TRY(table, parse_csv_table(text, file_name, kPlateColumns, findings));
+  PlateReadings plate{file_name, table.metadata, 0.0, {}};
+  const PlateHead head = plate_head(table, findings);
   plate.step_mm = head.step_mm;
-  PlateLines lines(*table, head, findings);
+  PlateLines lines(table, head, findings);
   if (findings.empty())
-    for (const CsvRow& row : table->rows) lines.take(row);
+    for (const CsvRow& row : table.rows) lines.take(row);
   plate.slopes_um_per_m = std::move(lines.lines);
   if (findings.empty()) check_plate(plate, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

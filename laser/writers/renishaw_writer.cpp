@@ -139,13 +139,12 @@ std::string renishaw_extension(const MeasurementSet& set) {
 }
 
 Result<std::string> to_renishaw_run(const MeasurementSet& set) {
-  const auto passes = passes_of(set);
-  if (!passes) return tl::unexpected(passes.error());
+  ECS_TRY(passes, passes_of(set));
   const std::string extension = renishaw_extension(set);
   const double factor = extension == ".rta" ? 1.0 / kUmPerMPerMrad : 1.0;
   return fmt::format("HEADER::\r\nFile type  : {}\r\nOwner      : ECS\r\nVersion no : 20.02.02\r\n\r\n",
                      extension.substr(1)) +
-         target_data(*passes) + user_text(set) + deviations(*passes, factor) + environment(set) + "EOF::\r\n";
+         target_data(passes) + user_text(set) + deviations(passes, factor) + environment(set) + "EOF::\r\n";
 }
 
 }  // namespace ecs::laser

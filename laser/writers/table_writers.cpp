@@ -74,19 +74,18 @@ std::string cycles_fault(const MeasurementSet& set, std::size_t targets) {
 }  // namespace
 
 Result<std::string> to_renishaw_table(const MeasurementSet& set) {
-  const auto targets = positioning_of(set);
-  if (!targets) return tl::unexpected(targets.error());
-  if (targets->size() < 2) return problem(ProblemKind::refused, "expected at least two targets");
-  const double first_mm = targets->front().position_mm;
-  const double last_mm = targets->back().position_mm;
-  const double step_mm = (last_mm - first_mm) / static_cast<double>(targets->size() - 1);
+  ECS_TRY(targets, positioning_of(set));
+  if (targets.size() < 2) return problem(ProblemKind::refused, "expected at least two targets");
+  const double first_mm = targets.front().position_mm;
+  const double last_mm = targets.back().position_mm;
+  const double step_mm = (last_mm - first_mm) / static_cast<double>(targets.size() - 1);
   std::string rows;
-  for (std::size_t i = 0; i < targets->size(); ++i) {
-    const double position_mm = (*targets)[i].position_mm;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const double position_mm = targets[i].position_mm;
     if (std::abs(position_mm - first_mm - static_cast<double>(i) * step_mm) > 1e-3)
       return problem(ProblemKind::refused,
                      fmt::format("expected targets a constant step apart, {} mm is not", shortest(position_mm)));
-    rows += fmt::format("{:<4}{:15.6f}{:15.9f}\r\n", i + 1, position_mm, -mean_um((*targets)[i]) / kUmPerMm);
+    rows += fmt::format("{:<4}{:15.6f}{:15.9f}\r\n", i + 1, position_mm, -mean_um(targets[i]) / kUmPerMm);
   }
   return fmt::format(
       "Compensation start   : {:.6f}\r\nCompensation end     : {:.6f}\r\nCompensation spacing : {:.6f}\r\n"
@@ -95,29 +94,27 @@ Result<std::string> to_renishaw_table(const MeasurementSet& set) {
 }
 
 Result<std::string> to_api_pos(const MeasurementSet& set) {
-  const auto targets = positioning_of(set);
-  if (!targets) return tl::unexpected(targets.error());
+  ECS_TRY(targets, positioning_of(set));
   std::string text = "Position   \tBidirectional Avg Error\r\n";
-  for (const TargetReadings& target : *targets)
+  for (const TargetReadings& target : targets)
     text += fmt::format("{:.6f}\t{:.9f}\r\n", target.position_mm, middle_um(target) / kUmPerMm);
-  return text + "\r\n" + block("Forward", *targets, &TargetReadings::forward) +
-         block("Reverse", *targets, &TargetReadings::reverse);
+  return text + "\r\n" + block("Forward", targets, &TargetReadings::forward) +
+         block("Reverse", targets, &TargetReadings::reverse);
 }
 
 Result<std::string> to_iso230_assignments(const MeasurementSet& set) {
-  const auto targets = positioning_of(set);
-  if (!targets) return tl::unexpected(targets.error());
-  if (const std::string fault = cycles_fault(set, targets->size()); !fault.empty())
+  ECS_TRY(targets, positioning_of(set));
+  if (const std::string fault = cycles_fault(set, targets.size()); !fault.empty())
     return problem(ProblemKind::refused, fault);
   int cycles = 0;
   for (const Reading& reading : set.readings) cycles = std::max(cycles, reading.run);
-  std::string text = fmt::format("UNIT=mm\nCYCLES={}\nPOSITIONS={}\n", cycles, targets->size());
-  for (std::size_t i = 0; i < targets->size(); ++i)
-    text += fmt::format("TGT_DATA[{}]={}\n", i + 1, shortest((*targets)[i].position_mm));
+  std::string text = fmt::format("UNIT=mm\nCYCLES={}\nPOSITIONS={}\n", cycles, targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    text += fmt::format("TGT_DATA[{}]={}\n", i + 1, shortest(targets[i].position_mm));
   for (const Reading& reading : set.readings) {
     std::size_t i = 0;
-    while (i + 1 < targets->size() && std::abs((*targets)[i + 1].position_mm - target_mm(reading)) <
-                                          std::abs((*targets)[i].position_mm - target_mm(reading)))
+    while (i + 1 < targets.size() && std::abs(targets[i + 1].position_mm - target_mm(reading)) <
+                                         std::abs(targets[i].position_mm - target_mm(reading)))
       ++i;
     text += fmt::format("REF_DATA_{}[{},{}]={:.12f}\n", reading.approach == Approach::forward ? "FWD" : "BWD", i + 1,
                         reading.run, target_mm(reading) + reading.error / kUmPerMm);

@@ -79,17 +79,16 @@ LinearProblem problem_with(LinearProblem problem, const std::vector<Member>& mem
 Result<void> check_e_values(const Model& model, const Observations& data, const Claim& claim,
                             const std::vector<Member>& members, Check& check) {
   const Regressors regressors(data);
-  const auto base = base_of(model, regressors, claim.plain, nullptr);
-  if (!base) return tl::unexpected(base.error());
-  const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
+  ECS_TRY(base, base_of(model, regressors, claim.plain, nullptr));
+  const LinearProblem alone = problem_with_own(model, base, regressors, claim.own_terms);
   const LinearProblem all = problem_with(alone, members, regressors, nullptr);
-  std::vector<bool> left_out = base->core.left_out;
-  NoiseModel noise = noise_of(data, base->residual, left_out);
+  std::vector<bool> left_out = base.core.left_out;
+  NoiseModel noise = noise_of(data, base.residual, left_out);
   for (int round = 0; round < kMostRounds; ++round)
     if (!noise_changed(data, residual_of(all, Whitener(data, noise, left_out)), claim.plain, noise, left_out)) break;
   std::vector<EffectInstance> own;
-  for (const std::size_t i : base->own) own.push_back(model.effects[i]);
-  const Search search(regressors, Whitener(data, noise, left_out), base->columns, base->target,
+  for (const std::size_t i : base.own) own.push_back(model.effects[i]);
+  const Search search(regressors, Whitener(data, noise, left_out), base.columns, base.target,
                       others_than(own, all_candidates(model, regressors)), own);
   check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
                static_cast<double>(search.candidates()));
@@ -168,35 +167,32 @@ bool Check::holds() const {
 Result<Check> checked(const Model& model, const Observations& data, const Claim& claim) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to check");
   const Regressors regressors(data);
-  const auto base = base_of(model, regressors, claim.plain, nullptr);
-  if (!base) return tl::unexpected(base.error());
+  ECS_TRY(base, base_of(model, regressors, claim.plain, nullptr));
   Check check;
   check_number(check, "observations", static_cast<double>(claim.observations), static_cast<double>(data.size()));
-  const Eigen::VectorXd before = told_residual(model, data, claim.plain, base->residual);
+  const Eigen::VectorXd before = told_residual(model, data, claim.plain, base.residual);
   check_number(check, "rms_um", claim.rms_um, rms_of(before));
   const std::vector<Member> members = members_of(claim, model, regressors, check);
-  if (!own_terms_fit(claim, *base)) {
+  if (!own_terms_fit(claim, base)) {
     if (!members.empty()) check.objections.emplace_back("own_terms are not the free searched terms of the model");
     return check;
   }
   std::vector<FoundEffect> named;
   for (const Member& member : members)
     if (member.claimed.in_answer()) named.push_back({member.effect, member.choice});
-  const auto after = fitted_with(model, claim.own_terms, named, regressors, claim.plain);
-  if (!after) return tl::unexpected(after.error());
-  check_number(check, "rms_after_um", claim.rms_after_um, rms_of(after->left));
-  const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
+  ECS_TRY(after, fitted_with(model, claim.own_terms, named, regressors, claim.plain));
+  check_number(check, "rms_after_um", claim.rms_after_um, rms_of(after.left));
+  const LinearProblem alone = problem_with_own(model, base, regressors, claim.own_terms);
   std::size_t place = model.effects.size();
   for (const Member& member : members) {
     if (!member.claimed.in_answer()) continue;
-    check_member(member, regressors, {model, alone, before, *after, claim}, check);
-    check_parameters(member, after->fit.effects[place++], check);
+    check_member(member, regressors, {model, alone, before, after, claim}, check);
+    check_parameters(member, after.fit.effects[place++], check);
   }
   if (named.empty()) return check;
   const std::size_t largest = DiagnoseOptions{}.largest_search;
   const bool part = data.size() > largest;
-  if (const auto done = check_e_values(model, part ? searched_part(data, largest) : data, claim, members, check); !done)
-    return tl::unexpected(done.error());
+  ECS_DO(check_e_values(model, part ? searched_part(data, largest) : data, claim, members, check));
   return check;
 }
 

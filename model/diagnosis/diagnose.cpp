@@ -587,18 +587,16 @@ Result<Answer> answer_of(const ReportInput& in) {
   Answer answer{verdict_of(in, standings, noise), ranked_candidates(in.found, standings), ""};
   if (answer.verdict != Verdict::adequate) return answer;
   Fit fit;
-  if (const auto base = base_of(in.model, in.regressors, in.options.plain, &fit); !base)
-    return tl::unexpected(base.error());
+  ECS_DO(base_of(in.model, in.regressors, in.options.plain, &fit));
   answer.cannot_tell = why_cannot_tell(in, fit);
   if (!answer.cannot_tell.empty()) answer.verdict = Verdict::cannot_tell;
   return answer;
 }
 
 Result<NamedCauses> names_alone(const ReportInput& in) {
-  const auto answer = answer_of(in);
-  if (!answer) return tl::unexpected(answer.error());
-  NamedCauses names{answer->verdict, {}, 1.0};
-  for (const RankedCandidate& ranked : answer->order) {
+  ECS_TRY(answer, answer_of(in));
+  NamedCauses names{answer.verdict, {}, 1.0};
+  for (const RankedCandidate& ranked : answer.order) {
     if (ranked.standing == Standing::possible) continue;
     NamedCause cause{to_text(ranked.effect), ranked.probability,
                      ranked.e_value,         false_naming_of(in.found, ranked.choice),
@@ -621,17 +619,15 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.rms_um = rms_of(before);
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
-  const auto answer = answer_of(in);
-  if (!answer) return tl::unexpected(answer.error());
-  const auto& [verdict, order, cannot_tell] = *answer;
+  ECS_TRY(answer, answer_of(in));
+  const auto& [verdict, order, cannot_tell] = answer;
   diagnosis.verdict = verdict;
   diagnosis.own_terms = in.own;
   std::vector<FoundEffect> in_answer;
   for (const RankedCandidate& ranked : order)
     if (ranked.in_answer()) in_answer.push_back({ranked.effect, ranked.choice});
-  const auto with = fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain);
-  if (!with) return tl::unexpected(with.error());
-  const auto& [after, left, noise, left_out] = *with;
+  ECS_TRY(with, fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain));
+  const auto& [after, left, noise, left_out] = with;
   const Whitener whitener(data, noise, left_out);
   diagnosis.rms_after_um = rms_of(left);
   diagnosis.noise = noise.pure;
@@ -644,7 +640,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const double held_out_before =
       order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.problem.columns, in.problem.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    Candidate candidate = candidate_of(in, order[i], before, whitener, parts, *with, held_out_before, i < kMostProved);
+    Candidate candidate = candidate_of(in, order[i], before, whitener, parts, with, held_out_before, i < kMostProved);
     candidate.found = i < in.found.groups.size();
     if (order[i].in_answer()) {  // these are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
@@ -660,8 +656,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
     }
     diagnosis.candidates.push_back(std::move(candidate));
   }
-  diagnosis.add = proposed_addition(in, order, *with, parts);
-  const auto joint = joint_proof(in, order, *with, parts, held_out_before);
+  diagnosis.add = proposed_addition(in, order, with, parts);
+  const auto joint = joint_proof(in, order, with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
   diagnosis.where = dependences(data, before, noise, in.found.beyond_position);
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step)
@@ -741,9 +737,8 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
     return from(searched(model, regressors, base, all_candidates(model, regressors), options));
   const Observations part = searched_part(data, options.largest_search);
   const Regressors part_regressors(part);
-  const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
-  if (!part_base) return tl::unexpected(part_base.error());
-  return from(searched(model, part_regressors, *part_base, all_candidates(model, part_regressors), options));
+  ECS_TRY(part_base, base_of(model, part_regressors, options.plain, nullptr));
+  return from(searched(model, part_regressors, part_base, all_candidates(model, part_regressors), options));
 }
 
 /// @param few  what is said where there are too few readings to say anything
@@ -754,10 +749,9 @@ Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const
   if (!data.paths.empty()) options.most_effects = std::max(options.most_effects, kMostOnPaths);
   try {
     const Regressors regressors(data);
-    const auto base = base_of(model, regressors, options.plain, nullptr);
-    if (!base) return tl::unexpected(base.error());
-    if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare) return few(*base);
-    return searched_and(answer, model, regressors, *base, options);
+    ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));
+    if (static_cast<double>(data.size()) < static_cast<double>(base.core.rank) + kFewestSpare) return few(base);
+    return searched_and(answer, model, regressors, base, options);
   } catch (const SearchStopped&) {
     return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
   }

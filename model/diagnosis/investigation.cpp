@@ -343,17 +343,16 @@ double rms_of(const VectorXd& r) {
 }
 
 Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit) {
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
+  ECS_TRY(assembly, Assembly::of(model, regressors));
   Base base;
-  base.core = fitted(*assembly, regressors, {plain, true});
+  base.core = fitted(assembly, regressors, {plain, true});
   const Observations& data = regressors.data();
   base.columns.resize(static_cast<Index>(data.size()), 0);
   base.target =
-      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly->fixed(data.size());
+      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly.fixed(data.size());
   base.residual = base.core.residual;
-  for (std::size_t s = 0; s < assembly->slots.size(); ++s) {
-    const Slot& slot = assembly->slots[s];
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    const Slot& slot = assembly.slots[s];
     if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
     if (slot.is_sought(regressors.motions())) {
       base.own.push_back(s);
@@ -362,11 +361,11 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
     base.columns = beside(std::move(base.columns), slot.columns);
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
       if (!slot.nonlinear_free[j] || !slot.has_slope()) continue;
-      const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), slot.columns.cols());
-      base.columns = beside(std::move(base.columns), assembly->slope(s, j, sizes, regressors));
+      const VectorXd sizes = base.core.sizes.segment(assembly.first_column(s), slot.columns.cols());
+      base.columns = beside(std::move(base.columns), assembly.slope(s, j, sizes, regressors));
     }
   }
-  if (fit != nullptr) *fit = reported(*assembly, regressors, base.core);
+  if (fit != nullptr) *fit = reported(assembly, regressors, base.core);
   return base;
 }
 

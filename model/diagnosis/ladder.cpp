@@ -64,9 +64,8 @@ struct State {
 };
 
 Result<State> state_of(const Model& model, const Regressors& regressors) {
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
-  State state{std::move(*assembly), {}};
+  ECS_TRY(assembly, Assembly::of(model, regressors));
+  State state{std::move(assembly), {}};
   state.core = fitted(state.assembly, regressors, {});
   return state;
 }
@@ -147,22 +146,20 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
                          const std::string& data_name) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to fit");
   const Regressors regressors(data);
-  auto before = state_of(model, regressors);
-  if (!before) return tl::unexpected(before.error());
+  ECS_TRY(before, state_of(model, regressors));
   const auto places = places_for(model, data, request);
   if (places.empty())
     return problem(ProblemKind::usage,
                    fmt::format("{}: these data cannot show it there (which axes, senses and columns "
                                "they have says `model diagnose`)",
                                name_of(request.id)));
-  auto effect = best_place(*before, regressors, places);
+  auto effect = best_place(before, regressors, places);
   if (!effect) return problem(ProblemKind::usage, fmt::format("{}: no place to add it", name_of(request.id)));
   Added added;
   added.model = model;
   added.model.effects.push_back(*effect);
-  auto after = state_of(added.model, regressors);
-  if (!after) return tl::unexpected(after.error());
-  const Fit fit = reported(after->assembly, regressors, after->core);
+  ECS_TRY(after, state_of(added.model, regressors));
+  const Fit fit = reported(after.assembly, regressors, after.core);
   added.model = with_values(added.model, fit);
   added.model.compensated_readings =
       static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
@@ -173,16 +170,16 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
                                "says `ecs laser show`)",
                                to_text(*effect)));
   added.effect = fit.effects.back();
-  added.rms_before_um = rms_of(before->core.residual);
+  added.rms_before_um = rms_of(before.core.residual);
   added.rms_after_um = fit.rms_um;
   added.noise_um = fit.noise.noise_um;
-  const MatrixXd columns = after->assembly.columns();
+  const MatrixXd columns = after.assembly.columns();
   const VectorXd target = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) -
-                          after->assembly.fixed(data.size());
-  const VectorXd& residual = before->core.residual;
+                          after.assembly.fixed(data.size());
+  const VectorXd& residual = before.core.residual;
   added.step = rung_of(to_text(*effect), data_name, {residual.begin(), residual.end()}, fit, data);
   added.step.held_out_rms_um =
-      held_out_rms(data, after->core.noise, after->core.left_out, parts_of(data), columns, target);
+      held_out_rms(data, after.core.noise, after.core.left_out, parts_of(data), columns, target);
   added.model.history.push_back(added.step);
   return added;
 }
@@ -204,11 +201,10 @@ Result<Model> undo(const Model& model) {
 }
 
 Result<WhatIf> what_if(const Model& model, const Observations& data) {
-  auto fitted_model = fit(model, data);
-  if (!fitted_model) return tl::unexpected(fitted_model.error());
+  ECS_TRY(fitted_model, fit(model, data));
   WhatIf what;
   std::vector<double> left(data.reading), of_measurement(data.size(), 0.0);
-  for (const EffectFit& effect : fitted_model->effects) {
+  for (const EffectFit& effect : fitted_model.effects) {
     const EffectDefinition& definition = effect.effect.definition();
     const bool carried = is_carried(effect.effect, data.machine);
     const bool measured = definition.traits.of_measurement;

@@ -86,13 +86,12 @@ Result<DecidedTies> decided_ties(const Model& model, const Observations& data) {
   if (std::all_of(model.effects.begin(), model.effects.end(),
                   [](const auto& effect) { return effect.tied_with.empty(); }))
     return decided;
-  const auto now = fit(model, data);
-  if (!now) return tl::unexpected(now.error());
-  if (!(now->noise.noise_um > 0.0)) return decided;
+  ECS_TRY(now, fit(model, data));
+  if (!(now.noise.noise_um > 0.0)) return decided;
   for (std::size_t i = 0; i < model.effects.size(); ++i) {
     EffectInstance& effect = decided.model.effects[i];
     if (effect.tied_with.empty()) continue;
-    const Tie tie = judged(model, i, data, now->noise.noise_um);
+    const Tie tie = judged(model, i, data, now.noise.noise_um);
     const std::string name = place_text(effect);
     if (!tie.better.empty()) {
       decided.notes.push_back(fmt::format("these readings speak for {} rather than {}: remove {}, then add it",

@@ -104,11 +104,10 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
                                  bool plain) {
   model.effects.insert(model.effects.end(), effects.begin(), effects.end());
   FittedWith after;
-  const auto base = base_of(model, regressors, plain, &after.fit);
-  if (!base) return tl::unexpected(base.error());
-  after.left = told_residual(model, regressors.data(), plain, base->residual);
-  after.left_out = base->core.left_out;
-  after.noise = noise_of(regressors.data(), base->residual, after.left_out);
+  ECS_TRY(base, base_of(model, regressors, plain, &after.fit));
+  after.left = told_residual(model, regressors.data(), plain, base.residual);
+  after.left_out = base.core.left_out;
+  after.noise = noise_of(regressors.data(), base.residual, after.left_out);
   return after;
 }
 

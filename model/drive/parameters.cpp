@@ -71,11 +71,10 @@ DriveParameters::DriveParameters() : value{} {
 
 Result<DriveParameters> parse_drive(std::string_view text, const std::string& file_name) {
   TomlReader reader(file_name);
-  const auto root = reader.parsed(text);
-  if (!root) return tl::unexpected(root.error());
-  reader.only(*root, kTables, "model");
+  ECS_TRY(root, reader.parsed(text));
+  reader.only(root, kTables, "model");
   DriveParameters drive;
-  if (const toml::table* table = reader.child(*root, "drive")) {
+  if (const toml::table* table = reader.child(root, "drive")) {
     std::vector<std::string> known;
     for (const DriveConstantInfo& info : kInfo)
       for (const std::string_view key : {info.key, info.name}) known.emplace_back(key);
@@ -87,9 +86,8 @@ Result<DriveParameters> parse_drive(std::string_view text, const std::string& fi
 }
 
 Result<DriveParameters> read_drive(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_drive(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_drive(text, path.string());
 }
 
 }  // namespace ecs::model

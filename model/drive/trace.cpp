@@ -286,9 +286,8 @@ Result<DriveTrace> parse_trace(std::string_view text, const std::string& file_na
 }
 
 Result<DriveTrace> read_trace(const std::filesystem::path& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_trace(*text, path.string());
+  ECS_TRY(text, read_file(path));
+  return parse_trace(text, path.string());
 }
 
 }  // namespace ecs::model

@@ -19,15 +19,14 @@ using Eigen::VectorXd;
 Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressors) {
   Slot slot;
   slot.effect = effect;
-  auto formulas = UserFormulas::compile(effect, regressors.motions());
-  if (!formulas) return tl::unexpected(formulas.error());
+  ECS_TRY(formulas, UserFormulas::compile(effect, regressors.motions()));
   std::vector<double> start;
   for (const UserParameter& parameter : effect.user) {
     const auto fitted = effect.fitted.find(parameter.name);
     start.push_back(!parameter.value && fitted != effect.fitted.end() ? fitted->second : start_of(parameter));
   }
-  if (const auto finite = formulas->finite_at(start); !finite) return tl::unexpected(finite.error());
-  const std::vector<bool> linear = formulas->linear_parameters(start);
+  ECS_DO(formulas.finite_at(start));
+  const std::vector<bool> linear = formulas.linear_parameters(start);
   for (std::size_t i = 0; i < start.size(); ++i) {
     const bool held = effect.user[i].value.has_value();
     if (linear[i] && !held) {
@@ -40,7 +39,7 @@ Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressor
   }
   for (std::size_t i = 0; i < slot.user_linear.size(); ++i) slot.used.push_back(static_cast<Index>(i));
   const Observations& rows = regressors.motions();
-  const std::vector<double> values = formulas->values(start);
+  const std::vector<double> values = formulas.values(start);
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (!rows.aside.empty() && rows.aside[k]) continue;
     if (std::isnan(values[k]))
@@ -51,7 +50,7 @@ Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressor
   }
   if (slot.acting.skipped > 0) slot.acting.lacking = "a column of its formula";
   slot.acting = regressors.with_readings(std::move(slot.acting));
-  slot.formulas = std::move(*formulas);
+  slot.formulas = std::move(formulas);
   return slot;
 }
 

@@ -194,11 +194,10 @@ Result<Breakdown> breakdown_at(const Model& fitted, const std::optional<params::
   for (const EffectInstance& effect : fitted.effects) {
     Model alone = fitted;
     alone.effects = {effect};
-    const auto value = predicted(alone, at);
-    if (!value) return tl::unexpected(value.error());
-    breakdown.shares.push_back({to_text(effect), value->front()});
-    breakdown.total_um += value->front();
-    if (value->front() == 0.0)
+    ECS_TRY(value, predicted(alone, at));
+    breakdown.shares.push_back({to_text(effect), value.front()});
+    breakdown.total_um += value.front();
+    if (value.front() == 0.0)
       breakdown.notes.push_back(
           fmt::format("{}: gives nothing here, or the query lacks what it needs", to_text(effect)));
   }
@@ -234,11 +233,10 @@ Result<std::vector<VolumePoint>> predicted_volume(const Model& fitted, const par
         }
       }
   const Observations at = observations_of(set, fitted, machine);
-  const auto values = predicted(fitted, at);
-  if (!values) return tl::unexpected(values.error());
+  ECS_TRY(values, predicted(fitted, at));
   for (std::size_t k = 0; k < at.size(); ++k) {
     const auto place = static_cast<std::size_t>(at.row[k] - 1);
-    points[place / kAxes].error_um[place % kAxes] = (*values)[k];
+    points[place / kAxes].error_um[place % kAxes] = values[k];
   }
   return points;
 }

@@ -46,10 +46,9 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
   Model alone = fitted;
   alone.effects = {effect};
   const Observations at = observations_of(set, alone, machine);
-  const auto predicted_values = predicted(alone, at);
-  if (!predicted_values) return tl::unexpected(predicted_values.error());
+  ECS_TRY(predicted_values, predicted(alone, at));
   values.resize(grid.size());
-  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted_values)[k];
+  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = predicted_values[k];
   return values;
 }
 

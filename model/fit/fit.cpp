@@ -316,13 +316,12 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
 Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options) {
   if (auto wrong = unusable(data)) return tl::unexpected(std::move(*wrong));
   const Regressors regressors(data);
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
+  ECS_TRY(assembly, Assembly::of(model, regressors));
   CoreOptions core;
   core.plain = options.plain;
   core.from_values = options.from_values;
-  const CoreFit result = fitted(*assembly, regressors, core);
-  return reported(*assembly, regressors, result);
+  const CoreFit result = fitted(assembly, regressors, core);
+  return reported(assembly, regressors, result);
 }
 
 Model with_values(Model model, const Fit& fit) {
@@ -392,10 +391,9 @@ Result<std::vector<double>> predicted(const Model& model, const Observations& at
          {}});
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  auto assembly = Assembly::of(held, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
-  for (std::size_t s = 0; s < assembly->slots.size(); ++s) assembly->renew(s, regressors);
-  const VectorXd sum = assembly->fixed(at.size());
+  ECS_TRY(assembly, Assembly::of(held, regressors));
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) assembly.renew(s, regressors);
+  const VectorXd sum = assembly.fixed(at.size());
   return std::vector<double>(sum.data(), sum.data() + sum.size());
 }
 

@@ -501,29 +501,27 @@ Observations observations_of(const laser::MeasurementSet& set, const Model& mode
 
 Result<Model> parse_model(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
   TomlReader reader(name);
-  const auto root = reader.parsed(text);
-  if (!root) return tl::unexpected(root.error());
+  ECS_TRY(root, reader.parsed(text));
   Model model;
-  reader.only(*root, kModelKeys, "model");
-  model.name = reader.word(*root, "name").value_or("");
-  for (const toml::table* table : reader.children(*root, "effect"))
+  reader.only(root, kModelKeys, "model");
+  model.name = reader.word(root, "name").value_or("");
+  for (const toml::table* table : reader.children(root, "effect"))
     if (auto effect = effect_in(reader, *table)) model.effects.push_back(std::move(*effect));
-  for (const toml::table* table : reader.children(*root, "candidate"))
+  for (const toml::table* table : reader.children(root, "candidate"))
     if (auto effect = effect_in(reader, *table)) model.candidates.push_back(std::move(*effect));
-  take_map(reader, *root, folder, model);
-  take_known(reader, *root, model);
-  take_origin(reader, *root, model);
-  take_history(reader, *root, model);
-  model.compensated_readings = count_of_readings(reader, *root, "compensated_readings");
+  take_map(reader, root, folder, model);
+  take_known(reader, root, model);
+  take_origin(reader, root, model);
+  take_history(reader, root, model);
+  model.compensated_readings = count_of_readings(reader, root, "compensated_readings");
   if (!reader.clean()) return tl::unexpected(reader.all());
   take_alternatives(text, model);
   return model;
 }
 
 Result<Model> read_model(const std::filesystem::path& path) {
-  const auto text = read_file_of(FileKind::model, path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_model(*text, path.string(), path.parent_path());
+  ECS_TRY(text, read_file_of(FileKind::model, path));
+  return parse_model(text, path.string(), path.parent_path());
 }
 
 }  // namespace ecs::model

@@ -407,11 +407,10 @@ PerAxis<double> knots_for(const LengthTest& test, const LengthMachine& machine,
 
 Result<Identification> identify(const LengthTest& test, const params::Machine& machine,
                                 const IdentifySettings& settings) {
-  const auto known = length_machine(machine);
-  if (!known) return tl::unexpected(known.error());
-  if (const auto right = checked(test, machine, *known); !right) return tl::unexpected(right.error());
+  ECS_TRY(known, length_machine(machine));
+  ECS_DO(checked(test, machine, known));
   CurveSettings curves;
-  curves.knots_mm = knots_for(test, *known, settings.knots_mm);
+  curves.knots_mm = knots_for(test, known, settings.knots_mm);
   curves.reversal_degree = settings.reversal_degree;
   curves.zero = settings.zero;
   curves.tools_mm.clear();
@@ -427,12 +426,12 @@ Result<Identification> identify(const LengthTest& test, const params::Machine& m
     out.notes.push_back("every pose is approached from the same side: nothing is known of the reversal errors");
   }
   out.knots_mm = curves.knots_mm;
-  MachineCurves made(*known, curves);
+  MachineCurves made(known, curves);
   const auto unknowns = made.size() + nuisance_of(test, 0).end;
   if (static_cast<Eigen::Index>(test.readings.size()) < unknowns + kLeastFreedom)
     return tl::unexpected(too_few(test, settings, std::move(made), out.knots_mm));
   report_on(LengthFit(test, settings, std::move(made)).run(), out);
-  out.contradictions = contradicted_zeros(test, settings, *known, std::move(curves));
+  out.contradictions = contradicted_zeros(test, settings, known, std::move(curves));
   out.notes.insert(out.notes.end(), out.contradictions.begin(), out.contradictions.end());
   return out;
 }

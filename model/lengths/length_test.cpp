@@ -270,11 +270,10 @@ Result<LengthTest> parse_lengths(std::string_view text, const std::string& file_
   laser::Findings findings(file_name);
   std::vector<std::string_view> needed(kLengthColumns.begin(), kLengthColumns.end());
   if (!plan) needed.push_back(kDeviation);
-  auto table = laser::parse_csv_table(text, file_name, needed, findings);
-  if (!table) return tl::unexpected(table.error());
+  ECS_TRY(table, laser::parse_csv_table(text, file_name, needed, findings));
   LengthTest test;
   test.source = file_name;
-  LengthReader(*table, findings, test, plan).read();
+  LengthReader(table, findings, test, plan).read();
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   return test;
 }

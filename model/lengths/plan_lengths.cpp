@@ -224,16 +224,15 @@ class LengthPlanner {
 }  // namespace
 
 Result<LengthPlan> planned_lengths(const params::Machine& machine, const LengthPlanSettings& settings) {
-  const auto known = length_machine(machine);
-  if (!known) return tl::unexpected(known.error());
+  ECS_TRY(known, length_machine(machine));
   CurveSettings curves;
   curves.tools_mm = settings.tools_mm;
   curves.reversal_degree = settings.reversal_degree;
   for (std::size_t a = 0; a < kAxes; ++a) {
-    const double span_mm = known->travel_mm[a][1] - known->travel_mm[a][0];
+    const double span_mm = known.travel_mm[a][1] - known.travel_mm[a][0];
     curves.knots_mm[a] = std::min(span_mm, settings.knots_mm[a].value_or(span_mm / kPlannedIntervals));
   }
-  const MachineCurves made(*known, curves);
+  const MachineCurves made(known, curves);
   return LengthPlanner(machine, settings, made).run();
 }
 

@@ -295,15 +295,14 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   note_model(next, in, all);
   if (!keep_foretold(group, all, next)) return {};
   const Regressors regressors(all.data);
-  const auto belief = belief_of(in.model, group.settled, {group.rivals.front()}, in.data, regressors);
-  if (!belief) return tl::unexpected(belief.error());
+  ECS_TRY(belief, belief_of(in.model, group.settled, {group.rivals.front()}, in.data, regressors));
   std::vector<Explanation> explanations;
   bool zero_matters = false;
   for (std::size_t i = 0; i < group.rivals.size(); ++i) {
-    explanations.push_back(explained_by(group.names[i], group.rivals[i], *belief, all, regressors));
+    explanations.push_back(explained_by(group.names[i], group.rivals[i], belief, all, regressors));
     zero_matters = zero_matters || group.rivals[i].traits().shows_at_zero;
   }
-  const Separations separations(all, options, *belief, explanations, zero_matters);
+  const Separations separations(all, options, belief, explanations, zero_matters);
   const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
   take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
   if (next.proposals.empty())
@@ -348,8 +347,7 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
   const WithProposals all = with_proposals(in.data, options);
   note_model(next, in, all);
   const Regressors regressors(all.data);
-  const auto belief = belief_of(in.model, {}, {}, in.data, regressors);
-  if (!belief) return tl::unexpected(belief.error());
+  ECS_TRY(belief, belief_of(in.model, {}, {}, in.data, regressors));
   std::vector<Explanation> explanations;
   std::vector<std::string> names;
   for (const Dependence& dependence : diagnosis.where) {
@@ -366,7 +364,7 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
   if (foretold) {
-    const Separations separations(all, options, *belief, explanations, false);
+    const Separations separations(all, options, belief, explanations, false);
     const Question question = explanations.size() > 1 ? Question::separate : Question::confirm;
     take_proposals(next, weighed(options, separations, names, question, in.times), question);
     std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
@@ -388,10 +386,9 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   const WithProposals all = with_proposals(part, options);
   note_model(next, in, all);
   const Regressors regressors(all.data);
-  const auto belief = belief_of(in.model, {}, {}, part, regressors);
-  if (!belief) return tl::unexpected(belief.error());
-  const std::vector<Explanation> unseen = unseen_causes(*belief, all, regressors, in.model, kMostUnseen);
-  const double noise_um = belief->noise.pure.noise_um;
+  ECS_TRY(belief, belief_of(in.model, {}, {}, part, regressors));
+  const std::vector<Explanation> unseen = unseen_causes(belief, all, regressors, in.model, kMostUnseen);
+  const double noise_um = belief.noise.pure.noise_um;
   if (unseen.empty()) {
     next.notes.push_back(fmt::format(
         "nothing to separate: any cause of one size as large as the noise of one reading ({:.2g} {}) would have been "
@@ -407,7 +404,7 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
                   few ? "too few readings to say whether anything is missing;" : "the model is adequate, but", noise_um,
                   part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
-  const Separations separations(all, options, *belief, unseen, zero_matters);
+  const Separations separations(all, options, belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
   std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
   if (next.proposals.empty())

@@ -242,9 +242,8 @@ Result<PlanCheck> check_plan(const Model& model, const Observations& plan, doubl
   Observations expected = plan;
   std::fill(expected.reading.begin(), expected.reading.end(), 0.0);
   const Regressors regressors(expected);
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
-  return PlanJudge(model, *assembly, regressors, noise_um).judged();
+  ECS_TRY(assembly, Assembly::of(model, regressors));
+  return PlanJudge(model, assembly, regressors, noise_um).judged();
 }
 
 }  // namespace ecs::model

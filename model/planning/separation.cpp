@@ -33,12 +33,11 @@ void append(MatrixXd& to, const MatrixXd& columns) {
 
 /// Nonlinear values and noise from a fit to the present readings.
 Result<std::pair<Assembly, CoreFit>> fitted_to(const Model& model, const Regressors& present) {
-  auto assembly = Assembly::of(model, present);
-  if (!assembly) return tl::unexpected(assembly.error());
+  ECS_TRY(assembly, Assembly::of(model, present));
   CoreOptions options;
   options.all_curve_functions = true;
-  CoreFit core = fitted(*assembly, present, options);
-  return std::pair{std::move(*assembly), std::move(core)};
+  CoreFit core = fitted(assembly, present, options);
+  return std::pair{std::move(assembly), std::move(core)};
 }
 
 /// Slopes of the free nonlinear parameters of the model at the sizes found.
@@ -173,9 +172,8 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
   Model more = with;
   more.effects.insert(more.effects.end(), likely.begin(), likely.end());
   const Regressors now(present);
-  auto found = fitted_to(with, now);
-  if (!found) return tl::unexpected(found.error());
-  auto& [assembly, core] = *found;
+  ECS_TRY(found, fitted_to(with, now));
+  auto& [assembly, core] = found;
   Belief belief;
   belief.noise = core.noise;
   belief.left_out = core.left_out;
@@ -186,15 +184,14 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
     }
   belief.target = Eigen::Map<const VectorXd>(present.reading.data(), static_cast<Index>(present.size())) -
                   assembly.fixed(present.size());
-  auto wide = Assembly::of(with, all);
-  if (!wide) return tl::unexpected(wide.error());
-  for (std::size_t s = 0; s < wide->slots.size(); ++s) {
-    wide->slots[s].nonlinear = assembly.slots[s].nonlinear;
-    wide->renew(s, all);
+  ECS_TRY(wide, Assembly::of(with, all));
+  for (std::size_t s = 0; s < wide.slots.size(); ++s) {
+    wide.slots[s].nonlinear = assembly.slots[s].nonlinear;
+    wide.renew(s, all);
   }
   belief.columns.resize(static_cast<Index>(all.data().size()), 0);
-  if (!wide->slots.empty()) belief.columns = wide->columns();
-  append(belief.columns, slopes_of(*wide, assembly, core.sizes, all));
+  if (!wide.slots.empty()) belief.columns = wide.columns();
+  append(belief.columns, slopes_of(wide, assembly, core.sizes, all));
   return belief;
 }
 

@@ -26,17 +26,15 @@ UnitClient::UnitClient(Link link, const Host& host) : link_(std::move(link)) {
 }
 
 Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options, const Host& host) {
-  auto link = Link::open(address, options);
-  if (!link) return tl::unexpected(link.error());
-  UnitClient client(std::move(*link), host);
-  const auto version = client.link_.ask(kEcho, kEchoOnly, kVersion);
-  if (!version) return tl::unexpected(version.error());
-  if ((*version)[1] != kProtocolVersion)
+  ECS_TRY(link, Link::open(address, options));
+  UnitClient client(std::move(link), host);
+  ECS_TRY(version, client.link_.ask(kEcho, kEchoOnly, kVersion));
+  if (version[1] != kProtocolVersion)
     return problem(
         ProblemKind::link,
         fmt::format("{}: the unit speaks protocol version {}, this program version {}; use matching versions",
-                    to_text(address), (*version)[1], kProtocolVersion));
-  if (const auto identity = client.identity(); !identity) return tl::unexpected(identity.error());
+                    to_text(address), version[1], kProtocolVersion));
+  ECS_DO(client.identity());
   return client;
 }
 
@@ -51,9 +49,8 @@ Result<MonitorSample> UnitClient::monitor() { return link_.ask(kEcho, kEchoOnly,
 Result<UnitStatus> UnitClient::status() {
   auto status = link_.ask(kEcho, kEchoOnly, kStatus).and_then(status_in);
   if (!status) return status;
-  const auto pointers = link_.ask(kEcho, kEchoOnly, kPointers);
-  if (!pointers) return tl::unexpected(pointers.error());
-  if (const auto taken = take_pointers(*pointers, *status); !taken) return tl::unexpected(taken.error());
+  ECS_TRY(pointers, link_.ask(kEcho, kEchoOnly, kPointers));
+  ECS_DO(take_pointers(pointers, *status));
   return status;
 }
 
@@ -63,21 +60,18 @@ Result<std::vector<Registers>> UnitClient::event_blocks(std::size_t most) {
   const auto asked = [this](std::uint32_t first) {
     return link_.ask(kEventSelect, registers_of(EventSelect{first}, 0), kEvents);
   };
-  const auto newest = asked(std::numeric_limits<std::uint32_t>::max()).and_then(event_page_in);
-  if (!newest) return tl::unexpected(newest.error());
-  std::uint32_t next = newest->newest > most ? newest->newest - static_cast<std::uint32_t>(most) + 1 : 1;
-  while (next <= newest->newest) {
-    auto block = asked(next);
-    if (!block) return tl::unexpected(block.error());
-    const auto page = event_page_in(*block);
-    if (!page) return tl::unexpected(page.error());
+  ECS_TRY(newest, asked(std::numeric_limits<std::uint32_t>::max()).and_then(event_page_in));
+  std::uint32_t next = newest.newest > most ? newest.newest - static_cast<std::uint32_t>(most) + 1 : 1;
+  while (next <= newest.newest) {
+    ECS_TRY(block, asked(next));
+    ECS_TRY(page, event_page_in(block));
     const std::uint32_t last =
-        std::max_element(page->events.begin(), page->events.end(), [](const auto& a, const auto& b) {
+        std::max_element(page.events.begin(), page.events.end(), [](const auto& a, const auto& b) {
           return a.number < b.number;
         })->number;
     if (last < next) return blocks;
     next = last + 1;
-    blocks.push_back(std::move(*block));
+    blocks.push_back(std::move(block));
   }
   return blocks;
 }

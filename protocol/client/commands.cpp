@@ -109,10 +109,9 @@ Result<SessionState> UnitClient::armed_session() {
 /// Session, number, proof and, where the command acts at once, the unit's clock as it is now.
 Result<void> UnitClient::make_ready(Command& command) {
   if (session_ == 0 || needs_arming(command.code)) {
-    const auto now = needs_arming(command.code) ? armed_session() : session_now();
-    if (!now) return tl::unexpected(now.error());
-    command.clock_ms = now->clock_ms;
-    if (command.session == 0) command.stops = now->stops;  // given again, it still is overtaken by a stop of before
+    ECS_TRY(now, needs_arming(command.code) ? armed_session() : session_now());
+    command.clock_ms = now.clock_ms;
+    if (command.session == 0) command.stops = now.stops;  // given again, it still is overtaken by a stop of before
   }
   command.session = session_;
   command.sequence = ++sequence_;
@@ -123,7 +122,7 @@ Result<void> UnitClient::make_ready(Command& command) {
 Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
   const auto until = std::chrono::steady_clock::now() + milliseconds(kMostAge_ms);
   for (;;) {
-    if (const auto ready = make_ready(command); !ready) return tl::unexpected(ready.error());
+    ECS_DO(make_ready(command));
     auto first = exchange(command);
     if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
     if (!first) return first;

@@ -48,13 +48,11 @@ Result<ActiveMap> UnitClient::active_map() {
 
 /// The same once no command is under way; a problem if one stays busy.
 Result<ActiveMap> UnitClient::active_map_when_idle() {
-  if (!link_.connected())
-    if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
+  if (!link_.connected()) ECS_DO(link_.reconnect());
   const auto until = std::chrono::steady_clock::now() + kIdleLimit;
   for (;;) {
-    const auto result = result_now();
-    if (!result) return tl::unexpected(result.error());
-    if (result->state != CommandState::busy) return active_map();
+    ECS_TRY(result, result_now());
+    if (result.state != CommandState::busy) return active_map();
     if (std::chrono::steady_clock::now() >= until || !link_.pause(kIdlePoll))
       return problem(ProblemKind::link, "another command of the unit does not end");
   }
@@ -120,9 +118,8 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
 
 /// This unit and its active map are those of the beginning of the transfer.
 Result<void> UnitClient::nothing_else_committed(const ActiveMap& before) {
-  const auto now = active_map();
-  if (!now) return tl::unexpected(now.error());
-  if (now->commit_sequence == before.commit_sequence && now->active_bank == before.active_bank) return {};
+  ECS_TRY(now, active_map());
+  if (now.commit_sequence == before.commit_sequence && now.active_bank == before.active_bank) return {};
   return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
 }
 

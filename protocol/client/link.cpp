@@ -142,13 +142,12 @@ tl::expected<Bytes, Trouble> Link::Connection::transact(const Bytes& pdu) {
 
 tl::expected<Registers, Trouble> Link::Connection::ask_once(const Block& request, const Registers& values,
                                                             const Block& answer) {
-  const auto reply = transact(read_write_request(request, values, answer));
-  if (!reply) return tl::unexpected(reply.error());
+  ECS_TRY(reply, transact(read_write_request(request, values, answer)));
   const std::size_t bytes = 2u * answer.count;
-  if (reply->size() != bytes + 2 || (*reply)[1] != bytes) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+  if (reply.size() != bytes + 2 || reply[1] != bytes) return tl::unexpected(Trouble{LinkFailure::stale, 0});
   Registers registers(answer.count);
   for (std::size_t i = 0; i < registers.size(); ++i)
-    registers[i] = static_cast<std::uint16_t>((*reply)[2 + 2 * i] << 8 | (*reply)[3 + 2 * i]);
+    registers[i] = static_cast<std::uint16_t>(reply[2 + 2 * i] << 8 | reply[3 + 2 * i]);
   const auto requests_ago = static_cast<std::uint16_t>(values.front() - registers.front());
   if (requests_ago != 0) return tl::unexpected(Trouble{LinkFailure::stale, 0, requests_ago > kLatestReply});
   late_replies_possible = false;
@@ -218,7 +217,7 @@ Link::~Link() = default;
 
 Result<Link> Link::open(const LinkAddress& address, const LinkOptions& options) {
   Link link(std::make_unique<Connection>(address, options.timing.value_or(timing_of(address)), options.cancelled));
-  if (const auto connected = link.reconnect(); !connected) return tl::unexpected(connected.error());
+  ECS_DO(link.reconnect());
   return link;
 }
 

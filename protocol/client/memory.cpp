@@ -52,12 +52,11 @@ Registers registers_of(const WindowOpen& window, const BlockFrame& frame) {
 Result<std::vector<std::uint8_t>> UnitClient::read_piece(Address address, std::size_t bytes) {
   const ReadSelect select{address, static_cast<std::uint16_t>(bytes)};
   const Block answer{kMemory.first, static_cast<std::uint16_t>(kMemoryHeaderRegisters + (bytes + 1) / 2)};
-  const auto registers = link_.ask(kReadSelect, registers_of(select, 0), answer);
-  if (!registers) return tl::unexpected(registers.error());
+  ECS_TRY(registers, link_.ask(kReadSelect, registers_of(select, 0), answer));
   const auto number_at = [&](std::size_t at) {
-    return static_cast<std::uint32_t>((*registers)[at]) << 16 | (*registers)[at + 1];
+    return static_cast<std::uint32_t>(registers[at]) << 16 | registers[at + 1];
   };
-  auto held = unpacked(std::span(*registers).subspan(kMemoryHeaderRegisters), bytes);
+  auto held = unpacked(std::span(registers).subspan(kMemoryHeaderRegisters), bytes);
   if (number_at(1) != address || number_at(3) != crc32_of(held))
     return problem(
         ProblemKind::link,
@@ -72,9 +71,8 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
   memory.reserve(bytes);
   while (memory.size() < bytes) {
     const std::size_t size = std::min(kMemoryBytes, bytes - memory.size());
-    const auto piece = read_piece(static_cast<Address>(address + memory.size()), size);
-    if (!piece) return tl::unexpected(piece.error());
-    memory.insert(memory.end(), piece->begin(), piece->end());
+    ECS_TRY(piece, read_piece(static_cast<Address>(address + memory.size()), size));
+    memory.insert(memory.end(), piece.begin(), piece.end());
     meter.add(size);
   }
   return memory;
@@ -128,7 +126,7 @@ Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCal
   auto done = fill_window(frames, sent);
   if (done || window_refusal_ != UnitError::not_armed || !knows_code()) return done;
   const std::uint32_t session = session_;
-  if (const auto armed = armed_session(); !armed) return tl::unexpected(armed.error());
+  ECS_DO(armed_session());
   return session_ == session ? fill_window(frames, sent) : done;
 }
 
@@ -145,7 +143,7 @@ Result<void> UnitClient::fill_window(const WindowFrames& frames, const FrameCall
   auto ack = ask_ack(window);
   int fruitless = 0;
   while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks) {
-    if (const auto done = send_missing(window, frames, ack->received, sent); !done) return tl::unexpected(done.error());
+    ECS_DO(send_missing(window, frames, ack->received, sent));
     const auto before = ack->received;
     ack = ask_ack(window);
     fruitless = ack && ack->received == before ? fruitless + 1 : 0;
@@ -164,18 +162,16 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
                                       const ProgressCallback& progress) {
   if (bytes.empty()) return {};
   if (!in_axis_memory(address))  // begin staging has armed the session otherwise
-    if (const auto open = armed_session(); !open) return tl::unexpected(open.error());
+    ECS_DO(armed_session());
   Meter meter(progress, bytes.size());
   for (std::size_t at = 0; at < bytes.size(); at += kWindowBytes) {
     const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));
-    const auto done = write_window(plain_window(static_cast<Address>(address + at), part),
-                                   [&](const BlockFrame& frame) { meter.add(frame.bytes); });
-    if (!done) return tl::unexpected(done.error());
+    ECS_DO(write_window(plain_window(static_cast<Address>(address + at), part),
+                        [&](const BlockFrame& frame) { meter.add(frame.bytes); }));
     meter.reach(at + part.size());
   }
-  const auto crc = check_memory(address, static_cast<std::uint32_t>(bytes.size()));
-  if (!crc) return tl::unexpected(crc.error());
-  if (*crc != crc32_of(bytes))
+  ECS_TRY(crc, check_memory(address, static_cast<std::uint32_t>(bytes.size())));
+  if (crc != crc32_of(bytes))
     return problem(ProblemKind::link,
                    fmt::format("memory at {:06X} does not hold what was written; run the RAM test", address));
   return {};

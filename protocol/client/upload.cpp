@@ -95,10 +95,9 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
                              static_cast<std::uint32_t>(std::min(count * kPieceBytes, image.size() - at)),
                              static_cast<std::uint16_t>(kPieceBytes)};
     const Block answer{kChecks.first, static_cast<std::uint16_t>(1 + 2 * count)};
-    const auto found = link_.ask(kCheckSelect, registers_of(select, 0), answer);
-    if (!found) return tl::unexpected(found.error());
+    ECS_TRY(found, link_.ask(kCheckSelect, registers_of(select, 0), answer));
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t check = static_cast<std::uint32_t>((*found)[1 + 2 * i]) << 16 | (*found)[2 + 2 * i];
+      const std::uint32_t check = static_cast<std::uint32_t>(found[1 + 2 * i]) << 16 | found[2 + 2 * i];
       held.push_back(check == wanted[held.size()]);
     }
   }
@@ -112,16 +111,14 @@ Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before,
     return Beginning{StagingFrom::cleared, std::vector<bool>((image.size() + kPieceBytes - 1) / kPieceBytes)};
   Beginning beginning{StagingFrom::active, {}};
   if (before.active_bank != Bank::none) {
-    auto active = held_at(address_of(before.active_bank), image);
-    if (!active) return tl::unexpected(active.error());
-    beginning.held = std::move(*active);
+    ECS_TRY(active, held_at(address_of(before.active_bank), image));
+    beginning.held = std::move(active);
     if (kNearlyAll * static_cast<double>(beginning.held.size()) <= static_cast<double>(count_of(beginning.held)))
       return beginning;
   }
-  auto left = held_at(inactive_bank_beside(before.active_bank), image);
-  if (!left) return tl::unexpected(left.error());
-  if (beginning.held.empty() || count_of(*left) >= count_of(beginning.held))
-    beginning = {StagingFrom::kept, std::move(*left)};
+  ECS_TRY(left, held_at(inactive_bank_beside(before.active_bank), image));
+  if (beginning.held.empty() || count_of(left) >= count_of(beginning.held))
+    beginning = {StagingFrom::kept, std::move(left)};
   return beginning;
 }
 
@@ -154,27 +151,25 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 }
 
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
-  const auto before = active_map();
-  if (!before) return tl::unexpected(before.error());
+  ECS_TRY(before, active_map());
   const SentImage sent{image, crc32_of(image)};
-  UploadReport report{image.size(), 0, before->commit_sequence, true};
-  if (held == Held::by_checks && names(*before, image)) {
+  UploadReport report{image.size(), 0, before.commit_sequence, true};
+  if (held == Held::by_checks && names(before, image)) {
     if (progress) progress({image.size(), image.size(), 0.0});
     return report;
   }
-  const auto beginning = beginning_for(*before, image, held);
-  if (!beginning) return tl::unexpected(given_up(beginning.error(), *before));
+  const auto beginning = beginning_for(before, image, held);
+  if (!beginning) return tl::unexpected(given_up(beginning.error(), before));
   const auto address = begin_staging(beginning->from);
-  if (!address) return tl::unexpected(given_up(address.error(), *before));
-  if (*address != inactive_bank_beside(before->active_bank))
-    return tl::unexpected(given_up(wrong_bank(*address, *before), *before));
+  if (!address) return tl::unexpected(given_up(address.error(), before));
+  if (*address != inactive_bank_beside(before.active_bank))
+    return tl::unexpected(given_up(wrong_bank(*address, before), before));
   if (auto staged = stage(*address, image, beginning->held, progress, report); !staged)
-    return tl::unexpected(given_up(std::move(staged.error()), *before));
-  if (auto still = nothing_else_committed(*before); !still)
-    return tl::unexpected(given_up(std::move(still.error()), *before));
-  const auto committed = commit_staged(*before, sent);
-  if (!committed) return tl::unexpected(committed.error());
-  report.commit_sequence = *committed;
+    return tl::unexpected(given_up(std::move(staged.error()), before));
+  if (auto still = nothing_else_committed(before); !still)
+    return tl::unexpected(given_up(std::move(still.error()), before));
+  ECS_TRY(committed, commit_staged(before, sent));
+  report.commit_sequence = committed;
   report.already_held = false;
   return report;
 }

@@ -63,7 +63,7 @@ Result<LinkAddress> rtu_address_of(std::string_view text, std::vector<std::strin
     fields.pop_back();
   }
   if (fields.size() >= 3 && looks_like_format(fields.back())) {
-    if (const auto taken = take_format(port, fields.back(), text); !taken) return tl::unexpected(taken.error());
+    ECS_DO(take_format(port, fields.back(), text));
     fields.pop_back();
   }
   if (fields.size() < 2 || fields.front().empty()) return wrong(text, "device or baud rate is missing", kRtuForm);
@@ -131,9 +131,8 @@ bool is_loopback(const std::string& host) { return host == "localhost" || host =
 
 Result<std::vector<std::uint8_t>> token_digest_of(const std::string& file) {
   const Unwatched secret;
-  const auto content = read_file(file);
-  if (!content) return tl::unexpected(content.error());
-  const std::string_view token = trimmed(*content);
+  ECS_TRY(content, read_file(file));
+  const std::string_view token = trimmed(content);
   if (token.empty())
     return problem(ProblemKind::bad_input, fmt::format("{}: expected a token, got an empty file", file));
   const std::string digits = sha256_hex(token);

@@ -66,9 +66,8 @@ void ModbusLink::disconnect() {
 }
 
 tl::expected<void, PortProblem> ModbusLink::connect_serial(const SerialPort& port) {
-  auto lock = PortLock::take(port.device);
-  if (!lock) return tl::unexpected(lock.error());
-  lock_.emplace(std::move(*lock));
+  ECS_TRY(lock, PortLock::take(port.device));
+  lock_.emplace(std::move(lock));
   context_ = modbus_new_rtu(port.device.c_str(), port.baud, port.parity, 8, port.stop_bits);
   if (prepare()) return {};
   const int error = errno;

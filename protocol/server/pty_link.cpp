@@ -190,10 +190,9 @@ Result<std::unique_ptr<ServerLink>> open_pty_link(const PtyOptions& options) {
   if (!keeper || ::tcgetattr(keeper.get(), &raw) != 0) return pty_problem();
   ::cfmakeraw(&raw);
   if (::tcsetattr(keeper.get(), TCSANOW, &raw) != 0) return pty_problem();
-  auto codec = FrameCodec::make(Framing::rtu, options.unit);
-  if (!codec) return tl::unexpected(codec.error());
-  auto link = std::make_unique<PtyLink>(std::move(*codec), options, std::move(master), std::move(keeper), name.data());
-  if (const auto linked = link->make_link(); !linked) return tl::unexpected(linked.error());
+  ECS_TRY(codec, FrameCodec::make(Framing::rtu, options.unit));
+  auto link = std::make_unique<PtyLink>(std::move(codec), options, std::move(master), std::move(keeper), name.data());
+  ECS_DO(link->make_link());
   return link;
 }
 

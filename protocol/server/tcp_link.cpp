@@ -154,9 +154,8 @@ Result<std::unique_ptr<ServerLink>> open_tcp_link(const TcpOptions& options) {
   if (options.token_file.empty() && !is_loopback(options.host))
     return problem(ProblemKind::usage, fmt::format("{}: beyond this computer a token is needed", options.host));
   if (!options.token_file.empty()) {
-    auto digest = token_digest_of(options.token_file);
-    if (!digest) return tl::unexpected(digest.error());
-    token = std::move(*digest);
+    ECS_TRY(digest, token_digest_of(options.token_file));
+    token = std::move(digest);
   }
   Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listener) return listen_problem(options);
@@ -173,9 +172,8 @@ Result<std::unique_ptr<ServerLink>> open_tcp_link(const TcpOptions& options) {
   if (::bind(listener.get(), general, size) != 0 || ::listen(listener.get(), kWaiting) != 0 ||
       ::getsockname(listener.get(), general, &size) != 0)
     return listen_problem(options);
-  auto codec = FrameCodec::make(Framing::tcp, options.unit);
-  if (!codec) return tl::unexpected(codec.error());
-  return std::make_unique<TcpLink>(std::move(*codec), options, std::move(token), std::move(listener),
+  ECS_TRY(codec, FrameCodec::make(Framing::tcp, options.unit));
+  return std::make_unique<TcpLink>(std::move(codec), options, std::move(token), std::move(listener),
                                    ntohs(place.sin_port));
 }
 

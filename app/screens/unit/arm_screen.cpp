@@ -66,7 +66,7 @@ class ArmScreen final : public Screen {
     if (armed_ || code.empty()) return;
     const auto work = [connection = connection_, code](JobControl& control) {
       return connection->with_link(control, [&](UnitLink& link) -> Result<std::string> {
-        if (const auto done = link.client().arm(code); !done) return tl::unexpected(done.error());
+        ECS_DO(link.client().arm(code));
         link.client().know_code(code);
         return code;
       });

@@ -19,9 +19,8 @@ void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::st
 Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments& arguments) {
   if (!arguments.model.empty() && arguments.machine.empty())
     return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
-  auto found = found_map(context, arguments.map, arguments.unit);
-  if (!found) return tl::unexpected(found.error());
-  return export_work(context.console, arguments, std::move(*found));
+  ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
+  return export_work(context.console, arguments, std::move(found));
 }
 
 }  // namespace ecs::app

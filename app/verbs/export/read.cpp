@@ -82,23 +82,19 @@ Result<const controllers::ControllerFormat*> format_of(const ReadArguments& argu
 Result<ReadFiles> read_files(const ReadArguments& arguments) {
   ReadFiles all;
   for (const std::string& file : arguments.files) {
-    const auto bytes = read_file(file);
-    if (!bytes) return tl::unexpected(bytes.error());
-    const auto text = laser::decoded(*bytes, file);
-    if (!text) return tl::unexpected(text.error());
-    const auto format = format_of(arguments, file, text->text);
-    if (!format) return tl::unexpected(format.error());
-    if (all.format && *format != all.format)
+    ECS_TRY(bytes, read_file(file));
+    ECS_TRY(text, laser::decoded(bytes, file));
+    ECS_TRY(format, format_of(arguments, file, text.text));
+    if (all.format && format != all.format)
       return problem(ProblemKind::usage,
                      fmt::format("{} is of format {}, the files before it of {}: read the files of one controller at a "
                                  "time",
-                                 file, (*format)->id, all.format->id));
-    all.format = *format;
-    auto tables = all.format->read({file, text->text, *bytes, arguments.files.size() == 1, arguments.options.values()});
-    if (!tables) return tl::unexpected(tables.error());
-    for (auto& source : tables->sources) source.name = std::filesystem::path(file).filename().string();
-    if (const auto done = controllers::append(all.tables, std::move(*tables), !all.format->tables_add_up); !done)
-      return tl::unexpected(done.error());
+                                 file, format->id, all.format->id));
+    all.format = format;
+    ECS_TRY(tables,
+            all.format->read({file, text.text, bytes, arguments.files.size() == 1, arguments.options.values()}));
+    for (auto& source : tables.sources) source.name = std::filesystem::path(file).filename().string();
+    ECS_DO(controllers::append(all.tables, std::move(tables), !all.format->tables_add_up));
   }
   return all;
 }
@@ -145,19 +141,18 @@ Result<bool> levers_from_lines(const ReadArguments& arguments, const ReadFiles& 
 
 /// Curves onto the lines of the parameters, with a note whatever was done.
 Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& files, Taken& made) {
-  const auto lines = levers_from_lines(arguments, files);
-  if (!lines) return tl::unexpected(lines.error());
+  ECS_TRY(lines, levers_from_lines(arguments, files));
   const std::string by = !levers_given(arguments).empty() ? "as --levers gives it"
                          : files.tables.levers_from_lines
                              ? "as the head of the file states"
                              : "the file does not state it: give --levers lines if it is wrong";
-  made.levers_from = *lines ? "measurement lines" : "machine zero";
-  made.moved = !*lines && made.parameters.has_value();
+  made.levers_from = lines ? "measurement lines" : "machine zero";
+  made.moved = !lines && made.parameters.has_value();
   std::string done;
   if (made.parameters) {
     const UnitParameters& parameters = made.parameters->parameters;
-    made.read.map = files.format->at_measurement_lines(made.read.map, parameters, *lines);
-    done = *lines
+    made.read.map = files.format->at_measurement_lines(made.read.map, parameters, lines);
+    done = lines
                ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
                              lines_in_words(parameters))
                : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
@@ -166,10 +161,10 @@ Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& fil
         made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
                    : "curves as on their measurement lines, not moved");
   } else {
-    done = *lines ? "the curves were not moved; the file does not hold the lines: the parameters must have those they "
-                    "were measured on"
-                  : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
-                    "have them brought to its measurement lines";
+    done = lines ? "the curves were not moved; the file does not hold the lines: the parameters must have those they "
+                   "were measured on"
+                 : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
+                   "have them brought to its measurement lines";
   }
   made.notes.push_back(fmt::format("lever arms count from the {} ({}); {}", made.levers_from, by, done));
   return {};
@@ -185,17 +180,15 @@ Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
     return problem(ProblemKind::usage, fmt::format("--levers: the {} format has no lever arms", files.format->name));
   auto& header = made.read.map.header;
   if (!arguments.params.empty()) {
-    auto file = arguments.params_out.empty() ? params::read_parameters(arguments.params)
-                                             : params::read_whole_parameters(arguments.params);
-    if (!file) return tl::unexpected(file.error());
-    made.parameters = std::move(*file);
+    ECS_TRY(file, arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                               : params::read_whole_parameters(arguments.params));
+    made.parameters = std::move(file);
     header.configuration = configuration_of(made.parameters->parameters);
     header.machine = made.parameters->identity.machine;
     header.serial_number = made.parameters->identity.serial_number;
   }
   header.processing.push_back(fmt::format("read from tables of a control ({})", files.format->id));
-  if (has_levers)
-    if (const auto done = bring_to_lines(arguments, files, made); !done) return tl::unexpected(done.error());
+  if (has_levers) ECS_DO(bring_to_lines(arguments, files, made));
   return made;
 }
 
@@ -249,20 +242,14 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   std::vector<std::string> inputs = arguments.files;
   inputs.push_back(arguments.params);
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto distinct = check_output_not_input(output, inputs); !distinct)
-      return tl::unexpected(distinct.error());
-  if (!arguments.params_out.empty())
-    if (const auto distinct = check_output_not_input(arguments.params_out, {arguments.output}); !distinct)
-      return tl::unexpected(distinct.error());
-  auto files = read_files(arguments);
-  if (!files) return tl::unexpected(files.error());
-  const std::vector<Problem> warnings = files->tables.warnings;
-  const auto made = taken(arguments, *files);
-  if (!made) return tl::unexpected(made.error());
+    ECS_DO(check_output_not_input(output, inputs));
+  if (!arguments.params_out.empty()) ECS_DO(check_output_not_input(arguments.params_out, {arguments.output}));
+  ECS_TRY(files, read_files(arguments));
+  const std::vector<Problem> warnings = files.tables.warnings;
+  ECS_TRY(made, taken(arguments, files));
   for (const Problem& warning : warnings) context.console.warn(to_text(warning));
-  const auto written = write_together(outputs_of(arguments, *made));
-  if (!written) return tl::unexpected(written.error());
-  return outcome_of(read_cell(arguments, *files, *made, *written));
+  ECS_TRY(written, write_together(outputs_of(arguments, made)));
+  return outcome_of(read_cell(arguments, files, made, written));
 }
 
 }  // namespace

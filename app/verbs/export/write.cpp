@@ -34,15 +34,12 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   if (output.empty()) return std::vector<WrittenFile>();
   for (const controllers::ExportFile& file : made.files)
     files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
-  for (const OutputFile& file : files)
-    if (const auto distinct = check_output_not_input(file.path, inputs); !distinct)
-      return tl::unexpected(distinct.error());
+  for (const OutputFile& file : files) ECS_DO(check_output_not_input(file.path, inputs));
   for (const OutputFile& file : files)
     if (!force && would_overwrite(file.path))
       return problem(ProblemKind::usage,
                      fmt::format("{} exists already: give another name, or --force to overwrite it", file.path));
-  if (folder)
-    if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
+  if (folder) ECS_DO(make_folder(output));
   return write_together(files);
 }
 
@@ -67,26 +64,22 @@ void note_left_from_before(ExportWork& work, const std::string& folder, const st
 
 Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
                          const controllers::ControllerFormat& format, const controllers::OptionValues& options) {
-  auto work = read_export_work(context, arguments);
-  if (!work) return tl::unexpected(work.error());
-  const auto errors = errors_for(context.console, arguments, *work);
-  if (!errors) return tl::unexpected(errors.error());
-  auto made = format.write(work->source, options);
+  ECS_TRY(work, read_export_work(context, arguments));
+  ECS_TRY(errors, errors_for(context.console, arguments, work));
+  auto made = format.write(work.source, options);
   if (!made) {
     Problem why = made.error();
-    if (why.file.empty() && why.kind != ProblemKind::usage) why.file = work->map_name;
+    if (why.file.empty() && why.kind != ProblemKind::usage) why.file = work.map_name;
     return tl::unexpected(std::move(why));
   }
   const MeasurementLines lines =
-      options.text("levers") == "lines" ? work->source.parameters.measurement_lines_mm : MeasurementLines{};
-  const auto residuals = controllers::residuals(work->source, made->applied, lines, *errors);
-  if (!residuals) return tl::unexpected(residuals.error());
-  note_silent_directions(*work, *residuals);
+      options.text("levers") == "lines" ? work.source.parameters.measurement_lines_mm : MeasurementLines{};
+  ECS_TRY(residuals, controllers::residuals(work.source, made->applied, lines, errors));
+  note_silent_directions(work, residuals);
   const bool folder = format.is_file != nullptr;
-  auto written = write_all(*made, arguments.output, folder, work->inputs, arguments.force);
-  if (!written) return tl::unexpected(written.error());
-  if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, format);
-  const ExportReport report{std::string(format.title),       *work, *made, *residuals, std::move(*written),
+  ECS_TRY(written, write_all(*made, arguments.output, folder, work.inputs, arguments.force));
+  if (folder && !arguments.output.empty()) note_left_from_before(work, arguments.output, written, format);
+  const ExportReport report{std::string(format.title),       work, *made, residuals, std::move(written),
                             folder ? "-o FOLDER" : "-o FILE"};
   return outcome_of(export_cell(report));
 }

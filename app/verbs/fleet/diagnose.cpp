@@ -49,10 +49,8 @@ Cell verdicts_cell(const FleetReport& report) {
 }
 
 Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseArguments& arguments) {
-  const auto manifest = Manifest::read(arguments.manifest, fleet_columns());
-  if (!manifest) return tl::unexpected(manifest.error());
-  const auto part = fleet_part(arguments.part);
-  if (!part) return tl::unexpected(part.error());
+  ECS_TRY(manifest, Manifest::read(arguments.manifest, fleet_columns()));
+  ECS_TRY(part, fleet_part(arguments.part));
   FleetWatch watch;
   watch.progress = [&context](const FleetProgress& now) {
     context.console.progress(
@@ -61,8 +59,8 @@ Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseArgument
   };
   watch.error = [&context](const FleetError& error) { context.console.warn(error.message); };
   const auto report =
-      run_fleet(*manifest, arguments.output,
-                {arguments.threads, static_cast<std::size_t>(arguments.blanks), arguments.limit, *part}, watch);
+      run_fleet(manifest, arguments.output,
+                {arguments.threads, static_cast<std::size_t>(arguments.blanks), arguments.limit, part}, watch);
   context.console.end_progress();
   if (!report) return tl::unexpected(report.error());
   const Cell answer = record_cell(

@@ -79,17 +79,16 @@ Cell changed_causes_cell(const FleetChanges& changes) {
 }
 
 Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeArguments& arguments) {
-  const auto gathered = gathered_results(arguments.results);
-  if (!gathered) return tl::unexpected(gathered.error());
-  for (const std::string& line : gathered->unreadable) context.console.warn(line);
-  for (const std::string& line : gathered->conflicts) context.console.warn(line);
-  const FleetNames names = fleet_names(gathered->results, arguments.rate);
+  ECS_TRY(gathered, gathered_results(arguments.results));
+  for (const std::string& line : gathered.unreadable) context.console.warn(line);
+  for (const std::string& line : gathered.conflicts) context.console.warn(line);
+  const FleetNames names = fleet_names(gathered.results, arguments.rate);
   std::vector<std::string> errors;
-  for (const FleetResult& result : gathered->results)
+  for (const FleetResult& result : gathered.results)
     if (!result.error.empty()) errors.push_back(result.id);
   AnswerFields fields{{"machines", count_cell(names.machines)},
                       {"errors", {errors, fmt::format("{}", errors.size())}},
-                      {"conflicts", {gathered->conflicts, ""}},
+                      {"conflicts", {gathered.conflicts, ""}},
                       {"fdr", {arguments.rate, fmt::format("{:g}", 100.0 * arguments.rate)}},
                       {"count", shown_cell(fmt::format("{}", names.named.size()))},
                       {"named", named_cell(names.named, "named (q-value)")},
@@ -104,17 +103,14 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeArguments& arg
       "{machines} machines, {errors} without an answer; {count} names, of which at most {fdr} % are false on average\n"
       "{named}{unconfirmed}{unexplained}{groups}";
   if (!arguments.previous.empty()) {
-    const auto before = previously_named(arguments.previous, arguments.rate);
-    if (!before) return tl::unexpected(before.error());
-    const FleetChanges changes = changes_between(*before, names.named, errors);
+    ECS_TRY(before, previously_named(arguments.previous, arguments.rate));
+    const FleetChanges changes = changes_between(before, names.named, errors);
     fields.push_back({"changed", changed_cell(changes)});
     fields.push_back({"changed_causes", changed_causes_cell(changes)});
     layout += "{changed}{changed_causes}";
   }
-  if (!arguments.output.empty())
-    if (const auto written = write_results(arguments.output, gathered->results); !written)
-      return tl::unexpected(written.error());
-  return outcome_of(record_cell(layout, fields), gathered->conflicts.empty() ? kDone : kDoesNotHold);
+  if (!arguments.output.empty()) ECS_DO(write_results(arguments.output, gathered.results));
+  return outcome_of(record_cell(layout, fields), gathered.conflicts.empty() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

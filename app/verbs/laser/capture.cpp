@@ -34,9 +34,8 @@ Cell end_cell(const CaptureEnd& end) {
 }
 
 Result<Outcome> capture_verb(VerbContext& context, const CaptureChoice& choice) {
-  const auto end = capture(context.console, context.console.keyboard(), choice);
-  if (!end) return tl::unexpected(end.error());
-  return outcome_of(end_cell(*end), end->complete ? kDone : kDoesNotHold);
+  ECS_TRY(end, capture(context.console, context.console.keyboard(), choice));
+  return outcome_of(end_cell(end), end.complete ? kDone : kDoesNotHold);
 }
 
 void take_target_options(Verb& verb, CaptureTargets& arguments) {

@@ -79,19 +79,17 @@ Cell device_cell(const devices::HidIdentity& one) {
 }
 
 Result<Outcome> list() {
-  const auto present = devices::hid_devices();
-  if (!present) return tl::unexpected(present.error());
-  Cell list = list_cell(*present, device_cell);
-  if (present->empty()) list.text = "no HID device is plugged in (or the kernel has no hidraw)\n";
+  ECS_TRY(present, devices::hid_devices());
+  Cell list = list_cell(present, device_cell);
+  if (present.empty()) list.text = "no HID device is plugged in (or the kernel has no hidraw)\n";
   return outcome_of(record_cell("{devices}", {{"devices", list}}));
 }
 
 Result<Outcome> rules(const DevicesArguments& arguments) {
   std::vector<devices::DeviceDescription> devices = devices::builtin_devices();
   for (const std::string& file : arguments.descriptions) {
-    const auto more = described(file);
-    if (!more) return tl::unexpected(more.error());
-    devices.insert(devices.end(), more->begin(), more->end());
+    ECS_TRY(more, described(file));
+    devices.insert(devices.end(), more.begin(), more.end());
   }
   const std::string text = devices::udev_rules(devices);
   return Outcome{text, one_line(Json{{"rules", text}, {"file", "/etc/udev/rules.d/70-ecs.rules"}}), kDone};
@@ -100,21 +98,20 @@ Result<Outcome> rules(const DevicesArguments& arguments) {
 Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (arguments.output.empty())
     return problem(ProblemKind::usage, "-o FILE.toml is missing: the file for the description");
-  const auto found = learn_device(context.console, context.console.keyboard(),
-                                  {arguments.device, arguments.name, arguments.presses, arguments.timeout_s});
-  if (!found) return tl::unexpected(found.error());
-  const std::string toml = devices::to_toml(found->description);
-  if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
-  const devices::TriggerLayout& trigger = found->description.trigger;
+  ECS_TRY(found, learn_device(context.console, context.console.keyboard(),
+                              {arguments.device, arguments.name, arguments.presses, arguments.timeout_s}));
+  const std::string toml = devices::to_toml(found.description);
+  ECS_DO(write_file(arguments.output, toml));
+  const devices::TriggerLayout& trigger = found.description.trigger;
   return outcome_of(record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n",
                                 {{"toml", shown_cell(toml)},
                                  {"output", word_cell(arguments.output)},
-                                 {"name", word_cell(found->description.name)},
+                                 {"name", word_cell(found.description.name)},
                                  {"byte", {trigger.byte, {}}},
                                  {"mask", {trigger.mask, {}}},
                                  {"active", word_cell(trigger.active_high ? "high" : "low")},
                                  {"debounce_ms", {trigger.debounce_ms, {}}},
-                                 {"bounce_ms", number_cell(found->bounce_ms, 0)}}));
+                                 {"bounce_ms", number_cell(found.bounce_ms, 0)}}));
 }
 
 Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& arguments, devices::DevicePort port) {
@@ -175,10 +172,9 @@ Result<Outcome> try_device(VerbContext& context, const DevicesArguments& argumen
   const auto devices = described(arguments.trying);
   if (!devices) return tl::unexpected(devices.error());
   const devices::DeviceKind kind = devices->front().kind;
-  auto port = opened_device(arguments.trying, kind);
-  if (!port) return tl::unexpected(port.error());
-  return kind == devices::DeviceKind::trigger ? try_trigger(context, arguments, std::move(*port))
-                                              : try_sensor(context, arguments, std::move(*port));
+  ECS_TRY(port, opened_device(arguments.trying, kind));
+  return kind == devices::DeviceKind::trigger ? try_trigger(context, arguments, std::move(port))
+                                              : try_sensor(context, arguments, std::move(port));
 }
 
 Result<Outcome> describe(const DevicesArguments& arguments) {

@@ -74,40 +74,33 @@ Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std:
 /// The set in the form that the output's extension names; the measurement CSV for any other.
 Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
   const auto& format = laser::format_written_as(std::filesystem::path(output).extension().string());
-  const auto content = format.write(set, output);
-  if (!content) return tl::unexpected(content.error());
-  return write_file(output, *content);
+  ECS_TRY(content, format.write(set, output));
+  return write_file(output, content);
 }
 
 Result<Outcome> import(VerbContext& context, const FileImportArguments& arguments) {
-  const auto given = given_files(arguments.files);
-  if (!given) return tl::unexpected(given.error());
-  for (const std::string& note : given->notes) context.console.note(note);
-  if (const auto distinct = check_output_not_input(arguments.output, given->files); !distinct)
-    return tl::unexpected(distinct.error());
+  ECS_TRY(given, given_files(arguments.files));
+  for (const std::string& note : given.notes) context.console.note(note);
+  ECS_DO(check_output_not_input(arguments.output, given.files));
   std::vector<laser::MeasurementSet> sets;
   Cell files{Json::array(), {}};
-  for (const std::string& file : given->files) {
-    auto imported = read_measurements(file, arguments.import);
-    if (!imported) return tl::unexpected(imported.error());
-    files.add(file_cell(file, *imported));
-    sets.push_back(std::move(imported->set));
+  for (const std::string& file : given.files) {
+    ECS_TRY(imported, read_measurements(file, arguments.import));
+    files.add(file_cell(file, imported));
+    sets.push_back(std::move(imported.set));
   }
   std::string profile;
   if (!arguments.save_profile.empty()) {
-    const auto kept = with_profile(arguments.import);
-    if (!kept) return tl::unexpected(kept.error());
-    const auto saved = save_profile(arguments.save_profile, *kept, arguments.force);
-    if (!saved) return tl::unexpected(saved.error());
-    profile = fmt::format("import options kept in {}\n", saved->string());
+    ECS_TRY(kept, with_profile(arguments.import));
+    ECS_TRY(saved, save_profile(arguments.save_profile, kept, arguments.force));
+    profile = fmt::format("import options kept in {}\n", saved.string());
   }
-  auto all = joined(sets);
-  if (!all) return tl::unexpected(all.error());
+  ECS_TRY(all, joined(sets));
   if (!arguments.output.empty()) {
-    if (all->readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
-    if (const auto written = write_set(arguments.output, *all); !written) return tl::unexpected(written.error());
+    if (all.readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
+    ECS_DO(write_set(arguments.output, all));
   }
-  return outcome_of(answer_cell(files, *all, arguments.output, profile));
+  return outcome_of(answer_cell(files, all, arguments.output, profile));
 }
 
 }  // namespace

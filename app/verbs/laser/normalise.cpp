@@ -34,12 +34,11 @@ Result<void> written(const std::string& output, const laser::MeasurementSet& set
 }
 
 Result<Outcome> taken_back(const NormaliseArguments& arguments, const laser::MeasurementSet& set) {
-  const auto back = laser::denormalised(set);
-  if (!back) return tl::unexpected(back.error());
-  if (const auto done = written(arguments.output, *back); !done) return tl::unexpected(done.error());
+  ECS_TRY(back, laser::denormalised(set));
+  ECS_DO(written(arguments.output, back));
   return outcome_of(record_cell("{readings} readings as they were before they were referred to 20 degC\n",
                                 {{"file", word_cell(arguments.file)},
-                                 {"readings", count_cell(back->readings.size())},
+                                 {"readings", count_cell(back.readings.size())},
                                  {"output", text_cell(arguments.output)}}));
 }
 
@@ -48,24 +47,22 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& argume
     return problem(
         ProblemKind::usage,
         "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
-  if (const auto distinct = check_output_not_input(arguments.output, {arguments.file}); !distinct)
-    return tl::unexpected(distinct.error());
-  const auto imported = read_with_notes(context, arguments.file, arguments.import);
-  if (!imported) return tl::unexpected(imported.error());
-  if (arguments.back) return taken_back(arguments, imported->set);
+  ECS_DO(check_output_not_input(arguments.output, {arguments.file}));
+  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+  if (arguments.back) return taken_back(arguments, imported.set);
   laser::Normalisation how;
   how.coefficient_um_per_m_degC = *arguments.coefficient;
   how.instrument_um_per_m_degC = arguments.instrument;
   how.material_degC = arguments.material_degC;
   how.sensor = arguments.sensor;
   how.fixed_mm = arguments.fixed_mm;
-  const auto done = laser::normalised(imported->set, how);
+  const auto done = laser::normalised(imported.set, how);
   if (!done) {
     Problem why = done.error();
     why.file = arguments.file;
     return tl::unexpected(why);
   }
-  if (const auto kept = written(arguments.output, done->set); !kept) return tl::unexpected(kept.error());
+  ECS_DO(written(arguments.output, done->set));
   return outcome_of(record_cell(
       "{changed} of {readings} readings referred to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
       {{"file", word_cell(arguments.file)},

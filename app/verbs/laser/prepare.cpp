@@ -40,26 +40,21 @@ Result<LeftOut> left_out_in(const std::string& word, const char* option) {
 }
 
 Result<Outcome> prepare(VerbContext&, const PrepareArguments& arguments) {
-  if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
-    return tl::unexpected(distinct.error());
+  ECS_DO(check_output_not_input(arguments.output, arguments.files));
   commissioning::PreparedLineRequest request{arguments.files, arguments.import, arguments.line, arguments.place, {}};
   for (const std::string& word : arguments.runs) {
-    const auto run = left_out_in(word, "--leave-out-run");
-    if (!run) return tl::unexpected(run.error());
-    request.left_out.runs[run->number] = run->reason;
+    ECS_TRY(run, left_out_in(word, "--leave-out-run"));
+    request.left_out.runs[run.number] = run.reason;
   }
   for (const std::string& word : arguments.readings) {
-    const auto reading = left_out_in(word, "--leave-out-reading");
-    if (!reading) return tl::unexpected(reading.error());
-    request.left_out.readings[static_cast<std::size_t>(reading->number) - 1] = reading->reason;
+    ECS_TRY(reading, left_out_in(word, "--leave-out-reading"));
+    request.left_out.readings[static_cast<std::size_t>(reading.number) - 1] = reading.reason;
   }
-  const auto set = commissioning::prepared_line(request);
-  if (!set) return tl::unexpected(set.error());
-  if (const auto written = laser::write_measurement_set(arguments.output, *set); !written)
-    return tl::unexpected(written.error());
+  ECS_TRY(set, commissioning::prepared_line(request));
+  ECS_DO(laser::write_measurement_set(arguments.output, set));
   AnswerFields fields{{"output", word_cell(arguments.output)},
-                      {"count", shown_cell(fmt::format("{}", set->readings.size()))}};
-  append(fields, set_fields(*set));
+                      {"count", shown_cell(fmt::format("{}", set.readings.size()))}};
+  append(fields, set_fields(set));
   return outcome_of(record_cell("{lines}{count} readings written to {output}", fields));
 }
 

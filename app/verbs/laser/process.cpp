@@ -45,10 +45,9 @@ laser::SlopeMethod method_for(const ProcessArguments& arguments, const laser::Gr
 
 Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group,
                             const ProcessArguments& arguments) {
-  auto readings = laser::processed_readings(set, group, {method_for(arguments, group), arguments.smooth_mm});
-  if (!readings) return tl::unexpected(readings.error());
-  if (readings->smoothing_fault) return tl::unexpected(*readings->smoothing_fault);
-  return Processed{group, std::move(*readings)};
+  ECS_TRY(readings, laser::processed_readings(set, group, {method_for(arguments, group), arguments.smooth_mm}));
+  if (readings.smoothing_fault) return tl::unexpected(*readings.smoothing_fault);
+  return Processed{group, std::move(readings)};
 }
 
 // --- as text and JSON
@@ -215,18 +214,13 @@ Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const lase
 }
 
 Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments) {
-  if (!arguments.plot.empty())
-    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
   for (const std::string& output : {arguments.output, arguments.plot})
-    if (const auto distinct = check_output_not_input(output, {arguments.file}); !distinct)
-      return tl::unexpected(distinct.error());
-  const auto exclusions = exclusions_of(arguments.exclude_runs, arguments.exclude_rows);
-  if (!exclusions) return tl::unexpected(exclusions.error());
-  const auto imported = read_with_notes(context, arguments.file, arguments.import);
-  if (!imported) return tl::unexpected(imported.error());
-  const laser::Selection selection = laser::selected(imported->set, *exclusions);
-  if (const auto fits = all_fit(*exclusions, selection, imported->set, arguments.file); !fits)
-    return tl::unexpected(fits.error());
+    ECS_DO(check_output_not_input(output, {arguments.file}));
+  ECS_TRY(exclusions, exclusions_of(arguments.exclude_runs, arguments.exclude_rows));
+  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+  const laser::Selection selection = laser::selected(imported.set, exclusions);
+  ECS_DO(all_fit(exclusions, selection, imported.set, arguments.file));
   std::vector<Processed> lines;
   for (const laser::Group& group : laser::groups_of(selection.chosen)) {
     auto line = processed(selection.chosen, group, arguments);
@@ -238,9 +232,8 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
     lines.push_back(std::move(*line));
   }
   if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", arguments.file));
-  if (const auto written = write_files(lines, imported->set, arguments); !written)
-    return tl::unexpected(written.error());
-  const std::size_t readings = imported->set.readings.size();
+  ECS_DO(write_files(lines, imported.set, arguments));
+  const std::size_t readings = imported.set.readings.size();
   return outcome_of(record_cell(
       "{lines}{excluded} of {readings} readings left out\n{output}{plot}",
       {{"file", word_cell(arguments.file)},

@@ -49,12 +49,11 @@ Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary
 }
 
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
-  const auto imported = read_measurements(arguments.file, arguments.import);
-  if (!imported) return tl::unexpected(imported.error());
-  const laser::MeasurementSet& set = imported->set;
-  AnswerFields fields{{"file", word_cell(arguments.file)}, {"format", word_cell(imported->format->title)}};
+  ECS_TRY(imported, read_measurements(arguments.file, arguments.import));
+  const laser::MeasurementSet& set = imported.set;
+  AnswerFields fields{{"file", word_cell(arguments.file)}, {"format", word_cell(imported.format->title)}};
   append(fields, set_fields(set));
-  const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported->environment), "rows")
+  const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported.environment), "rows")
                                                : conditions_cell(conditions_in(set), "readings");
   fields.push_back({"conditions", conditions.json.empty() ? shown_cell({}) : conditions});
   Cell answer = record_cell("{file}: {format}, {readings} readings\n{metadata}{notes}{conditions}\n{lines}", fields);

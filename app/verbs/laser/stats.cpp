@@ -294,31 +294,28 @@ std::vector<JoinedFiles> joined_by_machine(const std::vector<laser::MeasurementS
 }
 
 Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
-  const auto given = given_files(arguments.files);
-  if (!given) return tl::unexpected(given.error());
-  for (const std::string& note : given->notes) context.console.note(note);
+  ECS_TRY(given, given_files(arguments.files));
+  for (const std::string& note : given.notes) context.console.note(note);
   std::vector<laser::MeasurementSet> sets;
-  for (const std::string& file : given->files) {
-    auto imported = read_with_notes(context, file, arguments.import);
-    if (!imported) return tl::unexpected(imported.error());
-    if (imported->set.readings.empty())
+  for (const std::string& file : given.files) {
+    ECS_TRY(imported, read_with_notes(context, file, arguments.import));
+    if (imported.set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    imported->set.source = file;
-    imported->set.notes.clear();
-    sets.push_back(std::move(imported->set));
+    imported.set.source = file;
+    imported.set.notes.clear();
+    sets.push_back(std::move(imported.set));
   }
   Cell lines{Json::array(), {}};
   std::vector<LineStatistics> statistics;
   for (const JoinedFiles& machine : joined_by_machine(sets)) {
     for (const std::string& note : machine.all.notes) context.console.note(note);
     for (const laser::Group& group : laser::groups_of(machine.all)) {
-      const auto iso = laser::iso230_of(machine.all, group);
-      if (!iso) return tl::unexpected(iso.error());
+      ECS_TRY(iso, laser::iso230_of(machine.all, group));
       if (!lines.text.empty()) lines.text += "\n";
       const MeasuredLine line{machine.all, group, machine.files_of(group),
                               [&](std::size_t i) { return machine.file_of(i); }};
-      lines.add(iso230_cell(*iso, line, arguments));
-      statistics.push_back(line_statistics(*iso, line, lines.json.back()));
+      lines.add(iso230_cell(iso, line, arguments));
+      statistics.push_back(line_statistics(iso, line, lines.json.back()));
     }
   }
   if (!arguments.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);

@@ -55,12 +55,11 @@ Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, 
       plots.emplace_back(names.back(), figure);
     }
   }
-  if (auto kept = spared(names, arguments.force); !kept) return tl::unexpected(kept.error());
+  ECS_DO(spared(names, arguments.force));
   std::error_code error;
   std::filesystem::create_directories(arguments.plots, error);
   if (error) return problem(ProblemKind::output, fmt::format("{}: {}", arguments.plots, error.message()));
-  for (const auto& [path, figure] : plots)
-    if (const auto drawn = write_plot(path, figure); !drawn) return tl::unexpected(drawn.error());
+  for (const auto& [path, figure] : plots) ECS_DO(write_plot(path, figure));
   return names;
 }
 
@@ -81,13 +80,11 @@ std::optional<Problem> unfit_files(const std::vector<TableRow>& rows) {
 }
 
 Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
-  const auto plan = read_plan(arguments.plan);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto rows = table_of(*plan, arguments.before, arguments.after);
-  const auto plots = write_plots(rows, arguments);
-  if (!plots) return tl::unexpected(plots.error());
-  Cell drawn = lines_cell(*plots, "  ");
-  if (!plots->empty()) drawn.text.insert(0, "\nplots:\n");
+  ECS_TRY(plan, read_plan(arguments.plan));
+  const auto rows = table_of(plan, arguments.before, arguments.after);
+  ECS_TRY(plots, write_plots(rows, arguments));
+  Cell drawn = lines_cell(plots, "  ");
+  if (!plots.empty()) drawn.text.insert(0, "\nplots:\n");
   const auto unfit = unfit_files(rows);
   return outcome_of(record_cell("{rows}{plots}", {{"plan", word_cell(arguments.plan)},
                                                   {"band", word_cell(laser::kBandDefinition)},

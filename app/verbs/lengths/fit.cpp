@@ -42,18 +42,14 @@ Result<Outcome> fit_lengths(VerbContext&, const LengthsFitArguments& a) {
   if ((!a.output.empty() || !a.params_out.empty()) && a.params.empty())
     return problem(ProblemKind::usage, "--params is required for a map: the parameters of the unit that it is for");
   for (const std::string& output : {a.output, a.params_out})
-    if (const auto distinct = check_output_not_input(output, {a.file, a.machine, a.params}); !distinct)
-      return tl::unexpected(distinct.error());
-  const auto work = lengths_work(a.arguments());
-  if (!work) return tl::unexpected(work.error());
-  const bool writes = work->map.has_value();
-  if (writes && !a.output.empty())
-    if (auto done = write_file(a.output, laser::to_map_csv(*work->map)); !done) return tl::unexpected(done.error());
+    ECS_DO(check_output_not_input(output, {a.file, a.machine, a.params}));
+  ECS_TRY(work, lengths_work(a.arguments()));
+  const bool writes = work.map.has_value();
+  if (writes && !a.output.empty()) ECS_DO(write_file(a.output, laser::to_map_csv(*work.map)));
   if (writes && !a.params_out.empty())
-    if (auto done = params::write_parameters(a.params_out, work->unit->parameters, work->unit->identity); !done)
-      return tl::unexpected(done.error());
-  return outcome_of(lengths_cell(*work, writes ? a.output : "", writes ? a.params_out : ""),
-                    work->found.whole() ? kDone : kDoesNotHold);
+    ECS_DO(params::write_parameters(a.params_out, work.unit->parameters, work.unit->identity));
+  return outcome_of(lengths_cell(work, writes ? a.output : "", writes ? a.params_out : ""),
+                    work.found.whole() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

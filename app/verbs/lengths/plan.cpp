@@ -54,13 +54,10 @@ struct LengthsPlanArguments : VerbArguments {
 };
 
 Result<Outcome> plan_the_lengths(VerbContext&, const LengthsPlanArguments& a) {
-  if (const auto distinct = check_output_not_input(a.output, {a.machine}); !distinct)
-    return tl::unexpected(distinct.error());
-  const auto plan = lengths_plan(a.asked());
-  if (!plan) return tl::unexpected(plan.error());
-  if (!a.output.empty())
-    if (auto done = write_file(a.output, model::to_csv(plan->test, true)); !done) return tl::unexpected(done.error());
-  return outcome_of(lengths_plan_cell(*plan, a.volume, a.output), plan->reached ? kDone : kDoesNotHold);
+  ECS_DO(check_output_not_input(a.output, {a.machine}));
+  ECS_TRY(plan, lengths_plan(a.asked()));
+  if (!a.output.empty()) ECS_DO(write_file(a.output, model::to_csv(plan.test, true)));
+  return outcome_of(lengths_plan_cell(plan, a.volume, a.output), plan.reached ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -14,11 +14,9 @@ struct CompareLogArguments : LogArguments {
 };
 
 Result<Outcome> compare_log(VerbContext& context, const CompareLogArguments& arguments) {
-  const auto book = chosen_logbook(context, arguments);
-  if (!book) return tl::unexpected(book.error());
-  const auto comparison = compared(*book, arguments.from, arguments.to, run_again());
-  if (!comparison) return tl::unexpected(comparison.error());
-  return outcome_of(comparison_of_log_cell(*comparison));
+  ECS_TRY(book, chosen_logbook(context, arguments));
+  ECS_TRY(comparison, compared(book, arguments.from, arguments.to, run_again()));
+  return outcome_of(comparison_of_log_cell(comparison));
 }
 
 }  // namespace

@@ -82,15 +82,13 @@ Result<std::vector<std::string>> files_written(const Logbook& book, const Logboo
   std::vector<std::string> names;
   for (std::size_t k = 0; k < files.size(); ++k)
     if (files[k].kept) names.push_back((folder / file_name(k, files[k])).string());
-  if (const auto free = none_there(names, "give another folder"); !free) return tl::unexpected(free.error());
+  ECS_DO(none_there(names, "give another folder"));
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (!files[k].kept) continue;
-    const auto content = book.original(files[k].sha256);
-    if (!content) return tl::unexpected(content.error());
-    if (auto written = write_file(folder / file_name(k, files[k]), *content); !written)
-      return tl::unexpected(written.error());
+    ECS_TRY(content, book.original(files[k].sha256));
+    ECS_DO(write_file(folder / file_name(k, files[k]), content));
   }
   return names;
 }
@@ -147,27 +145,24 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogArgume
   wishes.uncertainty = arguments.uncertainty_words();
   std::optional<SchemaFolder> schema;
   if (const std::string folder = schema_folder_or_empty(arguments.schema); !folder.empty()) {
-    auto found = schema_in(folder);
-    if (!found) return tl::unexpected(found.error());
-    schema = std::move(*found);
+    ECS_TRY(found, schema_in(folder));
+    schema = std::move(found);
     wishes.schema_version = schema->version;
   }
-  auto certificate = certificate_of(book, wishes, run_again(), now_utc());
-  if (!certificate) return tl::unexpected(certificate.error());
-  WrittenCertificate written{std::move(*certificate), {}, {}};
+  ECS_TRY(certificate, certificate_of(book, wishes, run_again(), now_utc()));
+  WrittenCertificate written{std::move(certificate), {}, {}};
   std::string xml = dcc_xml(written.certificate);
   if (wishes.to_be_signed) {
-    auto with_signature = signed_by(xml, arguments.sign, arguments.signer);
-    if (!with_signature) return tl::unexpected(with_signature.error());
-    xml = std::move(*with_signature);
+    ECS_TRY(with_signature, signed_by(xml, arguments.sign, arguments.signer));
+    xml = std::move(with_signature);
   }
   if (schema) {
-    if (const auto valid = valid_by_schema(xml, *schema, arguments.dcc); !valid) return tl::unexpected(valid.error());
+    ECS_DO(valid_by_schema(xml, *schema, arguments.dcc));
     written.schema = schema->version;
   } else {
     context.console.note("not validated: name the folder of the published schema with --schema or ECS_DCC_SCHEMA");
   }
-  if (auto done = write_file(arguments.dcc, xml); !done) return tl::unexpected(done.error());
+  ECS_DO(write_file(arguments.dcc, xml));
   written.sha256 = sha256_hex(xml);
   log_certificate(book, arguments, written, xml);
   return written;
@@ -193,39 +188,34 @@ Cell certificate_cell(const std::optional<WrittenCertificate>& written, const st
 }
 
 Result<Outcome> export_log(VerbContext& context, const ExportLogArguments& arguments) {
-  if (const auto right = check_words(arguments); !right) return tl::unexpected(right.error());
-  const auto book = chosen_logbook(context, arguments);
-  if (!book) return tl::unexpected(book.error());
+  ECS_DO(check_words(arguments));
+  ECS_TRY(book, chosen_logbook(context, arguments));
   std::vector<std::string> names;
   if (!arguments.entry.empty()) {
     const auto number = integer_in(arguments.entry);
-    const auto entry = number ? book->entry(*number) : problem(ProblemKind::usage, "--entry: expected a number");
-    if (!entry) return tl::unexpected(entry.error());
-    auto written = files_written(*book, *entry, arguments.folder);
-    if (!written) return tl::unexpected(written.error());
-    names = std::move(*written);
+    ECS_TRY(entry, number ? book.entry(*number) : problem(ProblemKind::usage, "--entry: expected a number"));
+    ECS_TRY(written, files_written(book, entry, arguments.folder));
+    names = std::move(written);
   }
   std::size_t count = 0;
   if (!arguments.output.empty()) {
-    const auto entries = book->entries();
-    if (!entries) return tl::unexpected(entries.error());
+    ECS_TRY(entries, book.entries());
     std::string lines;
-    for (const LogbookEntry& entry : *entries) lines += one_line(whole_entry_cell(entry).json) + "\n";
-    if (auto written = write_file(arguments.output, lines); !written) return tl::unexpected(written.error());
-    count = entries->size();
+    for (const LogbookEntry& entry : entries) lines += one_line(whole_entry_cell(entry).json) + "\n";
+    ECS_DO(write_file(arguments.output, lines));
+    count = entries.size();
   }
   std::optional<WrittenCertificate> certificate;
   if (!arguments.dcc.empty()) {
-    auto written = certified(context, arguments, *book);
-    if (!written) return tl::unexpected(written.error());
-    certificate = std::move(*written);
+    ECS_TRY(written, certified(context, arguments, book));
+    certificate = std::move(written);
   }
   const std::string entries_text =
       arguments.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, arguments.output);
   const std::string files_text =
       names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), arguments.folder);
   return outcome_of(record_cell("{entries_text}{files_text}{certificate}",
-                                {{"log", word_cell(book->path().string())},
+                                {{"log", word_cell(book.path().string())},
                                  {"output", text_cell(arguments.output)},
                                  {"entries", count_cell(count)},
                                  {"files", {names, {}}},

@@ -26,25 +26,22 @@ struct InstrumentArguments : VerbArguments {
 };
 
 Result<Instrument> read_instrument(const std::string& file) {
-  const auto content = read_file(file);
-  if (!content) return tl::unexpected(content.error());
-  return trimmed(*content).starts_with('<') ? instrument_in_dcc(*content, file) : parse_instrument(*content, file);
+  ECS_TRY(content, read_file(file));
+  return trimmed(content).starts_with('<') ? instrument_in_dcc(content, file) : parse_instrument(content, file);
 }
 
 Result<Outcome> instrument(VerbContext&, const InstrumentArguments& arguments) {
   const std::string in_use = instrument_file();
   if (arguments.file.empty() && arguments.use) return problem(ProblemKind::usage, "--use: give the file");
-  auto found = read_instrument(arguments.file.empty() ? in_use : arguments.file);
-  if (!found) return tl::unexpected(found.error());
-  if (arguments.interval > 0) found->calibration_interval_days = arguments.interval;
+  ECS_TRY(found, read_instrument(arguments.file.empty() ? in_use : arguments.file));
+  if (arguments.interval > 0) found.calibration_interval_days = arguments.interval;
   if (arguments.use) {
-    if (const auto free = spared({in_use}, arguments.force, {arguments.file}); !free)
-      return tl::unexpected(free.error());
+    ECS_DO(spared({in_use}, arguments.force, {arguments.file}));
     std::error_code error;
     std::filesystem::create_directories(std::filesystem::path(in_use).parent_path(), error);
-    if (auto written = write_file(in_use, to_toml(*found)); !written) return tl::unexpected(written.error());
+    ECS_DO(write_file(in_use, to_toml(found)));
   }
-  const Json object = Json::parse(instrument_json(*found, now_utc()), nullptr, false);
+  const Json object = Json::parse(instrument_json(found, now_utc()), nullptr, false);
   std::string text;
   if (object.is_object())
     for (const auto& [key, value] : object.items())

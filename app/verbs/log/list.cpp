@@ -19,25 +19,22 @@ struct ListLogArguments : LogArguments {
 
 Result<Outcome> list_log(VerbContext& context, const ListLogArguments& arguments) {
   if (const auto wrong = wrong_date(arguments.since)) return problem(ProblemKind::usage, "--since: " + *wrong);
-  const auto book = chosen_logbook(context, arguments);
-  if (!book) return tl::unexpected(book.error());
-  auto entries = book->entries(true);
-  if (!entries) return tl::unexpected(entries.error());
-  const auto owner = book->owner();
-  if (!owner) return tl::unexpected(owner.error());
-  std::erase_if(*entries, [&](const LogbookEntry& entry) {
+  ECS_TRY(book, chosen_logbook(context, arguments));
+  ECS_TRY(entries, book.entries(true));
+  ECS_TRY(owner, book.owner());
+  std::erase_if(entries, [&](const LogbookEntry& entry) {
     return (!arguments.kind.empty() && entry.kind != arguments.kind) || entry.time < arguments.since;
   });
-  const std::size_t all = entries->size();
+  const std::size_t all = entries.size();
   if (const auto last = static_cast<std::size_t>(arguments.last); last > 0 && all > last)
-    entries->erase(entries->begin(), entries->end() - static_cast<std::ptrdiff_t>(last));
+    entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(last));
   return outcome_of(
       record_cell("{owner}\n{entries}",
-                  {{"log", word_cell(book->path().string())},
-                   {"machine", text_cell(owner->machine)},
-                   {"serial_number", text_cell(owner->serial_number)},
-                   {"owner", shown_cell(fmt::format("logbook of {}: {}", in_words(*owner), book->path().string()))},
-                   {"entries", list_cell(*entries, log_entry_cell, log_list_head())}}));
+                  {{"log", word_cell(book.path().string())},
+                   {"machine", text_cell(owner.machine)},
+                   {"serial_number", text_cell(owner.serial_number)},
+                   {"owner", shown_cell(fmt::format("logbook of {}: {}", in_words(owner), book.path().string()))},
+                   {"entries", list_cell(entries, log_entry_cell, log_list_head())}}));
 }
 
 struct ShowLogArguments : LogArguments {
@@ -45,11 +42,9 @@ struct ShowLogArguments : LogArguments {
 };
 
 Result<Outcome> show_log(VerbContext& context, const ShowLogArguments& arguments) {
-  const auto book = chosen_logbook(context, arguments);
-  if (!book) return tl::unexpected(book.error());
-  const auto entry = book->entry(arguments.number);
-  if (!entry) return tl::unexpected(entry.error());
-  return outcome_of(whole_entry_cell(*entry));
+  ECS_TRY(book, chosen_logbook(context, arguments));
+  ECS_TRY(entry, book.entry(arguments.number));
+  return outcome_of(whole_entry_cell(entry));
 }
 
 }  // namespace

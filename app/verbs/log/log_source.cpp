@@ -40,12 +40,11 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogArguments& argumen
   std::vector<std::filesystem::path> files{arguments.log};
   LogbookSetting setting;
   if (arguments.log.empty()) {
-    const auto set = logbook_setting();
-    if (!set) return tl::unexpected(set.error());
-    if (set->off)
+    ECS_TRY(set, logbook_setting());
+    if (set.off)
       return problem(ProblemKind::usage,
                      "no logbook is kept (ECS_LOGBOOK or the setting says off): name one with --log");
-    setting = *set;
+    setting = set;
     files = logbooks(setting);
   }
   std::vector<std::string> others;

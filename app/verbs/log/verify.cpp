@@ -39,16 +39,13 @@ struct ReplayArguments : LogArguments {
 
 /// Refused where the unit is another machine's.
 Result<std::string> image_of_unit(VerbContext& context, const ReplayArguments& arguments, const Logbook& book) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  const auto owner = book.owner();
-  if (!owner) return tl::unexpected(owner.error());
-  if (const LogOwner of{identity->machine, identity->serial_number}; !belongs(*owner, of))
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_TRY(owner, book.owner());
+  if (const LogOwner of{identity.machine, identity.serial_number}; !belongs(owner, of))
     return problem(ProblemKind::refused, fmt::format("{} is the logbook of {}; the unit is that of {}",
-                                                     book.path().string(), in_words(*owner), in_words(of)));
-  const auto image = read_active_image(unit->client(), progress_bar(context, "image"));
+                                                     book.path().string(), in_words(owner), in_words(of)));
+  const auto image = read_active_image(unit.client(), progress_bar(context, "image"));
   context.console.end_progress();
   if (!image) return tl::unexpected(image.error());
   if (!*image) return problem(ProblemKind::refused, "the unit holds no image");
@@ -56,17 +53,14 @@ Result<std::string> image_of_unit(VerbContext& context, const ReplayArguments& a
 }
 
 Result<Outcome> replay_log(VerbContext& context, const ReplayArguments& arguments) {
-  const auto book = chosen_logbook(context, arguments);
-  if (!book) return tl::unexpected(book.error());
+  ECS_TRY(book, chosen_logbook(context, arguments));
   std::string active;
   if (arguments.unit) {
-    auto image = image_of_unit(context, arguments, *book);
-    if (!image) return tl::unexpected(image.error());
-    active = std::move(*image);
+    ECS_TRY(image, image_of_unit(context, arguments, book));
+    active = std::move(image);
   }
-  const auto replay = replayed(*book, run_again(), active);
-  if (!replay) return tl::unexpected(replay.error());
-  return outcome_of(replay_cell(*replay), replay->same ? kDone : kDoesNotHold);
+  ECS_TRY(replay, replayed(book, run_again(), active));
+  return outcome_of(replay_cell(replay), replay.same ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -65,27 +65,23 @@ Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& 
   if (by_recipe && arguments.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
   if (by_recipe) {
-    auto recipe = laser::read_map_recipe(arguments.files.front());
-    if (!recipe) return tl::unexpected(recipe.error());
-    return Recipe{std::move(*recipe), arguments.files.front(), {}};
+    ECS_TRY(recipe, laser::read_map_recipe(arguments.files.front()));
+    return Recipe{std::move(recipe), arguments.files.front(), {}};
   }
-  const auto given = given_files(arguments.files);
-  if (!given) return tl::unexpected(given.error());
-  auto suggested = laser::suggest_recipe({given->files.begin(), given->files.end()}, parameters, arguments.reader());
-  if (!suggested) return tl::unexpected(suggested.error());
-  return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
+  ECS_TRY(given, given_files(arguments.files));
+  ECS_TRY(suggested, laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, arguments.reader()));
+  return Recipe{std::move(suggested.recipe), {}, std::move(suggested.unused)};
 }
 
 Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    const auto zero = declared_zero_in(word);
-    if (!zero) return tl::unexpected(zero.error());
-    const auto same = [&](const auto& other) { return other.component == zero->component; };
+    ECS_TRY(zero, declared_zero_in(word));
+    const auto same = [&](const auto& other) { return other.component == zero.component; };
     if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
         std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
       return problem(ProblemKind::usage, fmt::format("--zero {}: it is measured or declared zero already: keep one",
-                                                     name_of(zero->component)));
-    recipe.declared_zero.push_back(*zero);
+                                                     name_of(zero.component)));
+    recipe.declared_zero.push_back(zero);
   }
   return {};
 }
@@ -118,25 +114,21 @@ struct Built {
 };
 
 Result<Built> built(const BuildArguments& arguments) {
-  const auto parameters = arguments.params_out.empty() ? params::read_parameters(arguments.params)
-                                                       : params::read_whole_parameters(arguments.params);
-  if (!parameters) return tl::unexpected(parameters.error());
-  auto recipe = recipe_of(arguments, parameters->parameters);
-  if (!recipe) return tl::unexpected(recipe.error());
-  if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
-  auto map = laser::build_map(recipe->recipe, parameters->parameters, arguments.reader());
-  if (!map) return tl::unexpected(map.error());
-  laser::MapHeader& header = map->map.header;
-  if (header.machine.empty()) header.machine = parameters->identity.machine;
-  if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
-  auto travels = travels_beside(arguments.params, *parameters);
+  ECS_TRY(parameters, arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                                   : params::read_whole_parameters(arguments.params));
+  ECS_TRY(recipe, recipe_of(arguments, parameters.parameters));
+  ECS_DO(complete(recipe.recipe, arguments));
+  ECS_TRY(map, laser::build_map(recipe.recipe, parameters.parameters, arguments.reader()));
+  laser::MapHeader& header = map.map.header;
+  if (header.machine.empty()) header.machine = parameters.identity.machine;
+  if (header.serial_number.empty()) header.serial_number = parameters.identity.serial_number;
+  auto travels = travels_beside(arguments.params, parameters);
   if (!arguments.machine.empty()) {
-    const auto machine = params::read_machine(arguments.machine);
-    if (!machine) return tl::unexpected(machine.error());
-    travels = travels_of(machine->machine);
+    ECS_TRY(machine, params::read_machine(arguments.machine));
+    travels = travels_of(machine.machine);
   }
-  auto findings = laser::findings_for(map->map, map->parameters, travels);
-  return Built{std::move(*recipe), std::move(*map), parameters->identity, std::move(findings)};
+  auto findings = laser::findings_for(map.map, map.parameters, travels);
+  return Built{std::move(recipe), std::move(map), parameters.identity, std::move(findings)};
 }
 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
@@ -228,9 +220,8 @@ Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (a.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
   const FromModelArguments arguments{a.from_model, a.machine,      a.increment_mm, a.params,   a.output, a.params_out,
                                      a.zero,       a.zero_missing, a.customer,     a.engineer, a.date,   {}};
-  const auto map = map_from_model(context.console, arguments);
-  if (!map) return tl::unexpected(map.error());
-  return outcome_of(from_model_cell(*map, arguments));
+  ECS_TRY(map, map_from_model(context.console, arguments));
+  return outcome_of(from_model_cell(map, arguments));
 }
 
 Result<void> enough_given(const BuildArguments& arguments) {
@@ -250,20 +241,17 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!arguments.from_model.empty()) return from_model(context, arguments);
   if (measures_rotary_axes(arguments.files, arguments.import)) {
-    if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
-      return tl::unexpected(distinct.error());
+    ECS_DO(check_output_not_input(arguments.output, arguments.files));
     return rotary_errors_built(context, arguments.files, arguments.import, arguments.output);
   }
-  if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
+  ECS_DO(enough_given(arguments));
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto distinct = check_output_not_input(output, arguments.files); !distinct)
-      return tl::unexpected(distinct.error());
-  const auto b = built(arguments);
-  if (!b) return tl::unexpected(b.error());
-  if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
-  if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
-  warn_about_header(context, *b);
-  return outcome_of(built_cell(*b, arguments));
+    ECS_DO(check_output_not_input(output, arguments.files));
+  ECS_TRY(b, built(arguments));
+  if (b.map.outcomes.empty() && b.map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(b));
+  ECS_DO(write(b, arguments));
+  warn_about_header(context, b);
+  return outcome_of(built_cell(b, arguments));
 }
 
 }  // namespace

@@ -14,13 +14,11 @@ Result<FoundMap> map_in(VerbContext& context, UnitLink& unit) {
 Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit) {
   if (file.empty() != from_unit) return problem(ProblemKind::usage, "expected a map FILE or --unit, one of the two");
   if (!from_unit) {
-    auto map = laser::read_map_csv(file);
-    if (!map) return tl::unexpected(map.error());
-    return FoundMap{std::move(*map), std::nullopt, file};
+    ECS_TRY(map, laser::read_map_csv(file));
+    return FoundMap{std::move(map), std::nullopt, file};
   }
-  auto unit = open_unit(context, Access::reads);
-  if (!unit) return tl::unexpected(unit.error());
-  return map_in(context, *unit);
+  ECS_TRY(unit, open_unit(context, Access::reads));
+  return map_in(context, unit);
 }
 
 }  // namespace ecs::app

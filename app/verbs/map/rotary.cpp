@@ -44,25 +44,20 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
   import.takes_rotary = true;
   std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : files) {
-    auto read = read_with_notes(context, file, import);
-    if (!read) return tl::unexpected(read.error());
-    sets.push_back(std::move(read->set));
+    ECS_TRY(read, read_with_notes(context, file, import));
+    sets.push_back(std::move(read.set));
     sets.back().source = file;
   }
-  const auto set = joined(sets);
-  if (!set) return tl::unexpected(set.error());
-  const auto errors = volume::measured_rotary_errors(*set);
-  if (!errors) return tl::unexpected(errors.error());
+  ECS_TRY(set, joined(sets));
+  ECS_TRY(errors, volume::measured_rotary_errors(set));
   if (!output.empty())
-    if (auto done = write_file(output, volume::rotary_csv(*errors, metadata_value(*set, "machine").value_or("")));
-        !done)
-      return tl::unexpected(done.error());
+    ECS_DO(write_file(output, volume::rotary_csv(errors, metadata_value(set, "machine").value_or(""))));
   return outcome_of(record_cell(
       "{tables}errors, not compensation: the unit compensates X, Y, Z and takes no table of a\nrotary axis; `ecs "
       "volume "
       "--rotary` does\n{rotary}",
       {{"rotary", written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")},
-       {"tables", list_cell(errors->tables, rotary_table_cell,
+       {"tables", list_cell(errors.tables, rotary_table_cell,
                             fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
                                         "from deg", "to deg", "points", "mean", "band"))}}));
 }

@@ -34,10 +34,9 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   if (!ready) return tl::unexpected(ready.error());
   for (const std::string& note : ready->image.notes) context.console.note(note);
   for (const std::string& remark : ready->remarks) context.console.warn(remark);
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
+  ECS_TRY(unit, open_unit(context, arguments.access));
   const auto sent =
-      send_map(unit->client(), *ready, arguments.file, arguments.other_machine, {}, progress_bar(context, "map"));
+      send_map(unit.client(), *ready, arguments.file, arguments.other_machine, {}, progress_bar(context, "map"));
   context.console.end_progress();
   if (!sent) return tl::unexpected(sent.error());
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);

@@ -41,18 +41,16 @@ using Judged = std::optional<std::vector<laser::MapFinding>>;
 Result<Judged> judged(const ShowArguments& arguments, const FoundMap& found) {
   params::ParametersFile by;
   if (!arguments.params.empty()) {
-    auto file = params::read_parameters(arguments.params);
-    if (!file) return tl::unexpected(file.error());
-    by = std::move(*file);
+    ECS_TRY(file, params::read_parameters(arguments.params));
+    by = std::move(file);
   } else if (found.parameters) {
     by.parameters = *found.parameters;
   } else {
     return Judged();
   }
   if (arguments.machine.empty()) return Judged(findings_with_travels(found.map, by, arguments.params));
-  const auto machine = params::read_machine(arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine->machine)));
+  ECS_TRY(machine, params::read_machine(arguments.machine));
+  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine.machine)));
 }
 
 Cell judged_cell(const Judged& findings) {
@@ -63,30 +61,25 @@ Cell judged_cell(const Judged& findings) {
 }
 
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
-  const auto only = chosen(arguments.component);
-  if (!only) return tl::unexpected(only.error());
-  if (!arguments.plot.empty())
-    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto found = found_map(context, arguments.file, arguments.unit);
-  if (!found) return tl::unexpected(found.error());
-  const auto findings = judged(arguments, *found);
-  if (!findings) return tl::unexpected(findings.error());
+  ECS_TRY(only, chosen(arguments.component));
+  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
+  ECS_TRY(found, found_map(context, arguments.file, arguments.unit));
+  ECS_TRY(findings, judged(arguments, found));
   std::vector<laser::MapTable> tables;
-  for (const laser::MapTable& table : found->map.tables)
-    if (!*only || table.component == **only) tables.push_back(table);
-  if (*only && tables.empty())
-    return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found->name, name_of(**only)));
+  for (const laser::MapTable& table : found.map.tables)
+    if (!only || table.component == *only) tables.push_back(table);
+  if (only && tables.empty())
+    return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found.name, name_of(*only)));
   if (!arguments.plot.empty()) {
     const std::string title = fmt::format("Error map of {}: compensation",
-                                          found->map.header.machine.empty() ? found->name : found->map.header.machine);
-    if (const auto drawn = write_plot(arguments.plot, figure_of(found->map, *only, title)); !drawn)
-      return tl::unexpected(drawn.error());
+                                          found.map.header.machine.empty() ? found.name : found.map.header.machine);
+    ECS_DO(write_plot(arguments.plot, figure_of(found.map, only, title)));
   }
   return outcome_of(
-      record_cell("{header}\n{tables}{findings}{plot}", {{"map", word_cell(found->name)},
-                                                         {"header", header_cell(found->map.header)},
-                                                         {"tables", tables_cell(tables, only->has_value())},
-                                                         {"findings", judged_cell(*findings)},
+      record_cell("{header}\n{tables}{findings}{plot}", {{"map", word_cell(found.name)},
+                                                         {"header", header_cell(found.map.header)},
+                                                         {"tables", tables_cell(tables, only.has_value())},
+                                                         {"findings", judged_cell(findings)},
                                                          {"plot", written_cell("plot", arguments.plot)}}));
 }
 
@@ -97,10 +90,9 @@ struct HeaderArguments : VerbArguments {
 };
 
 Result<Outcome> header(VerbContext& context, const HeaderArguments& arguments) {
-  const auto found = found_map(context, arguments.file, arguments.unit);
-  if (!found) return tl::unexpected(found.error());
-  const Cell header = header_cell(found->map.header);
-  return outcome_of({object_of({{"map", word_cell(found->name)}, {{}, header}}), header.text});
+  ECS_TRY(found, found_map(context, arguments.file, arguments.unit));
+  const Cell header = header_cell(found.map.header);
+  return outcome_of({object_of({{"map", word_cell(found.name)}, {{}, header}}), header.text});
 }
 
 }  // namespace

@@ -22,19 +22,17 @@ struct ReceiveArguments : VerbArguments {
 };
 
 Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
-  const auto found = found_map(context, {}, true);
-  if (!found) return tl::unexpected(found.error());
-  if (found->map.tables.empty() && found->map.header.declared_zero.empty())
+  ECS_TRY(found, found_map(context, {}, true));
+  if (found.map.tables.empty() && found.map.header.declared_zero.empty())
     return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
   const bool to_stdout = arguments.output.empty();
-  const std::string csv = laser::to_map_csv(found->map);
-  if (!to_stdout)
-    if (const auto written = write_file(arguments.output, csv); !written) return tl::unexpected(written.error());
+  const std::string csv = laser::to_map_csv(found.map);
+  if (!to_stdout) ECS_DO(write_file(arguments.output, csv));
   return outcome_of(record_cell(to_stdout ? "{csv}" : "map of the unit written to {map}: {count} tables",
                                 {{"map", text_cell(arguments.output)},
-                                 {"header", header_cell(found->map.header)},
-                                 {"tables", tables_cell(found->map.tables, to_stdout)},
-                                 {"count", shown_cell(fmt::format("{}", found->map.tables.size()))},
+                                 {"header", header_cell(found.map.header)},
+                                 {"tables", tables_cell(found.map.tables, to_stdout)},
+                                 {"count", shown_cell(fmt::format("{}", found.map.tables.size()))},
                                  {"csv", shown_cell(csv)}}));
 }
 
@@ -80,21 +78,19 @@ Cell largest_cell(const std::optional<LargestDifference>& largest) {
 }
 
 Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
-  if (const auto readable = laser::read_map_csv(arguments.file); !readable) return tl::unexpected(readable.error());
-  const auto found = found_map(context, {}, true);
-  if (!found) return tl::unexpected(found.error());
-  const auto verdict = verdict_on(*found, arguments.file, arguments.params);
-  if (!verdict) return tl::unexpected(verdict.error());
-  const std::size_t count = verdict->differences.size() + verdict->parameters.size();
+  ECS_DO(laser::read_map_csv(arguments.file));
+  ECS_TRY(found, found_map(context, {}, true));
+  ECS_TRY(verdict, verdict_on(found, arguments.file, arguments.params));
+  const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}",
                   {{"map", word_cell(arguments.file)},
-                   {"same", yes_cell(verdict->same(), fmt::format("the unit holds {}", arguments.file),
+                   {"same", yes_cell(verdict.same(), fmt::format("the unit holds {}", arguments.file),
                                      fmt::format("the unit does not hold {}: {} differences", arguments.file, count))},
-                   {"differences", places_cell(verdict->differences)},
-                   {"parameters", differences_cell(verdict->parameters, "expected", "found", "file", "unit")},
-                   {"largest_difference", largest_cell(verdict->largest)}}),
-      verdict->same() ? kDone : kDoesNotHold);
+                   {"differences", places_cell(verdict.differences)},
+                   {"parameters", differences_cell(verdict.parameters, "expected", "found", "file", "unit")},
+                   {"largest_difference", largest_cell(verdict.largest)}}),
+      verdict.same() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -14,9 +14,8 @@ namespace {
 constexpr std::string_view kUnitWord = "unit";
 
 Result<MemoryDump> dump_of_unit(VerbContext& context, DumpScope scope) {
-  auto unit = open_unit(context, Access::reads);
-  if (!unit) return tl::unexpected(unit.error());
-  return take_dump(unit->client(), unit->name(), scope, progress_bar(context, "memory"));
+  ECS_TRY(unit, open_unit(context, Access::reads));
+  return take_dump(unit.client(), unit.name(), scope, progress_bar(context, "memory"));
 }
 
 struct ShowArguments : VerbArguments {
@@ -29,9 +28,8 @@ struct ShowArguments : VerbArguments {
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   if (arguments.unit == !arguments.file.empty())
     return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
-  const auto dump = arguments.unit ? dump_of_unit(context, DumpScope::active) : read_dump(arguments.file);
-  if (!dump) return tl::unexpected(dump.error());
-  return outcome_of(memory_cell(*dump, decoded(*dump), arguments.bytes));
+  ECS_TRY(dump, arguments.unit ? dump_of_unit(context, DumpScope::active) : read_dump(arguments.file));
+  return outcome_of(memory_cell(dump, decoded(dump), arguments.bytes));
 }
 
 struct CompareArguments : VerbArguments {
@@ -59,18 +57,16 @@ Cell damage_cell(std::string_view side, const std::string& file, const MemoryDum
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
-  const auto a = dump_from(context, arguments.a);
-  if (!a) return tl::unexpected(a.error());
-  const auto b = dump_from(context, arguments.b);
-  if (!b) return tl::unexpected(b.error());
-  Cell found = list_cell(differences(*a, *b), [](const auto& one) {
+  ECS_TRY(a, dump_from(context, arguments.a));
+  ECS_TRY(b, dump_from(context, arguments.b));
+  Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
     return record_cell("{what}: A {a} | B {b}\n",
                        {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}});
   });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";
-  const Cell damage_a = damage_cell("A", arguments.a, *a), damage_b = damage_cell("B", arguments.b, *b);
+  const Cell damage_a = damage_cell("A", arguments.a, a), damage_b = damage_cell("B", arguments.b, b);
   return outcome_of(
       record_cell("{damaged}{differences}", {{"a", word_cell(arguments.a)},
                                              {"b", word_cell(arguments.b)},

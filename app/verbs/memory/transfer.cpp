@@ -47,32 +47,23 @@ std::string plain_hex(ByteView bytes) {
 }
 
 Result<Outcome> read_bytes(VerbContext& context, const ReadArguments& arguments) {
-  const auto address = whole_number(arguments.address, "ADDRESS");
-  if (!address) return tl::unexpected(address.error());
-  const auto length = whole_number(arguments.length, "LENGTH");
-  if (!length) return tl::unexpected(length.error());
-  if (const auto fits = within_space(*address, *length); !fits) return tl::unexpected(fits.error());
-  if (const auto there = memory_there(*address, *length); !there) return tl::unexpected(there.error());
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  if (const auto there = memory_there(*address, *length, identity->memory_modules); !there)
-    return tl::unexpected(there.error());
-  const auto bytes = unit->client().read_memory(*address, *length, progress_bar(context, "memory"));
-  if (!bytes) return tl::unexpected(bytes.error());
+  ECS_TRY(address, whole_number(arguments.address, "ADDRESS"));
+  ECS_TRY(length, whole_number(arguments.length, "LENGTH"));
+  ECS_DO(within_space(address, length));
+  ECS_DO(memory_there(address, length));
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_DO(memory_there(address, length, identity.memory_modules));
+  ECS_TRY(bytes, unit.client().read_memory(address, length, progress_bar(context, "memory")));
   const bool to_stdout = arguments.output.empty();
-  if (!to_stdout)
-    if (auto written = write_file(arguments.output, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-        !written)
-      return tl::unexpected(written.error());
-  const std::string digits = plain_hex(*bytes);
+  if (!to_stdout) ECS_DO(write_file(arguments.output, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  const std::string digits = plain_hex(bytes);
   return outcome_of(record_cell(
       to_stdout ? "{bytes}" : "{length} bytes written to {file}",
-      {{"address", word_cell(hex_address(*address))},
-       {"length", integer_cell(*length)},
+      {{"address", word_cell(hex_address(address))},
+       {"length", integer_cell(length)},
        {"file", text_cell(arguments.output)},
-       {"bytes", to_stdout ? Cell{digits, arguments.hex ? digits : listing(*address, *bytes)} : shown_cell({})}}));
+       {"bytes", to_stdout ? Cell{digits, arguments.hex ? digits : listing(address, bytes)} : shown_cell({})}}));
 }
 
 // --- write
@@ -88,35 +79,26 @@ Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments
   if (arguments.words.empty() == arguments.file.empty())
     return problem(ProblemKind::usage, "memory write: give either bytes or --file");
   if (arguments.file.empty()) return hex_bytes(arguments.words);
-  const auto content = read_file(arguments.file);
-  if (!content) return tl::unexpected(content.error());
-  return std::vector<std::uint8_t>(content->begin(), content->end());
+  ECS_TRY(content, read_file(arguments.file));
+  return std::vector<std::uint8_t>(content.begin(), content.end());
 }
 
 Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& arguments) {
-  const auto address = whole_number(arguments.address, "ADDRESS");
-  if (!address) return tl::unexpected(address.error());
-  const auto bytes = bytes_to_write(arguments);
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (const auto fits = within_space(*address, bytes->size()); !fits) return tl::unexpected(fits.error());
-  if (const auto there = memory_there(*address, bytes->size()); !there) return tl::unexpected(there.error());
-  if (const auto may = may_write(MemoryBytes::of_unit(kMostModules), *address, bytes->size()); !may)
-    return tl::unexpected(may.error());
-  if (const auto sure = confirmed(
-          arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
-      !sure)
-    return tl::unexpected(sure.error());
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
+  ECS_TRY(address, whole_number(arguments.address, "ADDRESS"));
+  ECS_TRY(bytes, bytes_to_write(arguments));
+  ECS_DO(within_space(address, bytes.size()));
+  ECS_DO(memory_there(address, bytes.size()));
+  ECS_DO(may_write(MemoryBytes::of_unit(kMostModules), address, bytes.size()));
+  ECS_DO(
+      confirmed(arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes.size(), hex_address(address))));
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
   if (auto written =
-          write_logged(unit->client(), identity->serial_number, *address, *bytes, progress_bar(context, "memory"));
+          write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory"));
       !written)
     return tl::unexpected(written.error());
-  return outcome_of(
-      record_cell("{length} bytes written from {address} on",
-                  {{"address", word_cell(hex_address(*address))}, {"length", count_cell(bytes->size())}}));
+  return outcome_of(record_cell("{length} bytes written from {address} on",
+                                {{"address", word_cell(hex_address(address))}, {"length", count_cell(bytes.size())}}));
 }
 
 // --- dump
@@ -127,20 +109,18 @@ struct DumpArguments : VerbArguments {
 };
 
 Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto dump = take_dump(unit->client(), unit->name(), arguments.active ? DumpScope::active : DumpScope::all,
-                              progress_bar(context, "memory"));
-  if (!dump) return tl::unexpected(dump.error());
-  if (auto written = write_file(arguments.output, to_bytes(*dump)); !written) return tl::unexpected(written.error());
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(dump, take_dump(unit.client(), unit.name(), arguments.active ? DumpScope::active : DumpScope::all,
+                          progress_bar(context, "memory")));
+  ECS_DO(write_file(arguments.output, to_bytes(dump)));
   std::size_t bytes = 0;
-  for (const DumpRegion& region : dump->regions) bytes += region.bytes.size();
+  for (const DumpRegion& region : dump.regions) bytes += region.bytes.size();
   return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
                                 {{"file", word_cell(arguments.output)},
                                  {"show", shown_cell(shell_command({"ecs", "memory", "show", arguments.output}))},
-                                 {"unit", shown_cell(dump->serial_number)},
+                                 {"unit", shown_cell(dump.serial_number)},
                                  {"bytes", count_cell(bytes)},
-                                 {"regions", list_cell(dump->regions, [](const DumpRegion& region) {
+                                 {"regions", list_cell(dump.regions, [](const DumpRegion& region) {
                                     return record_cell({}, {{"name", word_cell(region.name)},
                                                             {"address", word_cell(hex_address(region.address))},
                                                             {"bytes", count_cell(region.bytes.size())}});
@@ -168,23 +148,17 @@ Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std:
 }
 
 Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
-  const auto dump = read_dump(arguments.file);
-  if (!dump) return tl::unexpected(dump.error());
-  for (const std::string& damage : dump->damage) context.console.warn(damage);
-  const auto image = sound_image(*dump, arguments.file);
-  if (!image) return tl::unexpected(image.error());
-  if (const auto sure = confirmed(arguments.yes, "parameters and map of the unit are replaced by those of the dump");
-      !sure)
-    return tl::unexpected(sure.error());
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
+  ECS_TRY(dump, read_dump(arguments.file));
+  for (const std::string& damage : dump.damage) context.console.warn(damage);
+  ECS_TRY(image, sound_image(dump, arguments.file));
+  ECS_DO(confirmed(arguments.yes, "parameters and map of the unit are replaced by those of the dump"));
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
   if (!arguments.other_machine)
-    if (auto refused = refused_map(other_unit(dump->serial_number, *image, identity->serial_number), arguments.file))
+    if (auto refused = refused_map(other_unit(dump.serial_number, image, identity.serial_number), arguments.file))
       return tl::unexpected(std::move(*refused));
   const auto report =
-      send_image(unit->client(), *image, arguments.other_machine ? Addressee::this_unit : Addressee::as_stated,
+      send_image(unit.client(), image, arguments.other_machine ? Addressee::this_unit : Addressee::as_stated,
                  progress_bar(context, "image"));
   if (!report) return tl::unexpected(report.error());
   return finished_outcome_of(

@@ -39,8 +39,7 @@ struct AddArguments : VerbArguments {
 
 /// "servo_lag:X:EX, scale:X:EX", as a model keeps them.
 Result<std::string> tied_with(const std::vector<std::string>& alternatives) {
-  for (const std::string& one : alternatives)
-    if (const auto effect = model::parse_add_request(one); !effect) return tl::unexpected(effect.error());
+  for (const std::string& one : alternatives) ECS_DO(model::parse_add_request(one));
   return fmt::format("{}", fmt::join(alternatives, ", "));
 }
 
@@ -96,23 +95,18 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
 }
 
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
-  const auto request = request_of(arguments);
-  if (!request) return tl::unexpected(request.error());
-  const auto alternatives = tied_with(arguments.alternatives);
-  if (!alternatives) return tl::unexpected(alternatives.error());
+  ECS_TRY(request, request_of(arguments));
+  ECS_TRY(alternatives, tied_with(arguments.alternatives));
   std::vector<std::string> inputs = arguments.data;
   inputs.push_back(arguments.machine);
-  if (const auto distinct = check_output_not_input(arguments.output, inputs); !distinct)
-    return tl::unexpected(distinct.error());
+  ECS_DO(check_output_not_input(arguments.output, inputs));
   const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, arguments.import});
   if (!work) return tl::unexpected(with_hint(work.error()));
   if (!work->data.clock_note.empty()) context.console.note(work->data.clock_note);
-  auto added = model::add_effect(work->model, work->data, *request, work->data_name);
+  auto added = model::add_effect(work->model, work->data, request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.model));
-  added->effect.effect.tied_with = added->model.effects.back().tied_with = *alternatives;
-  if (!arguments.output.empty())
-    if (const auto kept = model::write_model(arguments.output, added->model, arguments.model); !kept)
-      return tl::unexpected(kept.error());
+  added->effect.effect.tied_with = added->model.effects.back().tied_with = alternatives;
+  if (!arguments.output.empty()) ECS_DO(model::write_model(arguments.output, added->model, arguments.model));
   return outcome_of(added_cell(*added, work->data.reading_unit(), arguments.output));
 }
 
@@ -134,15 +128,13 @@ Result<Outcome> undo(VerbContext&, const UndoArguments& arguments) {
   if (nothing_added(*model))
     return tl::unexpected(
         Problem{ProblemKind::refused, "nothing to undo: no effect was added to this model", arguments.model, 0, 0, {}});
-  const auto before = model::undo(*model);
-  if (!before) return tl::unexpected(before.error());
+  ECS_TRY(before, model::undo(*model));
   const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
-  if (const auto kept = model::write_model(output, *before, arguments.model); !kept)
-    return tl::unexpected(kept.error());
+  ECS_DO(model::write_model(output, before, arguments.model));
   const std::string taken = model->history.back().effect;
   return outcome_of(
       record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
-                  {{"undone", word_cell(taken)}, {"history", ladder_cell(*before)}, {"model", word_cell(output)}}));
+                  {{"undone", word_cell(taken)}, {"history", ladder_cell(before)}, {"model", word_cell(output)}}));
 }
 
 }  // namespace

@@ -20,26 +20,22 @@ struct RemoveArguments : VerbArguments {
 Result<Outcome> remove(VerbContext& context, const RemoveArguments& given) {
   const ModelArguments& arguments = given.common;
   const std::string output = given.output.empty() ? arguments.model : given.output;
-  if (const auto distinct = check_output_not_input(output, arguments.data); !distinct)
-    return tl::unexpected(distinct.error());
-  const auto work = model_work(context.console, arguments);
-  if (!work) return tl::unexpected(work.error());
-  const auto effect = effect_in(work->model, given.effect);
-  if (!effect) return tl::unexpected(effect.error());
-  const auto before = model::fit(work->model, work->data);
+  ECS_DO(check_output_not_input(output, arguments.data));
+  ECS_TRY(work, model_work(context.console, arguments));
+  ECS_TRY(effect, effect_in(work.model, given.effect));
+  const auto before = model::fit(work.model, work.data);
   if (!before) return tl::unexpected(in_file(before.error(), arguments.model));
-  const auto without = without_effect(work->model, work->data, *effect, *before, work->data_name);
+  const auto without = without_effect(work.model, work.data, effect, *before, work.data_name);
   if (!without) return tl::unexpected(in_file(without.error(), arguments.model));
-  const model::Model kept = model_to_keep(without->model, without->fit, work->data, work->data_name);
-  if (const auto written = model::write_model(output, kept, arguments.model); !written)
-    return tl::unexpected(written.error());
+  const model::Model kept = model_to_keep(without->model, without->fit, work.data, work.data_name);
+  ECS_DO(model::write_model(output, kept, arguments.model));
   return outcome_of(
       record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
                   "to {model}\n",
                   {{"effect", word_cell(without->name)},
                    {"rms_before_um", number_cell(without->rms_before_um, 3)},
                    {"rms_after_um", number_cell(without->fit.rms_um, 3)},
-                   {"unit", shown_cell(std::string(work->data.reading_unit()))},
+                   {"unit", shown_cell(std::string(work.data.reading_unit()))},
                    {"history", ladder_cell(kept)},
                    {"model", word_cell(output)}}));
 }
@@ -53,9 +49,8 @@ struct DecideArguments : VerbArguments {
 Result<Outcome> decide(VerbContext&, const DecideArguments& arguments) {
   auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto effect = effect_in(*model, arguments.effect);
-  if (!effect) return tl::unexpected(effect.error());
-  model::EffectInstance& decided = model->effects[*effect];
+  ECS_TRY(effect, effect_in(*model, arguments.effect));
+  model::EffectInstance& decided = model->effects[effect];
   const std::string alternatives = decided.tied_with;
   if (alternatives.empty())
     return tl::unexpected(Problem{ProblemKind::refused,
@@ -66,8 +61,7 @@ Result<Outcome> decide(VerbContext&, const DecideArguments& arguments) {
                                   {}});
   keep_alternatives(decided, {});
   const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
-  if (const auto written = model::write_model(output, *model, arguments.model); !written)
-    return tl::unexpected(written.error());
+  ECS_DO(model::write_model(output, *model, arguments.model));
   return outcome_of(record_cell("it is {effect}, not {alternatives}\nmodel written to {model}\n",
                                 {{"effect", word_cell(arguments.effect)},
                                  {"alternatives", word_cell(alternatives)},

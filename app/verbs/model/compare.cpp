@@ -29,8 +29,7 @@ struct CompareArguments : VerbArguments {
 };
 
 Result<void> sound(const CompareArguments& arguments) {
-  if (!arguments.plot.empty())
-    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
   if (arguments.output.empty()) return {};
   if (arguments.volume == 0) return problem(ProblemKind::usage, "-o takes the map of --volume N: give both");
   std::vector<std::string> inputs = arguments.common.data;
@@ -42,9 +41,8 @@ Result<void> sound(const CompareArguments& arguments) {
 Result<void> tell_place(Cell& answer, const ModelWork& work, const model::Model& fitted,
                         const CompareArguments& arguments) {
   if (arguments.at.empty()) return {};
-  const auto shares = shares_at(fitted, work.machine, arguments.at);
-  if (!shares) return tl::unexpected(shares.error());
-  const Cell cell = shares_cell(*shares);
+  ECS_TRY(shares, shares_at(fitted, work.machine, arguments.at));
+  const Cell cell = shares_cell(shares);
   answer.text += cell.text;
   answer.json["at"] = cell.json;
   return {};
@@ -53,15 +51,14 @@ Result<void> tell_place(Cell& answer, const ModelWork& work, const model::Model&
 Result<void> tell_volume(Cell& answer, const ModelWork& work, const model::Model& fitted,
                          const CompareArguments& arguments) {
   if (arguments.volume == 0) return {};
-  const auto volume = volume_of(fitted, work.machine, static_cast<std::size_t>(arguments.volume));
-  if (!volume) return tl::unexpected(volume.error());
-  const Cell cell = volume_cell(*volume);
+  ECS_TRY(volume, volume_of(fitted, work.machine, static_cast<std::size_t>(arguments.volume)));
+  const Cell cell = volume_cell(volume);
   answer.text += cell.text;
   answer.json["volume"] = cell.json;
   if (arguments.output.empty()) return {};
   answer.text += "  written to " + arguments.output + "\n";
   answer.json["volume"]["output"] = arguments.output;
-  return write_file(arguments.output, to_csv(*volume));
+  return write_file(arguments.output, to_csv(volume));
 }
 
 Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, const CompareArguments& arguments) {
@@ -80,14 +77,12 @@ Result<Outcome> compare_step(const CompareArguments& arguments) {
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
   if (!arguments.at.empty() || arguments.volume != 0)
     return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
-  auto comparison = compare_trace(arguments.common.model, arguments.common.data.front());
-  if (!comparison) return tl::unexpected(comparison.error());
+  ECS_TRY(comparison, compare_trace(arguments.common.model, arguments.common.data.front()));
   if (!arguments.plot.empty()) {
-    if (const auto written = write_plot(arguments.plot, comparison->figure); !written)
-      return tl::unexpected(written.error());
-    comparison->outcome.text += "\nplot written to " + arguments.plot + "\n";
+    ECS_DO(write_plot(arguments.plot, comparison.figure));
+    comparison.outcome.text += "\nplot written to " + arguments.plot + "\n";
   }
-  return std::move(comparison->outcome);
+  return std::move(comparison.outcome);
 }
 
 /// At the values of the model; what was never fitted is fitted, and so is everything with --refit.
@@ -107,20 +102,19 @@ Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
-  if (const auto good = sound(arguments); !good) return tl::unexpected(good.error());
+  ECS_DO(sound(arguments));
   if (any_trace(arguments.common.data)) return compare_step(arguments);
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
-  const auto fit = fit_of(*work, arguments.refit);
+  ECS_TRY(work, model_work(context.console, arguments.common));
+  const auto fit = fit_of(work, arguments.refit);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
-  const model::Comparison comparison = model::compare(*fit, work->data, static_cast<std::size_t>(arguments.worst));
-  Cell answer = comparison_cell(comparison, work->data.size());
+  const model::Comparison comparison = model::compare(*fit, work.data, static_cast<std::size_t>(arguments.worst));
+  Cell answer = comparison_cell(comparison, work.data.size());
   answer.json["notes"] = fit->notes;
   if (!fit->notes.empty()) answer.text += "\n" + notes_text(fit->notes);
-  const model::Model fitted = with_values(work->model, *fit);
-  if (const auto done = tell_place(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
-  if (const auto done = tell_volume(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
-  if (const auto done = draw(answer, *work, *fit, arguments); !done) return tl::unexpected(done.error());
+  const model::Model fitted = with_values(work.model, *fit);
+  ECS_DO(tell_place(answer, work, fitted, arguments));
+  ECS_DO(tell_volume(answer, work, fitted, arguments));
+  ECS_DO(draw(answer, work, *fit, arguments));
   return outcome_of(answer);
 }
 

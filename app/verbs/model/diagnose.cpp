@@ -22,28 +22,24 @@ struct DiagnoseArguments : VerbArguments {
 };
 
 Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseArguments& arguments) {
-  const auto figure = diagnosis_figure(work.model, work.data, diagnosis, arguments.plain);
-  if (!figure) return tl::unexpected(figure.error());
-  return write_plot(arguments.plot, *figure);
+  ECS_TRY(figure, diagnosis_figure(work.model, work.data, diagnosis, arguments.plain));
+  return write_plot(arguments.plot, figure);
 }
 
 Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& arguments) {
-  if (!arguments.plot.empty())
-    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
+  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
+  ECS_TRY(work, model_work(context.console, arguments.common));
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   options.plain = arguments.plain;
   options.cancelled = &interrupted();
-  auto diagnosis = model::diagnose(work->model, work->data, options);
+  auto diagnosis = model::diagnose(work.model, work.data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  (void)model::planned_next(work->model, work->data, *diagnosis);  // the proposal of `ecs model next`
+  (void)model::planned_next(work.model, work.data, *diagnosis);  // the proposal of `ecs model next`
   Cell answer = diagnosis_cell(*diagnosis);
-  if (const auto added = add_check_inputs(answer, arguments.common, *work, arguments.plain); !added)
-    return tl::unexpected(added.error());
+  ECS_DO(add_check_inputs(answer, arguments.common, work, arguments.plain));
   if (!arguments.plot.empty()) {
-    if (const auto drawn = draw(*work, *diagnosis, arguments); !drawn) return tl::unexpected(drawn.error());
+    ECS_DO(draw(work, *diagnosis, arguments));
     answer.text += "\nplot written to " + arguments.plot + "\n";
   }
   return outcome_of(answer);

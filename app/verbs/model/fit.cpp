@@ -133,29 +133,24 @@ Result<void> write(const model::Model& model, const ModelWork& work, const Fit& 
 }
 
 Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
-  if (!arguments.plot.empty())
-    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
   for (const std::string& output : {arguments.output, arguments.plot, arguments.rotary})
-    if (const auto distinct = check_output_not_input(output, arguments.common.data); !distinct)
-      return tl::unexpected(distinct.error());
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
-  auto result = model::fit(work->model, work->data, {arguments.plain});
+    ECS_DO(check_output_not_input(output, arguments.common.data));
+  ECS_TRY(work, model_work(context.console, arguments.common));
+  auto result = model::fit(work.model, work.data, {arguments.plain});
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
-  const auto ties = model::decided_ties(work->model, work->data);
+  const auto ties = model::decided_ties(work.model, work.data);
   if (!ties) return tl::unexpected(in_file(ties.error(), arguments.common.model));
   result->notes.insert(result->notes.end(), ties->notes.begin(), ties->notes.end());
-  if (const auto written = write(ties->model, *work, *result, arguments); !written)
-    return tl::unexpected(written.error());
-  Cell answer = fit_cell(*result, work->data.size(), work->data.rotary, arguments.output);
+  ECS_DO(write(ties->model, work, *result, arguments));
+  Cell answer = fit_cell(*result, work.data.size(), work.data.rotary, arguments.output);
   if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
   if (!arguments.rotary.empty()) {
-    const auto found = fitted_rotary(ties->model, *result, work->machine, work->data);
-    if (!found) return tl::unexpected(found.error());
-    const std::string text = volume::rotary_csv(found->errors, work->machine ? work->machine->name : "");
-    if (auto kept = write_file(arguments.rotary, text); !kept) return tl::unexpected(kept.error());
-    for (const std::string& one : found->not_told) answer.text += paragraph(one, 0, 2);
-    for (const std::string& one : found->left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
+    ECS_TRY(found, fitted_rotary(ties->model, *result, work.machine, work.data));
+    const std::string text = volume::rotary_csv(found.errors, work.machine ? work.machine->name : "");
+    ECS_DO(write_file(arguments.rotary, text));
+    for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
+    for (const std::string& one : found.left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
     answer.text += fmt::format("errors of rotary axes written to {}\n", arguments.rotary);
   }
   if (!arguments.plot.empty()) answer.text += fmt::format("plot written to {}\n", arguments.plot);

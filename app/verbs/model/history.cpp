@@ -17,12 +17,10 @@ struct HistoryArguments : VerbArguments {
 };
 
 Result<Outcome> history(VerbContext&, const HistoryArguments& arguments) {
-  const auto model = model::read_model(arguments.model);
-  if (!model) return tl::unexpected(model.error());
-  Cell ladder = ladder_cell(*model);
+  ECS_TRY(model, model::read_model(arguments.model));
+  Cell ladder = ladder_cell(model);
   if (!arguments.plot.empty()) {
-    if (const auto drawn = write_plot(arguments.plot, ladder_figure(model->history, "Error after every step")); !drawn)
-      return tl::unexpected(drawn.error());
+    ECS_DO(write_plot(arguments.plot, ladder_figure(model.history, "Error after every step")));
     ladder.text += "plot written to " + arguments.plot + "\n";
   }
   return outcome_of(record_cell("{history}", {{"model", word_cell(arguments.model)}, {"history", ladder}}));

@@ -68,12 +68,10 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   if (arguments.workshop.empty() == arguments.watch.empty())
     return problem(ProblemKind::usage, "expected either --workshop SOCKET or --watch FOLDER");
   for (const std::string& input : {arguments.machine, arguments.params})
-    if (const auto distinct = check_output_not_input(arguments.output, {input}); !distinct)
-      return tl::unexpected(distinct.error());
+    ECS_DO(check_output_not_input(arguments.output, {input}));
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context.console, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
+  ECS_TRY(machine, machine_in(context.console, arguments.machine));
   commissioning::WorkshopChoice choice;
   choice.socket = arguments.workshop;
   choice.folder = arguments.watch;
@@ -83,23 +81,20 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   choice.params = arguments.params;
   choice.map_is_modelled = model->map.has_value();
   choice.arm_code = context.arm_code;
-  const auto opened = commissioning::open_workshop(context.console, choice, **machine, interrupted());
-  if (!opened) return tl::unexpected(opened.error());
-  if (!opened->link.empty()) context.link_name = opened->link;
+  ECS_TRY(opened, commissioning::open_workshop(context.console, choice, *machine, interrupted()));
+  if (!opened.link.empty()) context.link_name = opened.link;
   commissioning::InvestigationOptions options;
   options.minutes = arguments.minutes;
   if (!arguments.workshop.empty()) options.times = commissioning::workshop_times();
   options.cancelled = &interrupted();
   commissioning::FollowedInvestigation followed;
   ShownLedger ledger(context.console);
-  commissioning::FollowedWorkshop workshop(followed, *opened->workshop, [&] { ledger.show(followed.progress()); });
-  const auto investigation = commissioning::investigate(*model, **machine, workshop, options);
+  commissioning::FollowedWorkshop workshop(followed, *opened.workshop, [&] { ledger.show(followed.progress()); });
+  const auto investigation = commissioning::investigate(*model, *machine, workshop, options);
   ledger.end(followed.progress());
   if (!investigation) return tl::unexpected(in_file(investigation.error(), arguments.model));
   Cell answer = commissioning::investigation_cell(*investigation);
-  if (!arguments.output.empty())
-    if (const auto kept = model::write_model(arguments.output, investigation->model, arguments.model); !kept)
-      return tl::unexpected(kept.error());
+  if (!arguments.output.empty()) ECS_DO(model::write_model(arguments.output, investigation->model, arguments.model));
   answer.text += written_cell("model", arguments.output).text;
   return outcome_of(answer);
 }

@@ -19,10 +19,9 @@ struct NewArguments : VerbArguments {
 
 Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   const ModelArguments& arguments = given.common;
-  const auto work = begun_model(context.console, arguments);
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, begun_model(context.console, arguments));
   std::vector<std::string> effects;
-  for (const model::EffectInstance& effect : work->model.effects) effects.push_back(name_with_alternatives(effect));
+  for (const model::EffectInstance& effect : work.model.effects) effects.push_back(name_with_alternatives(effect));
   std::vector<std::string> next{"ecs", "model", "diagnose", arguments.model};
   next.insert(next.end(), arguments.data.begin(), arguments.data.end());
   if (!arguments.machine.empty()) next.insert(next.end(), {"--machine", arguments.machine});
@@ -31,8 +30,8 @@ Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
   return outcome_of(
       record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
                   {{"model", word_cell(arguments.model)},
-                   {"usual", shown_cell(usual_in_words(work->data))},
-                   {"of_paths", shown_cell(work->data.paths.empty() ? "" : "; of circles and diagonals nothing")},
+                   {"usual", shown_cell(usual_in_words(work.data))},
+                   {"of_paths", shown_cell(work.data.paths.empty() ? "" : "; of circles and diagonals nothing")},
                    {"effects", lines_cell(effects, "  ")},
                    {"next", shown_cell(shell_command(next))}}));
 }

@@ -109,13 +109,11 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
   const MeasurementProposal& proposal = next.proposals[place];
   if (!arguments.program.empty()) {
     text += fmt::format("\npart program of proposal {} written to {}", arguments.proposal, arguments.program);
-    if (const auto done = write_file(arguments.program, part_program(proposal, *machine)); !done)
-      return tl::unexpected(done.error());
+    ECS_DO(write_file(arguments.program, part_program(proposal, *machine)));
   }
   if (!arguments.targets.empty()) {
     text += fmt::format("\ntarget list of proposal {} written to {}", arguments.proposal, arguments.targets);
-    if (const auto done = write_file(arguments.targets, target_list(proposal)); !done)
-      return tl::unexpected(done.error());
+    ECS_DO(write_file(arguments.targets, target_list(proposal)));
   }
   return text + "\n";
 }
@@ -132,17 +130,14 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   std::vector<std::string> inputs = arguments.common.data;
   inputs.insert(inputs.end(), {arguments.common.model, arguments.common.machine});
   for (const std::string& output : {arguments.program, arguments.targets})
-    if (const auto distinct = check_output_not_input(output, inputs); !distinct)
-      return tl::unexpected(distinct.error());
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
-  auto diagnosis = model::diagnose(work->model, work->data);
+    ECS_DO(check_output_not_input(output, inputs));
+  ECS_TRY(work, model_work(context.console, arguments.common));
+  auto diagnosis = model::diagnose(work.model, work.data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  const model::NextMeasurement next = model::planned_next(work->model, work->data, *diagnosis, times_of(arguments));
-  const auto written = written_for(next, work->machine, arguments);
-  if (!written) return tl::unexpected(written.error());
+  const model::NextMeasurement next = model::planned_next(work.model, work.data, *diagnosis, times_of(arguments));
+  ECS_TRY(written, written_for(next, work.machine, arguments));
   Cell answer = proposals_cell(next, *diagnosis, arguments);
-  answer.text += *written;
+  answer.text += written;
   return outcome_of(answer);
 }
 
@@ -151,9 +146,8 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
 /// Of one reading: from the data where there are any, else as given.
 Result<double> noise_to_expect(VerbContext& context, const NextArguments& arguments) {
   if (arguments.common.data.empty()) return arguments.noise_um;
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
-  const auto fit = model::fit(work->model, work->data);
+  ECS_TRY(work, model_work(context.console, arguments.common));
+  const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
   return fit->noise.noise_um;
 }
@@ -185,16 +179,13 @@ Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
 Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
   const auto model = model::read_model(arguments.common.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context.console, arguments.common.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto plan = plan_in(arguments.check, arguments.common.import);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto noise_um = noise_to_expect(context, arguments);
-  if (!noise_um) return tl::unexpected(noise_um.error());
-  const model::Observations rows = model::observations_of(plan->set, *model, *machine);
-  const auto result = model::check_plan(*model, rows, *noise_um);
+  ECS_TRY(machine, machine_in(context.console, arguments.common.machine));
+  ECS_TRY(plan, plan_in(arguments.check, arguments.common.import));
+  ECS_TRY(noise_um, noise_to_expect(context, arguments));
+  const model::Observations rows = model::observations_of(plan.set, *model, machine);
+  const auto result = model::check_plan(*model, rows, noise_um);
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
-  return outcome_of(check_cell(*result, *noise_um, rows.size()), result->determines ? kDone : kDoesNotHold);
+  return outcome_of(check_cell(*result, noise_um, rows.size()), result->determines ? kDone : kDoesNotHold);
 }
 
 }  // namespace

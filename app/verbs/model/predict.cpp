@@ -90,22 +90,18 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
     return tl::unexpected(distinct.error());
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context.console, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto plan = plan_in(arguments.points, arguments.import);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto result = predicted(*model, *machine, std::move(*plan), arguments.model);
-  if (!result) return tl::unexpected(result.error());
+  ECS_TRY(machine, machine_in(context.console, arguments.machine));
+  ECS_TRY(plan, plan_in(arguments.points, arguments.import));
+  ECS_TRY(result, predicted(*model, machine, std::move(plan), arguments.model));
   const bool of_fit = std::any_of(model->history.begin(), model->history.end(),
                                   [&](const model::LadderStep& step) { return step.data == arguments.points; });
-  if (!result->clock_note.empty() && !of_fit) context.console.note(result->clock_note);
-  Cell predictions = predictions_cell(*result);
+  if (!result.clock_note.empty() && !of_fit) context.console.note(result.clock_note);
+  Cell predictions = predictions_cell(result);
   if (!arguments.output.empty()) {
-    if (const auto written = laser::write_measurement_set(arguments.output, result->set); !written)
-      return tl::unexpected(written.error());
-    predictions.text = fmt::format("{} predictions written to {}\n", result->set.readings.size(), arguments.output);
+    ECS_DO(laser::write_measurement_set(arguments.output, result.set));
+    predictions.text = fmt::format("{} predictions written to {}\n", result.set.readings.size(), arguments.output);
   }
-  return outcome_of(record_cell("{predictions}", {{"points", count_cell(result->set.readings.size())},
+  return outcome_of(record_cell("{predictions}", {{"points", count_cell(result.set.readings.size())},
                                                   {"output", text_cell(arguments.output)},
                                                   {"predictions", predictions}}));
 }

@@ -15,11 +15,9 @@ struct RepairArguments : VerbArguments {
 };
 
 Result<Outcome> repair(VerbContext& context, const RepairArguments& arguments) {
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
-  const auto answer = repair_answer(*work, arguments.common.model, static_cast<std::size_t>(arguments.points));
-  if (!answer) return tl::unexpected(answer.error());
-  return outcome_of(repair_cell(*answer));
+  ECS_TRY(work, model_work(context.console, arguments.common));
+  ECS_TRY(answer, repair_answer(work, arguments.common.model, static_cast<std::size_t>(arguments.points)));
+  return outcome_of(repair_cell(answer));
 }
 
 }  // namespace

@@ -63,30 +63,27 @@ std::vector<std::string> cases_in(const std::string& folder) {
 
 Result<FoundAnswer> answer_of(VerbContext& context, const std::string& folder, const RevealArguments& arguments) {
   if (!arguments.diagnosis.empty()) {
-    const auto text = read_file(arguments.diagnosis);
-    if (!text) return tl::unexpected(text.error());
-    return answer_in(*text, arguments.diagnosis);
+    ECS_TRY(text, read_file(arguments.diagnosis));
+    return answer_in(text, arguments.diagnosis);
   }
   ModelArguments inputs{inside(folder, "model.toml"), {inside(folder, "data.csv")}, arguments.machine, {}};
   if (inputs.machine.empty()) inputs.machine = inside(folder, "machine.toml");
-  const auto work = model_work(context.console, inputs);
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, model_work(context.console, inputs));
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
-  const auto diagnosis = model::diagnose(work->model, work->data, options);
+  const auto diagnosis = model::diagnose(work.model, work.data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), inputs.model));
   return answer_in(one_line(diagnosis_cell(*diagnosis).json), folder);
 }
 
 Result<Revealed> revealed(VerbContext& context, const std::string& folder, const RevealArguments& arguments,
                           bool alone) {
-  auto truth = truth_of(folder);
-  if (!truth) return tl::unexpected(truth.error());
+  ECS_TRY(truth, truth_of(folder));
   auto answer = answer_of(context, folder, arguments);
-  if (!answer && !alone) return failed(folder, std::move(*truth), answer.error());
+  if (!answer && !alone) return failed(folder, std::move(truth), answer.error());
   if (!answer) return tl::unexpected(answer.error());
-  Score score = score_of(*truth, *answer);
-  return Revealed{folder, std::move(*truth), std::move(*answer), std::move(score)};
+  Score score = score_of(truth, *answer);
+  return Revealed{folder, std::move(truth), std::move(*answer), std::move(score)};
 }
 
 // --- one case
@@ -222,9 +219,8 @@ Result<Outcome> reveal(VerbContext& context, const RevealArguments& arguments) {
   std::vector<Revealed> all;
   for (const std::string& folder : folders) {
     context.console.progress("cases", static_cast<double>(all.size()) / static_cast<double>(folders.size()), 0.0);
-    auto one = revealed(context, folder, arguments, folders.size() == 1);
-    if (!one) return tl::unexpected(one.error());
-    all.push_back(std::move(*one));
+    ECS_TRY(one, revealed(context, folder, arguments, folders.size() == 1));
+    all.push_back(std::move(one));
   }
   context.console.end_progress();
   if (all.size() > 1) return summed_up(all);

@@ -14,10 +14,9 @@ struct WhatIfArguments : VerbArguments {
 };
 
 Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) {
-  const auto work = model_work(context.console, arguments.common);
-  if (!work) return tl::unexpected(work.error());
+  ECS_TRY(work, model_work(context.console, arguments.common));
   const auto answer =
-      what_if_answer(context.console, *work, arguments.common.model, arguments.after, arguments.common.import);
+      what_if_answer(context.console, work, arguments.common.model, arguments.after, arguments.common.import);
   if (!answer) return tl::unexpected(answer.error());
   return outcome_of(what_if_cell(*answer));
 }

@@ -26,24 +26,22 @@ Cell findings_cell(const std::vector<params::Finding>& findings, const std::stri
 }
 
 Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments) {
-  const auto file = params::read_parameters(arguments.file);
-  if (!file) return tl::unexpected(file.error());
+  ECS_TRY(file, params::read_parameters(arguments.file));
   std::optional<params::Machine> machine;
   if (!arguments.machine.empty()) {
-    auto read = params::read_machine(arguments.machine);
-    if (!read) return tl::unexpected(read.error());
-    for (const Problem& warning : read->warnings) context.console.warn(to_text(warning));
-    machine = read->machine;
+    ECS_TRY(read, params::read_machine(arguments.machine));
+    for (const Problem& warning : read.warnings) context.console.warn(to_text(warning));
+    machine = read.machine;
   }
-  std::vector<params::Finding> findings = params::check_file(*file);
-  for (params::Finding& finding : params::check(file->parameters, machine ? &*machine : nullptr))
+  std::vector<params::Finding> findings = params::check_file(file);
+  for (params::Finding& finding : params::check(file.parameters, machine ? &*machine : nullptr))
     findings.push_back(std::move(finding));
   std::string taken;
-  for (const std::string& line : params::defaults_taken(*file)) taken += "\n" + line;
+  for (const std::string& line : params::defaults_taken(file)) taken += "\n" + line;
   return outcome_of(record_cell("{findings}{defaulted}", {{"file", word_cell(arguments.file)},
                                                           {"sound", yes_cell(!params::has_errors(findings), "", "")},
                                                           {"findings", findings_cell(findings, arguments.file)},
-                                                          {"defaulted", {file->defaulted, taken}}}),
+                                                          {"defaulted", {file.defaulted, taken}}}),
                     findings.empty() ? kDone : kDoesNotHold);
 }
 

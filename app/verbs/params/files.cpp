@@ -20,16 +20,14 @@ namespace {
 constexpr std::string_view kUnitWord = "unit";
 
 Result<UnitParameters> parameters_in_unit(VerbContext& context) {
-  auto unit = open_unit(context, Access::reads);
-  if (!unit) return tl::unexpected(unit.error());
-  return receive_parameters(unit->client());
+  ECS_TRY(unit, open_unit(context, Access::reads));
+  return receive_parameters(unit.client());
 }
 
 Result<UnitParameters> parameters_from(VerbContext& context, const std::string& file_or_unit) {
   if (file_or_unit == kUnitWord) return parameters_in_unit(context);
-  auto file = params::read_parameters(file_or_unit);
-  if (!file) return tl::unexpected(file.error());
-  return file->parameters;
+  ECS_TRY(file, params::read_parameters(file_or_unit));
+  return file.parameters;
 }
 
 // --- show
@@ -40,25 +38,23 @@ struct ShowArguments : VerbArguments {
 };
 
 Result<Outcome> show_unit(VerbContext& context) {
-  const auto parameters = parameters_in_unit(context);
-  if (!parameters) return tl::unexpected(parameters.error());
-  return outcome_of(record_cell("{parameters}", {{"parameters", parameters_cell(*parameters)}}));
+  ECS_TRY(parameters, parameters_in_unit(context));
+  return outcome_of(record_cell("{parameters}", {{"parameters", parameters_cell(parameters)}}));
 }
 
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   if (arguments.unit == !arguments.file.empty())
     return problem(ProblemKind::usage, "params show: give either a FILE or --unit");
   if (arguments.unit) return show_unit(context);
-  const auto file = params::read_parameters(arguments.file);
-  if (!file) return tl::unexpected(file.error());
-  const auto& [machine, serial_number] = file->identity;
+  ECS_TRY(file, params::read_parameters(arguments.file));
+  const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
   const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
                                     {{"machine", text_cell(machine)}, {"serial_number", text_cell(serial_number)}});
   return outcome_of(record_cell("{identity}{parameters}", {{"file", word_cell(arguments.file)},
                                                            {"identity", identity},
-                                                           {"parameters", parameters_cell(file->parameters)},
-                                                           {"defaulted", {file->defaulted, {}}}}));
+                                                           {"parameters", parameters_cell(file.parameters)},
+                                                           {"defaulted", {file.defaulted, {}}}}));
 }
 
 // --- set
@@ -108,30 +104,27 @@ void add_identity_change(Cell& changed, const char* key, const std::string& from
 }
 
 Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) {
-  auto file = arguments.accept_incomplete ? params::read_parameters(arguments.file)
-                                          : params::read_whole_parameters(arguments.file);
-  if (!file) return tl::unexpected(file.error());
-  for (const std::string& taken : params::defaults_taken(*file)) context.console.warn(taken);
-  const auto assignments = assignments_of(arguments.words);
-  if (!assignments) return tl::unexpected(assignments.error());
-  const UnitParameters before = file->parameters;
-  const params::Identity owner_before = file->identity;
-  commissioning::ParameterSet values{file->parameters, file->identity};
+  ECS_TRY(file, arguments.accept_incomplete ? params::read_parameters(arguments.file)
+                                            : params::read_whole_parameters(arguments.file));
+  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  ECS_TRY(assignments, assignments_of(arguments.words));
+  const UnitParameters before = file.parameters;
+  const params::Identity owner_before = file.identity;
+  commissioning::ParameterSet values{file.parameters, file.identity};
   std::vector<Problem> problems;
-  for (const Assignment& assignment : *assignments)
+  for (const Assignment& assignment : assignments)
     if (auto set = commissioning::set_value(assignment.key, values, assignment.value); !set)
       problems.push_back(set.error());
-  file->parameters = values.parameters;
-  file->identity = values.identity;
+  file.parameters = values.parameters;
+  file.identity = values.identity;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  for (const params::Finding& finding : params::check(file->parameters))
+  for (const params::Finding& finding : params::check(file.parameters))
     context.console.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
   const std::string output = arguments.output.empty() ? arguments.file : arguments.output;
-  if (auto written = params::write_parameters(output, file->parameters, file->identity); !written)
-    return tl::unexpected(written.error());
-  Cell changed = list_cell(params::diff(before, file->parameters), changed_cell);
-  add_identity_change(changed, "identity.machine", owner_before.machine, file->identity.machine);
-  add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file->identity.serial_number);
+  ECS_DO(params::write_parameters(output, file.parameters, file.identity));
+  Cell changed = list_cell(params::diff(before, file.parameters), changed_cell);
+  add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
+  add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
   if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
   return outcome_of(record_cell("{changed}written to {file}", {{"file", word_cell(output)}, {"changed", changed}}));
 }
@@ -144,11 +137,9 @@ struct DiffArguments : VerbArguments {
 };
 
 Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
-  const auto a = parameters_from(context, arguments.a);
-  if (!a) return tl::unexpected(a.error());
-  const auto b = parameters_from(context, arguments.b);
-  if (!b) return tl::unexpected(b.error());
-  const auto differences = params::diff(*a, *b);
+  ECS_TRY(a, parameters_from(context, arguments.a));
+  ECS_TRY(b, parameters_from(context, arguments.b));
+  const auto differences = params::diff(a, b);
   Cell list = differences_cell(differences, "a", "b", arguments.a, arguments.b);
   if (differences.empty()) list.text = "no difference";
   return outcome_of(record_cell("{differences}", {{"a", word_cell(arguments.a)},
@@ -165,12 +156,10 @@ struct NewArguments : VerbArguments {
 };
 
 Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
-  const auto machine = params::read_machine(arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  for (const Problem& warning : machine->warnings) context.console.warn(to_text(warning));
-  const UnitParameters parameters = params::default_parameters_for(machine->machine);
-  if (auto written = params::write_parameters(arguments.output, parameters, {machine->machine.name, {}}); !written)
-    return tl::unexpected(written.error());
+  ECS_TRY(machine, params::read_machine(arguments.machine));
+  for (const Problem& warning : machine.warnings) context.console.warn(to_text(warning));
+  const UnitParameters parameters = params::default_parameters_for(machine.machine);
+  ECS_DO(params::write_parameters(arguments.output, parameters, {machine.machine.name, {}}));
   return outcome_of(record_cell(
       "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
       "`{check}`",

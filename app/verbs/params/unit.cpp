@@ -36,25 +36,22 @@ Outcome sent(const SendArguments& arguments, const SendReport& report, const par
 }
 
 Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
-  const auto file = params::read_parameters(arguments.file);
-  if (!file) return tl::unexpected(file.error());
+  ECS_TRY(file, params::read_parameters(arguments.file));
   const Incomplete incomplete = arguments.accept_incomplete ? Incomplete::accept : Incomplete::refuse;
-  if (auto objections = objections_to(*file, arguments.file, incomplete)) return tl::unexpected(std::move(*objections));
-  for (const std::string& taken : params::defaults_taken(*file)) context.console.warn(taken);
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  const params::Identity owner = arguments.other_machine ? params::Identity() : file->identity;
-  if (auto refused = refused_map(other_unit(owner, identity->serial_number), arguments.file))
+  if (auto objections = objections_to(file, arguments.file, incomplete)) return tl::unexpected(std::move(*objections));
+  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
+  const params::Identity owner = arguments.other_machine ? params::Identity() : file.identity;
+  if (auto refused = refused_map(other_unit(owner, identity.serial_number), arguments.file))
     return tl::unexpected(std::move(*refused));
   const auto report =
-      send_parameters(unit->client(), file->parameters, owner, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
+      send_parameters(unit.client(), file.parameters, owner, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
                       progress_bar(context, "parameters"));
   if (!report) return tl::unexpected(report.error());
   for (const std::string& objection : report->map_objections)
     context.console.warn("the map in the unit is dropped: " + objection);
-  return sent(arguments, *report, *file);
+  return sent(arguments, *report, file);
 }
 
 struct ReceiveArguments : VerbArguments {
@@ -63,22 +60,17 @@ struct ReceiveArguments : VerbArguments {
 };
 
 Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  const auto parameters = receive_parameters(unit->client());
-  if (!parameters) return tl::unexpected(parameters.error());
-  const params::Identity owner{{}, identity->serial_number};
-  if (!arguments.output.empty())
-    if (auto written = params::write_parameters(arguments.output, *parameters, owner); !written)
-      return tl::unexpected(written.error());
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_TRY(parameters, receive_parameters(unit.client()));
+  const params::Identity owner{{}, identity.serial_number};
+  if (!arguments.output.empty()) ECS_DO(params::write_parameters(arguments.output, parameters, owner));
   return outcome_of(
       record_cell(arguments.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
                   {{"file", text_cell(arguments.output)},
-                   {"serial_number", text_cell(identity->serial_number)},
-                   {"parameters", parameters_cell(*parameters)},
-                   {"toml", shown_cell(params::parameters_toml(*parameters, owner))}}));
+                   {"serial_number", text_cell(identity.serial_number)},
+                   {"parameters", parameters_cell(parameters)},
+                   {"toml", shown_cell(params::parameters_toml(parameters, owner))}}));
 }
 
 }  // namespace

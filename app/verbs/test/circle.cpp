@@ -98,17 +98,13 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
 Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
   std::optional<params::Machine> machine;
   if (!arguments.machine.empty()) {
-    const auto file = params::read_machine(arguments.machine);
-    if (!file) return tl::unexpected(file.error());
-    machine = file->machine;
+    ECS_TRY(file, params::read_machine(arguments.machine));
+    machine = file.machine;
   }
-  const auto work = circle_work(arguments.file, machine ? &*machine : nullptr);
-  if (!work) return tl::unexpected(work.error());
-  const laser::CircleTest& test = work->test;
-  const laser::CircleValues& values = work->values;
-  if (!arguments.plot.empty())
-    if (auto drawn = write_plot(arguments.plot, polar_figure(test, values)); !drawn)
-      return tl::unexpected(drawn.error());
+  ECS_TRY(work, circle_work(arguments.file, machine ? &*machine : nullptr));
+  const laser::CircleTest& test = work.test;
+  const laser::CircleValues& values = work.values;
+  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, polar_figure(test, values)));
   return outcome_of(
       record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
                   "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
@@ -120,7 +116,7 @@ Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
                                                       "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]"))},
                    {"passes", list_cell(values.passes, pass_cell)},
                    {"pairs", list_cell(values.pairs, pair_cell)},
-                   {"causes", diagnosis_cell(work->diagnosis)},
+                   {"causes", diagnosis_cell(work.diagnosis)},
                    {"drawn", shown_cell(arguments.draw ? polar_text(values) : "")},
                    {"plot", written_cell("plot", arguments.plot)}}));
 }

@@ -59,28 +59,25 @@ std::string body_text(const laser::DiagonalResults& results) {
 }
 
 Result<Outcome> diagonals(VerbContext&, const DiagonalArguments& arguments) {
-  const auto text = read_file_of(FileKind::diagonal_test, arguments.file);
-  if (!text) return tl::unexpected(text.error());
-  const auto test = laser::parse_diagonals(*text, arguments.file);
-  if (!test) return tl::unexpected(test.error());
-  const auto results = laser::diagonal_results_of(*test);
-  if (!results) return tl::unexpected(results.error());
+  ECS_TRY(text, read_file_of(FileKind::diagonal_test, arguments.file));
+  ECS_TRY(test, laser::parse_diagonals(text, arguments.file));
+  ECS_TRY(results, laser::diagonal_results_of(test));
   Cell moving{Json::array(), {}};
-  if (test->steps)
-    for (const laser::DiagonalReadings& diagonal : test->diagonals) moving.add(moving_cell(diagonal));
+  if (test.steps)
+    for (const laser::DiagonalReadings& diagonal : test.diagonals) moving.add(moving_cell(diagonal));
   const std::string heading = fmt::format("  {:<8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "diagonal",
                                           "length mm", "E [um]", "R", "A", "B", "M", "um/m");
   return outcome_of(record_cell("{file}: {kind}\n{diagonals}{body}{squareness}{while_moving}{notes}",
                                 {{"file", word_cell(arguments.file)},
-                                 {"kind", word_cell(test->steps ? "step diagonals" : "diagonals")},
-                                 {"diagonals", list_cell(results->diagonals, diagonal_cell, heading)},
-                                 {"body", shown_cell(body_text(*results))},
-                                 {"E_body_um", {number_or_null(results->E_body_um), {}}},
-                                 {"B_body_um", {number_or_null(results->B_body_um), {}}},
-                                 {"body_difference_um", {number_or_null(results->body_difference_um), {}}},
-                                 {"squareness", list_cell(results->squareness, squareness_cell)},
+                                 {"kind", word_cell(test.steps ? "step diagonals" : "diagonals")},
+                                 {"diagonals", list_cell(results.diagonals, diagonal_cell, heading)},
+                                 {"body", shown_cell(body_text(results))},
+                                 {"E_body_um", {number_or_null(results.E_body_um), {}}},
+                                 {"B_body_um", {number_or_null(results.B_body_um), {}}},
+                                 {"body_difference_um", {number_or_null(results.body_difference_um), {}}},
+                                 {"squareness", list_cell(results.squareness, squareness_cell)},
                                  {"while_moving", moving},
-                                 {"notes", lines_cell(results->notes, "  note: ")}}));
+                                 {"notes", lines_cell(results.notes, "  note: ")}}));
 }
 
 }  // namespace

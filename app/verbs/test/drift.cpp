@@ -53,21 +53,18 @@ PlotFigure drift_figure(const laser::DriftTest& test) {
 }
 
 Result<Outcome> drift(VerbContext& context, const DriftArguments& arguments) {
-  const auto imported = read_with_notes(context, arguments.file, arguments.import);
-  if (!imported) return tl::unexpected(imported.error());
-  laser::MeasurementSet set = imported->set;
+  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+  laser::MeasurementSet set = imported.set;
   set.source = arguments.file;
-  const auto test = laser::drift_test_of(set, arguments.window_h);
-  if (!test) return tl::unexpected(test.error());
-  if (!arguments.plot.empty())
-    if (auto drawn = write_plot(arguments.plot, drift_figure(*test)); !drawn) return tl::unexpected(drawn.error());
+  ECS_TRY(test, laser::drift_test_of(set, arguments.window_h));
+  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, drift_figure(test)));
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
                                           fmt::format("in {:g} h", arguments.window_h), "from", "last");
   return outcome_of(record_cell("{file}: {shown} h\n{senses}{plot}",
                                 {{"file", word_cell(arguments.file)},
                                  {"window_h", {number_or_null(arguments.window_h), {}}},
-                                 {"shown", shown_cell(number_cell(test->senses.front().hours, 2).text)},
-                                 {"senses", list_cell(test->senses, drift_sense_cell, heading)},
+                                 {"shown", shown_cell(number_cell(test.senses.front().hours, 2).text)},
+                                 {"senses", list_cell(test.senses, drift_sense_cell, heading)},
                                  {"plot", written_cell("plot", arguments.plot)}}));
 }
 

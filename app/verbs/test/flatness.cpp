@@ -82,16 +82,11 @@ Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
 }
 
 Result<Outcome> flatness(VerbContext&, const FlatnessArguments& arguments) {
-  const auto text = read_file_of(FileKind::surface, arguments.file);
-  if (!text) return tl::unexpected(text.error());
-  const auto readings = laser::parse_plate_readings(*text, arguments.file);
-  if (!readings) return tl::unexpected(readings.error());
-  const laser::Flatness flatness = laser::flatness_of(*readings);
-  if (!arguments.plot.empty())
-    if (auto drawn = write_plot(arguments.plot, oblique_view(flatness)); !drawn) return tl::unexpected(drawn.error());
-  if (!arguments.output.empty())
-    if (auto written = write_file(arguments.output, heights_csv(flatness)); !written)
-      return tl::unexpected(written.error());
+  ECS_TRY(text, read_file_of(FileKind::surface, arguments.file));
+  ECS_TRY(readings, laser::parse_plate_readings(text, arguments.file));
+  const laser::Flatness flatness = laser::flatness_of(readings);
+  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, oblique_view(flatness)));
+  if (!arguments.output.empty()) ECS_DO(write_file(arguments.output, heights_csv(flatness)));
   const Cell closure = closure_cell(flatness, arguments.closure_um);
   const Cell answer = record_cell(
       "{file}: {width_mm} x {depth_mm} mm between the corner stations, {heights} heights\n"

@@ -86,26 +86,23 @@ PlotFigure warm_up_figure(const laser::WarmUpTest& test) {
 }
 
 Result<Outcome> warm_up(VerbContext& context, const WarmUpArguments& arguments) {
-  const auto imported = read_with_notes(context, arguments.file, arguments.import);
-  if (!imported) return tl::unexpected(imported.error());
-  laser::MeasurementSet set = imported->set;
+  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+  laser::MeasurementSet set = imported.set;
   set.source = arguments.file;
-  const auto test = laser::warm_up_test_of(set, arguments.window_h);
-  if (!test) return tl::unexpected(test.error());
-  if (!arguments.plot.empty())
-    if (auto drawn = write_plot(arguments.plot, warm_up_figure(*test)); !drawn) return tl::unexpected(drawn.error());
+  ECS_TRY(test, laser::warm_up_test_of(set, arguments.window_h));
+  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, warm_up_figure(test)));
   const std::string heading = fmt::format("  {:<2} {:>9} {:<8} {:>8} {:>8} {:>8}\n", "", "mm", "", "whole",
                                           fmt::format("first {:g} h", arguments.window_h), "last");
   return outcome_of(
       record_cell("{file}: axis {axis} moves for {shown} h; ranges in um, of rotations in um/m\n"
                   "{curves}{differences}{plot}",
                   {{"file", word_cell(arguments.file)},
-                   {"axis", word_cell(std::string(1, letter_of(test->axis)))},
+                   {"axis", word_cell(std::string(1, letter_of(test.axis)))},
                    {"window_h", {number_or_null(arguments.window_h), {}}},
-                   {"hours", {number_or_null(test->hours), {}}},
-                   {"shown", shown_cell(number_cell(test->hours, 2).text)},
-                   {"curves", list_cell(test->curves, warm_up_curve_cell, heading)},
-                   {"differences", list_cell(test->differences, warm_up_difference_cell)},
+                   {"hours", {number_or_null(test.hours), {}}},
+                   {"shown", shown_cell(number_cell(test.hours, 2).text)},
+                   {"curves", list_cell(test.curves, warm_up_curve_cell, heading)},
+                   {"differences", list_cell(test.differences, warm_up_difference_cell)},
                    {"plot", written_cell("plot", arguments.plot)}}));
 }
 

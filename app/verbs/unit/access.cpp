@@ -19,14 +19,12 @@ struct ArmArguments : VerbArguments {
 };
 
 Result<Outcome> arm(VerbContext& context, const ArmArguments& arguments) {
-  auto unit = open_unit(context, Access::writes);
-  if (!unit) return tl::unexpected(unit.error());
+  ECS_TRY(unit, open_unit(context, Access::writes));
   std::string code = arguments.code;
   if (code.empty()) code = commissioning::arm_code_in_environment();
-  if (code.empty() && unit->is_emulator()) code = unit->emulator_arm_code();
+  if (code.empty() && unit.is_emulator()) code = unit.emulator_arm_code();
   if (code.empty()) return problem(ProblemKind::usage, "unit arm: expected --code with the code that the unit shows");
-  const auto done = unit->client().arm(code, static_cast<std::uint16_t>(arguments.minutes));
-  if (!done) return tl::unexpected(done.error());
+  ECS_DO(unit.client().arm(code, static_cast<std::uint16_t>(arguments.minutes)));
   return Outcome{fmt::format("the unit takes writes and commands of this host for {} minutes", arguments.minutes),
                  one_line(Json{{"armed", true}, {"minutes", arguments.minutes}}), kDone};
 }
@@ -36,19 +34,16 @@ struct UnitReader : VerbArguments {
 };
 
 Result<Outcome> disarm(VerbContext& context, const UnitReader&) {
-  auto unit = open_unit(context, Access::writes);
-  if (!unit) return tl::unexpected(unit.error());
-  if (const auto done = unit->client().disarm(); !done) return tl::unexpected(done.error());
+  ECS_TRY(unit, open_unit(context, Access::writes));
+  ECS_DO(unit.client().disarm());
   return Outcome{"the unit is read-only for this host", one_line(Json{{"armed", false}}), kDone};
 }
 
 Result<Outcome> events(VerbContext& context, const UnitReader& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto snapshot = commissioning::take_snapshot(unit->client(), unit->name(), protocol::kKeptEvents);
-  if (!snapshot) return tl::unexpected(snapshot.error());
-  return outcome_of(record_cell("{events}", {{"serial_number", text_cell(snapshot->identity.serial_number)},
-                                             {"events", commissioning::events_cell(snapshot->events)}}));
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(snapshot, commissioning::take_snapshot(unit.client(), unit.name(), protocol::kKeptEvents));
+  return outcome_of(record_cell("{events}", {{"serial_number", text_cell(snapshot.identity.serial_number)},
+                                             {"events", commissioning::events_cell(snapshot.events)}}));
 }
 
 }  // namespace

@@ -17,9 +17,8 @@ namespace {
 /// Opens the unit and gives one command whose success needs no more than this answer.
 Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(protocol::UnitClient&)>& command,
                        const Cell& answer) {
-  auto unit = open_unit(context, Access::writes);
-  if (!unit) return tl::unexpected(unit.error());
-  if (const auto done = command(unit->client()); !done) return tl::unexpected(done.error());
+  ECS_TRY(unit, open_unit(context, Access::writes));
+  ECS_DO(command(unit.client()));
   return outcome_of(answer);
 }
 
@@ -34,10 +33,9 @@ struct PositionArguments : VerbArguments {
 };
 
 Result<Outcome> set_position(VerbContext& context, const PositionArguments& arguments) {
-  const auto axis = axis_named(arguments.axis);
-  if (!axis) return tl::unexpected(axis.error());
+  ECS_TRY(axis, axis_named(arguments.axis));
   return simple(
-      context, [&](protocol::UnitClient& client) { return client.set_axis_position(*axis, arguments.position_mm); },
+      context, [&](protocol::UnitClient& client) { return client.set_axis_position(axis, arguments.position_mm); },
       record_cell("axis {axis} now shows {position_mm} mm",
                   {{"axis", word_cell(arguments.axis)}, {"position_mm", plain_cell(arguments.position_mm)}}));
 }
@@ -58,19 +56,16 @@ Result<Outcome> output_value(VerbContext& context, const OutputArguments& argume
     return simple(
         context, [](protocol::UnitClient& client) { return client.output_off(); },
         done_cell("off", "every output 0, every relay open"));
-  const auto axis = axis_named(arguments.axis);
-  if (!axis) return tl::unexpected(axis.error());
+  ECS_TRY(axis, axis_named(arguments.axis));
   if (arguments.relay)
-    if (const auto sure = confirmed(arguments.yes, fmt::format("with the relay closed, axis {} moves by {} um",
-                                                               arguments.axis, *arguments.output_um));
-        !sure)
-      return tl::unexpected(sure.error());
+    ECS_DO(confirmed(arguments.yes, fmt::format("with the relay closed, axis {} moves by {} um", arguments.axis,
+                                                *arguments.output_um)));
   std::vector<std::string> off{"ecs", "utility", "output", "--off"};
   if (!context.link_option.empty()) off.insert(off.end(), {"--link", context.link_option});
   return simple(
       context,
       [&](protocol::UnitClient& client) {
-        return client.output_compensation(*axis, *arguments.output_um, arguments.relay);
+        return client.output_compensation(axis, *arguments.output_um, arguments.relay);
       },
       record_cell("axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `{off}` ends it",
                   {{"off", shown_cell(shell_command(off))},
@@ -88,27 +83,22 @@ struct RunArguments : VerbArguments {
 };
 
 Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& arguments) {
-  const auto address = whole_number(arguments.address, "ADDRESS");
-  if (!address) return tl::unexpected(address.error());
-  const auto argument = whole_number(arguments.argument, "--argument");
-  if (!argument) return tl::unexpected(argument.error());
+  ECS_TRY(address, whole_number(arguments.address, "ADDRESS"));
+  ECS_TRY(argument, whole_number(arguments.argument, "--argument"));
   if (const auto sure =
-          confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(*address)));
+          confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(address)));
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
+  ECS_TRY(unit, open_unit(context, arguments.access));
   const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
-  const auto value = unit->client().run_user_software(*address, *argument, limit);
-  if (!value) return tl::unexpected(value.error());
-  const auto registers = kept_registers(unit->client());
-  if (!registers) return tl::unexpected(registers.error());
+  ECS_TRY(value, unit.client().run_user_software(address, argument, limit));
+  ECS_TRY(registers, kept_registers(unit.client()));
   return outcome_of(record_cell("the program at {address} returned {returned} ({hexadecimal})\n{registers}",
-                                {{"address", word_cell(hex_address(*address))},
-                                 {"argument", integer_cell(*argument)},
-                                 {"returned", integer_cell(*value)},
-                                 {"registers", registers_cell(*registers)},
-                                 {"hexadecimal", shown_cell(fmt::format("0x{:08X}", *value))}}));
+                                {{"address", word_cell(hex_address(address))},
+                                 {"argument", integer_cell(argument)},
+                                 {"returned", integer_cell(value)},
+                                 {"registers", registers_cell(registers)},
+                                 {"hexadecimal", shown_cell(fmt::format("0x{:08X}", value))}}));
 }
 
 struct UnitWriter : VerbArguments {
@@ -116,14 +106,12 @@ struct UnitWriter : VerbArguments {
 };
 
 Result<Outcome> ram_test(VerbContext& context, const UnitWriter& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto result = unit->client().run_ram_test([&context](const protocol::CommandResult& busy) {
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(result, unit.client().run_ram_test([&context](const protocol::CommandResult& busy) {
     context.console.progress("RAM test", busy.per_mille / 1000.0, 0.0);
-  });
-  if (!result) return tl::unexpected(result.error());
-  const bool passed = result->value == protocol::kUnused;
-  const std::string address = passed ? std::string() : hex_address(result->value);
+  }));
+  const bool passed = result.value == protocol::kUnused;
+  const std::string address = passed ? std::string() : hex_address(result.value);
   return outcome_of(
       record_cell(passed ? "RAM test passed" : "RAM test failed at {address}: replace that axis memory module",
                   {{"passed", yes_cell(passed, "", "")}, {"address", text_cell(address)}}),

@@ -66,30 +66,25 @@ struct RecordArguments : VerbArguments {
 };
 
 Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
-  const auto axis = axis_named(arguments.axis);
-  if (!axis) return tl::unexpected(axis.error());
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
+  ECS_TRY(axis, axis_named(arguments.axis));
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
   context.console.note(fmt::format("recording for {} s", kDatumRecord_s));
-  ask_to_reference(context, *unit, "axis " + arguments.axis);
+  ask_to_reference(context, unit, "axis " + arguments.axis);
   const auto result =
-      unit->client().record_datum(*axis, in_ms(3.0 * kDatumRecord_s), [&context](const protocol::CommandResult& busy) {
+      unit.client().record_datum(axis, in_ms(3.0 * kDatumRecord_s), [&context](const protocol::CommandResult& busy) {
         const double done = busy.per_mille / 1000.0;
         context.console.progress("recording", done, (1.0 - done) * kDatumRecord_s);
       });
   if (!result) return tl::unexpected(result.error());
-  auto recording = read_recording(unit->client(), result->value, progress_bar(context, "transfer"));
-  if (!recording) return tl::unexpected(recording.error());
-  recording->taken = now_utc();
-  recording->serial_number = identity->serial_number;
+  ECS_TRY(recording, read_recording(unit.client(), result->value, progress_bar(context, "transfer")));
+  recording.taken = now_utc();
+  recording.serial_number = identity.serial_number;
   if (!arguments.output.empty()) {
-    if (auto written = write_file(arguments.output, to_csv(*recording)); !written)
-      return tl::unexpected(written.error());
+    ECS_DO(write_file(arguments.output, to_csv(recording)));
     context.console.note(fmt::format("record written to {}", arguments.output));
   }
-  return outcome_of(recording_cell(*recording));
+  return outcome_of(recording_cell(recording));
 }
 
 // --- show
@@ -98,9 +93,8 @@ struct ShowArguments : VerbArguments {
 };
 
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
-  const auto recording = read_recording_file(arguments.file);
-  if (!recording) return tl::unexpected(recording.error());
-  return outcome_of(recording_cell(*recording));
+  ECS_TRY(recording, read_recording_file(arguments.file));
+  return outcome_of(recording_cell(recording));
 }
 
 // --- test
@@ -113,9 +107,8 @@ struct TestArguments : VerbArguments {
 Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, const protocol::Identity& identity) {
   std::vector<Axis> axes;
   for (const std::string& name : names) {
-    const auto axis = axis_named(name);
-    if (!axis) return tl::unexpected(axis.error());
-    axes.push_back(*axis);
+    ECS_TRY(axis, axis_named(name));
+    axes.push_back(axis);
   }
   for (const Axis axis : kAllAxes)
     if (names.empty() && identity.axis_present[index_of(axis)]) axes.push_back(axis);
@@ -123,23 +116,19 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
 }
 
 Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto identity = unit->client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  const auto axes = axes_to_test(arguments.axes, *identity);
-  if (!axes) return tl::unexpected(axes.error());
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_TRY(axes, axes_to_test(arguments.axes, identity));
   Cell list{Json::array(), {}};
   bool all_passed = true;
-  for (const Axis axis : *axes) {
+  for (const Axis axis : axes) {
     const std::string letter(1, letter_of(axis));
-    ask_to_reference(context, *unit, "axis " + letter);
-    const auto one = test_datum_of(unit->client(), axis, in_ms(arguments.wait_s));
-    if (!one) return tl::unexpected(one.error());
-    all_passed = all_passed && one->passed;
+    ask_to_reference(context, unit, "axis " + letter);
+    ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(arguments.wait_s)));
+    all_passed = all_passed && one.passed;
     list.add(record_cell("axis {axis}: {passed}\n", {{"axis", word_cell(letter)},
-                                                     {"passed", yes_cell(one->passed, "datum found", one->message)},
-                                                     {"message", text_cell(one->message)}}));
+                                                     {"passed", yes_cell(one.passed, "datum found", one.message)},
+                                                     {"message", text_cell(one.message)}}));
   }
   return outcome_of(record_cell("{axes}", {{"passed", yes_cell(all_passed, "", "")}, {"axes", list}}),
                     all_passed ? kDone : kDoesNotHold);

@@ -39,36 +39,34 @@ Outcome outcome_of(const StatusSnapshot& snapshot, std::string text, int exit_co
 }
 
 Result<Outcome> integrate(UnitLink& unit) {
-  if (const auto entered = unit.client().enter_integration(); !entered) return tl::unexpected(entered.error());
-  const auto snapshot = take_snapshot(unit.client(), unit.name());
-  if (!snapshot) return tl::unexpected(snapshot.error());
-  return outcome_of(*snapshot, "integration mode: relays open", kDone);
+  ECS_DO(unit.client().enter_integration());
+  ECS_TRY(snapshot, take_snapshot(unit.client(), unit.name()));
+  return outcome_of(snapshot, "integration mode: relays open", kDone);
 }
 
 /// Follows the unit until it compensates, gives up or the time is over.
 Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(wait_s);
   for (std::string noted;;) {
-    const auto snapshot = take_snapshot(unit.client(), unit.name());
-    if (!snapshot) return tl::unexpected(snapshot.error());
-    const UnitMode mode = snapshot->status.mode;
+    ECS_TRY(snapshot, take_snapshot(unit.client(), unit.name()));
+    const UnitMode mode = snapshot.status.mode;
     if (mode == UnitMode::compensating) {
       if (!unit.workshop().empty())
         context.console.note(
             "a bundled emulator that this command started ends with it, and forgets the mode; `ecs-emulator serve` or "
             "the screens keep one running");
-      return outcome_of(*snapshot, "the unit compensates", kDone);
+      return outcome_of(snapshot, "the unit compensates", kDone);
     }
-    if (snapshot->status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
-      return problem(ProblemKind::link, snapshot->status.fault == Fault::none
+    if (snapshot.status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
+      return problem(ProblemKind::link, snapshot.status.fault == Fault::none
                                             ? std::string("the unit went back to integration mode")
-                                            : fault_sentence(snapshot->status));
-    const std::string stages = stages_of(*snapshot);
+                                            : fault_sentence(snapshot.status));
+    const std::string stages = stages_of(snapshot);
     if (stages != noted) context.console.note(fmt::format("datuming: {}", stages));
     noted = stages;
     if (Clock::now() >= end)
       return outcome_of(
-          *snapshot,
+          snapshot,
           fmt::format("not yet compensating after {} s ({}); the unit goes on waiting until every axis has "
                       "been referenced; `ecs utility status` shows how far it is",
                       wait_s, stages),
@@ -78,19 +76,16 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
 }
 
 Result<Outcome> compensate(VerbContext& context, UnitLink& unit, double wait_s) {
-  const auto now = unit.client().status();
-  if (!now) return tl::unexpected(now.error());
-  const bool under_way = now->mode == UnitMode::datuming || now->mode == UnitMode::compensating;
-  if (!under_way)
-    if (const auto entered = begin_compensation(unit.client()); !entered) return tl::unexpected(entered.error());
-  if (now->mode != UnitMode::compensating) ask_to_reference(context, unit, "every axis");
+  ECS_TRY(now, unit.client().status());
+  const bool under_way = now.mode == UnitMode::datuming || now.mode == UnitMode::compensating;
+  if (!under_way) ECS_DO(begin_compensation(unit.client()));
+  if (now.mode != UnitMode::compensating) ask_to_reference(context, unit, "every axis");
   return follow(context, unit, wait_s);
 }
 
 Result<Outcome> change_mode(VerbContext& context, const ModeArguments& arguments) {
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  return arguments.mode == "integrate" ? integrate(*unit) : compensate(context, *unit, arguments.wait_s);
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  return arguments.mode == "integrate" ? integrate(unit) : compensate(context, unit, arguments.wait_s);
 }
 
 }  // namespace

@@ -86,10 +86,9 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments&
   if (!arguments.environment.empty()) environment.emplace(arguments.environment, kEnvironment_s);
   for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(arguments.interval_ms))) return {};
-    const auto sample = unit.client().monitor();
-    if (!sample) return tl::unexpected(sample.error());
-    Json object = sample_json(*sample, unit.name());
-    std::string text = sample_text(*sample);
+    ECS_TRY(sample, unit.client().monitor());
+    Json object = sample_json(sample, unit.name());
+    std::string text = sample_text(sample);
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
       object["environment"] = surroundings_json(surroundings);
@@ -98,7 +97,7 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments&
     context.console.print(text);
     context.console.print_json(one_line(object));
     if (recording)
-      if (auto added = recording->add(*sample, surroundings.values); !added) return added;
+      if (auto added = recording->add(sample, surroundings.values); !added) return added;
     if (!context.console.output_is_whole()) return {};  // whoever ends the verb says why
   }
   return {};
@@ -107,15 +106,13 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments&
 Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments) {
   std::optional<MonitorRecording> recording;
   if (!arguments.record.empty()) {
-    auto begun = MonitorRecording::begun(arguments.record);
-    if (!begun) return tl::unexpected(begun.error());
-    recording.emplace(std::move(*begun));
+    ECS_TRY(begun, MonitorRecording::begun(arguments.record));
+    recording.emplace(std::move(begun));
   }
-  auto unit = open_unit(context, arguments.access);
-  if (!unit) return tl::unexpected(unit.error());
-  const auto watched = watch(context, *unit, arguments, recording);
+  ECS_TRY(unit, open_unit(context, arguments.access));
+  const auto watched = watch(context, unit, arguments, recording);
   if (recording && recording->runs() && recording->samples() > 0) {
-    if (auto ended = recording->end(); !ended) return tl::unexpected(ended.error());
+    ECS_DO(recording->end());
     context.console.note(fmt::format("{} samples written to {}", recording->samples(), arguments.record));
   }
   if (!watched) return tl::unexpected(watched.error());

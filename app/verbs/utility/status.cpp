@@ -18,20 +18,18 @@ struct StatusArguments : VerbArguments {
 };
 
 Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
-  auto unit = open_unit(context, Access::reads);
-  if (!unit) return tl::unexpected(unit.error());
-  return take_snapshot(unit->client(), unit->name(), protocol::kKeptEvents);
+  ECS_TRY(unit, open_unit(context, Access::reads));
+  return take_snapshot(unit.client(), unit.name(), protocol::kKeptEvents);
 }
 
 Result<Outcome> show_status(VerbContext& context, const StatusArguments& arguments) {
   if (arguments.from.size() > 1) return problem(ProblemKind::usage, "utility status: --from takes one file");
-  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(context) : read_snapshot(arguments.from.front());
-  if (!snapshot) return tl::unexpected(snapshot.error());
+  ECS_TRY(snapshot, arguments.from.empty() ? snapshot_of_unit(context) : read_snapshot(arguments.from.front()));
   if (!arguments.save.empty()) {
-    if (auto written = write_snapshot(arguments.save, *snapshot); !written) return tl::unexpected(written.error());
+    ECS_DO(write_snapshot(arguments.save, snapshot));
     context.console.note(fmt::format("status written to {}", arguments.save));
   }
-  return outcome_of(status_cell(*snapshot));
+  return outcome_of(status_cell(snapshot));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 Result<int> work_on(UnitConnection& connection, int& done) {
   JobControl control;
   return connection.with_link(control, [&](UnitLink& link) -> Result<int> {
-    if (const auto off = link.client().output_off(); !off) return tl::unexpected(off.error());
+    ECS_DO(link.client().output_off());
     return ++done;
   });
 }
@@ -42,8 +42,7 @@ TEST_CASE("cancelled work ends soon, and the link serves the next") {
   std::optional<Result<int>> result;
   const auto work = [&connection](JobControl& control) {
     return connection.with_link(control, [](UnitLink& link) -> Result<int> {
-      const auto datum = link.client().test_datum(Axis::X, std::chrono::minutes(1));
-      if (!datum) return tl::unexpected(datum.error());
+      ECS_DO(link.client().test_datum(Axis::X, std::chrono::minutes(1)));
       return 1;
     });
   };

@@ -16,10 +16,8 @@ void as_another_host(LaserScreenDriver& driver, Work work) {
 }
 
 Result<void> map_sent_over(UnitLink& link, const std::string& map, const std::string& params) {
-  const auto prepared = prepared_map(map, params);
-  if (!prepared) return tl::unexpected(prepared.error());
-  const auto sent = send_map(link.client(), *prepared, map, false);
-  if (!sent) return tl::unexpected(sent.error());
+  ECS_TRY(prepared, prepared_map(map, params));
+  ECS_DO(send_map(link.client(), prepared, map, false));
   return {};
 }
 
