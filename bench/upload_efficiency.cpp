@@ -25,7 +25,7 @@ using Image = std::vector<std::uint8_t>;
 
 constexpr const char* kSerialNumber = "MCM-0107";
 constexpr std::uint8_t kModules = 2;  ///< a module holds 32,000 values, 64 KiB of them a few more
-constexpr const char* kMillMap = "samples/memory/mill_format_1.image";
+constexpr const char* kMillMap = "tests/data/memory/mill_format_1.image";
 
 /// A unit in integration mode on a paced line, served by a thread of its own.
 class Bench {

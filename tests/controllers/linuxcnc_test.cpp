@@ -217,7 +217,7 @@ TEST_CASE("the type shows in the numbers, unless they leave it open") {
 }
 
 TEST_CASE("the table that LinuxCNC ships for its simulated machine is read, its bad point and all") {
-  const auto text = read_file("samples/real/linuxcnc-comp/screwcompX.dat");
+  const auto text = read_file("tests/data/real/linuxcnc-comp/screwcompX.dat");
   REQUIRE(text);
   const auto read = parse_linuxcnc(*text, "screwcompX.dat", {Axis::X, std::nullopt, MachineUnits::mm, false});
   REQUIRE(read);

@@ -46,7 +46,7 @@ constexpr Severity kError = Severity::error;
 constexpr Severity kWarning = Severity::warning;
 
 Machine mill() {
-  const auto file = read_machine("samples/params/mill_machine.toml");
+  const auto file = read_machine("tests/data/params/mill_machine.toml");
   REQUIRE(file.has_value());
   return file->machine;
 }
@@ -55,7 +55,7 @@ Machine mill() {
 
 TEST_CASE("the defaults and the sample of the mill have no findings") {
   CHECK(to_text(check(UnitParameters{})) == "");
-  const auto file = read_parameters("samples/params/mill_unit.toml");
+  const auto file = read_parameters("tests/data/params/mill_unit.toml");
   REQUIRE(file.has_value());
   const Machine machine = mill();
   CHECK(to_text(check(file->parameters, &machine)) == "");

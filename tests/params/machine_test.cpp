@@ -29,7 +29,7 @@ std::string failure(std::string_view text) {
 }  // namespace
 
 TEST_CASE("the mill's file is read completely, and its [emulator] table is ignored") {
-  const auto file = read_machine("samples/params/mill_machine.toml");
+  const auto file = read_machine("tests/data/params/mill_machine.toml");
   REQUIRE(file.has_value());
   CHECK(file->warnings.empty());
   const Machine& mill = file->machine;
@@ -50,7 +50,7 @@ TEST_CASE("the mill's file is read completely, and its [emulator] table is ignor
 }
 
 TEST_CASE("the lathe has two axes of a three-axis chain") {
-  const Machine lathe = sample("samples/params/lathe_machine.toml");
+  const Machine lathe = sample("tests/data/params/lathe_machine.toml");
   CHECK_FALSE(lathe.axes[0].has_value());
   CHECK(lathe.axes[1]->transducer == Transducer::resolver);
   CHECK(lathe.axes[2]->datum_mm == -10.0);
@@ -58,14 +58,14 @@ TEST_CASE("the lathe has two axes of a three-axis chain") {
 }
 
 TEST_CASE("default parameters fit their machine: no check has anything to say") {
-  for (const char* path : {"samples/params/mill_machine.toml", "samples/params/lathe_machine.toml"}) {
+  for (const char* path : {"tests/data/params/mill_machine.toml", "tests/data/params/lathe_machine.toml"}) {
     const Machine machine = sample(path);
     CHECK(to_text(check(default_parameters_for(machine), &machine)) == "");
   }
 }
 
 TEST_CASE("the axis comes onto the switch of its datum from the farther end of its travel") {
-  Machine machine = sample("samples/params/mill_machine.toml");
+  Machine machine = sample("tests/data/params/mill_machine.toml");
   machine.axes[1]->travel_mm = {-1400.0, 0.0};
   machine.axes[1]->datum_mm = -1400.0;
   CHECK(default_parameters_for(machine).axes[1].datum.approach_direction == Approach::reverse);
@@ -74,11 +74,11 @@ TEST_CASE("the axis comes onto the switch of its datum from the farther end of i
 }
 
 TEST_CASE("default parameters of the mill are volumetric, those of the lathe planar in Y and Z") {
-  const UnitParameters mill = default_parameters_for(sample("samples/params/mill_machine.toml"));
+  const UnitParameters mill = default_parameters_for(sample("tests/data/params/mill_machine.toml"));
   CHECK(configuration_of(mill) == "TXYZ");
   CHECK(mill.scope == Scope::volumetric);
   CHECK(mill.measurement_lines_mm[0] == Vector3{0.0, -1400.0, 0.0});
-  const UnitParameters lathe = default_parameters_for(sample("samples/params/lathe_machine.toml"));
+  const UnitParameters lathe = default_parameters_for(sample("tests/data/params/lathe_machine.toml"));
   CHECK(configuration_of(lathe) == "XTYZ");
   CHECK(lathe.axis_present == PerAxis<bool>{false, true, true});
   CHECK(lathe.scope == Scope::planar);
@@ -97,10 +97,10 @@ TEST_CASE("a machine of one axis gets the linear scope") {
 }
 
 TEST_CASE("every wrong value of a machine file is reported in one pass with line and column") {
-  const auto file = read_machine("samples/params/broken_machine.toml");
+  const auto file = read_machine("tests/data/params/broken_machine.toml");
   REQUIRE_FALSE(file.has_value());
   const std::string text = to_text(file.error());
-  const std::string at = "samples/params/broken_machine.toml:";
+  const std::string at = "tests/data/params/broken_machine.toml:";
   CHECK(contains(text, at + "1:8: name: expected a text in quotes, found 7"));
   CHECK(contains(text, at + "2:17: configuration: expected one T and different letters of XYZ"));
   CHECK(contains(text, at + "3:10: colour: not a key of a machine file; ignored"));
@@ -173,7 +173,7 @@ TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain 
   CHECK(machine.rotary[1]->travel_deg == std::array{-110.0, 30.5});
   CHECK(machine.rotary[1]->direction[2] == doctest::Approx(std::sqrt(0.5)));
   CHECK(configuration_of(default_parameters_for(machine.machine)) == "XYTZ");
-  CHECK_FALSE(has_rotary_axes(*read_rotary_machine("samples/params/mill_machine.toml")));
+  CHECK_FALSE(has_rotary_axes(*read_rotary_machine("tests/data/params/mill_machine.toml")));
   CHECK(read_machine("samples/five_axes/machine.toml")->warnings.empty());
 }
 

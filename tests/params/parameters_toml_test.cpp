@@ -62,7 +62,7 @@ TEST_CASE("TOML to the unit's bytes and back is the same TOML") {
 }
 
 TEST_CASE("a short file takes the defaults for the rest and says which") {
-  const auto file = read_parameters("samples/params/mill_unit.toml");
+  const auto file = read_parameters("tests/data/params/mill_unit.toml");
   REQUIRE(file.has_value());
   CHECK(file->identity.machine == "moving column mill");
   CHECK(file->identity.serial_number == "MCM-0107");
@@ -136,10 +136,10 @@ TEST_CASE("tables may come in any order and keys may be dotted") {
 }
 
 TEST_CASE("every wrong value of a file is reported in one pass, in file order, with line and column") {
-  const auto file = read_parameters("samples/params/broken_values.toml");
+  const auto file = read_parameters("tests/data/params/broken_values.toml");
   REQUIRE_FALSE(file.has_value());
   CHECK(file.error().kind == ProblemKind::bad_input);
-  CHECK(file.error().file == "samples/params/broken_values.toml");
+  CHECK(file.error().file == "tests/data/params/broken_values.toml");
   const auto found = places(file.error());
   const std::vector<std::string> expected{
       "2:11: identity.machine: expected a text in quotes, found 12",
@@ -167,7 +167,7 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
 }
 
 TEST_CASE("a file that is not TOML is refused at the place of the error") {
-  const auto file = read_parameters("samples/params/broken_syntax.toml");
+  const auto file = read_parameters("tests/data/params/broken_syntax.toml");
   REQUIRE_FALSE(file.has_value());
   CHECK(file.error().line == 3);
   CHECK(file.error().column > 0);
@@ -219,7 +219,7 @@ TEST_CASE("a name in a file holds no control characters and no more than a name 
 }
 
 TEST_CASE("a missing file is a problem that names it") {
-  const auto file = read_parameters("samples/params/none.toml");
+  const auto file = read_parameters("tests/data/params/none.toml");
   REQUIRE_FALSE(file.has_value());
   CHECK(to_text(file.error()).find("none.toml") != std::string::npos);
 }

@@ -62,7 +62,11 @@ inline UnitParameters one_axis() {
   return p;
 }
 
-inline std::filesystem::path sample(const std::string& name) { return "samples/laser/" + name; }
+/// A measured file: of samples/laser, else of tests/data/laser, which has the broken and the odd ones.
+inline std::filesystem::path sample(const std::string& name) {
+  const std::filesystem::path of_user = "samples/laser/" + name;
+  return std::filesystem::exists(of_user) ? of_user : "tests/data/laser/" + name;
+}
 
 inline std::string sample_text(const std::string& name) {
   const auto text = read_file(sample(name));

@@ -48,7 +48,7 @@ TEST_CASE("faults of a plan are reported in the order of its lines") {
 
 TEST_CASE("failures of a batch and of the doctor carry an error in JSON, and no replies no round trip") {
   const Folder folder;
-  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  static_cast<void>(folder.with("p.toml", content_of("tests/data/params/mill_unit.toml")));
   const std::string plan =
       folder.with("plan.toml", "[[unit]]\nlink = \"rtu:/dev/no-such-port:9600\"\nparams = \"p.toml\"\n");
   const auto batch = ran({"batch", plan, "--json"}).json();
@@ -62,7 +62,7 @@ TEST_CASE("failures of a batch and of the doctor carry an error in JSON, and no 
 
 TEST_CASE("one unit that fails does not stop the others, and a lost link makes exit code 4") {
   const Folder folder;
-  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  static_cast<void>(folder.with("p.toml", content_of("tests/data/params/mill_unit.toml")));
   const std::string plan =
       folder.with("plan.toml",
                   "[[unit]]\nname = \"a\"\nlink = \"rtu:/dev/no-such-port:9600\"\nparams = \"gone.toml\"\n"
@@ -78,7 +78,7 @@ TEST_CASE("one unit that fails does not stop the others, and a lost link makes e
 
 TEST_CASE("a batch refuses a unit that is named twice, unless serial numbers tell the two apart") {
   const Folder folder;
-  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  static_cast<void>(folder.with("p.toml", content_of("tests/data/params/mill_unit.toml")));
   const std::string twice =
       "id,link,params\na,rtu:/dev/no-such-port:9600,p.toml\nb,rtu:/dev/no-such-port:9600,p.toml\n";
   const Ran refused = ran({"batch", folder.with("units.csv", twice), "--dry-run"});
@@ -91,7 +91,7 @@ TEST_CASE("a batch refuses a unit that is named twice, unless serial numbers tel
 
 TEST_CASE("a batch takes its units from a table, and writes a line of JSON for each") {
   const Folder folder;
-  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  static_cast<void>(folder.with("p.toml", content_of("tests/data/params/mill_unit.toml")));
   const std::string plan = folder.with(
       "units.csv",
       "id,link,params,map\na,rtu:/dev/no-such-port:9600,p.toml,\nb,rtu:/dev/no-other-port:9600,gone.toml,\n");

@@ -149,7 +149,7 @@ TEST_CASE(
 
 TEST_CASE("an image of format 1 is shown, and loaded in format 2 for the unit that its header names") {
   const StateFolder folder;
-  const std::string old = "samples/memory/mill_format_1.image";
+  const std::string old = "tests/data/memory/mill_format_1.image";
   const auto shown = ran({"memory", "show", old, "--json"}).json()["images"][0];
   CHECK(shown["format"] == 1);
   CHECK(shown["identity"].is_null());

@@ -114,7 +114,7 @@ TEST_CASE("several targets, or readings without times, are no growth at one targ
 }
 
 TEST_CASE("six warm-ups with clocks of their own, as a file has them: the lag is that of one warm-up") {
-  const auto text = read_file("samples/made_up/runs_from_zero.csv");
+  const auto text = read_file("tests/data/made_up/runs_from_zero.csv");
   REQUIRE(text);
   const auto set = parse_measurement_set(*text, "runs_from_zero.csv");
   REQUIRE(set);

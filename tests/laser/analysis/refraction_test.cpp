@@ -13,7 +13,7 @@ using namespace ecs;
 using namespace ecs::laser;
 
 TEST_CASE("Ciddor and modified Edlen give the published values to 1e-9") {
-  const auto text = read_file("samples/real/refractive-index-vectors/nist_air_index.csv");
+  const auto text = read_file("tests/data/real/refractive-index-vectors/nist_air_index.csv");
   REQUIRE(text.has_value());
   int rows = 0;
   for (const std::string_view line : lines_of(*text)) {

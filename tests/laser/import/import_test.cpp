@@ -251,7 +251,7 @@ TEST_CASE("incomplete or mixed sets are not written as run files") {
 }
 
 TEST_CASE("real environment logs are read completely") {
-  const auto log = read_any("samples/real/nmm-environment/T22-0263_L2_16_1.pos", {});
+  const auto log = read_any("tests/data/real/nmm-environment/T22-0263_L2_16_1.pos", {});
   REQUIRE(log.has_value());
   CHECK(log->environment.rows.size() == 251);
   CHECK(log->environment.value(0, "pressure_hPa").value() == Approx(976.35));

@@ -1,4 +1,4 @@
-// Sets of samples/made_up that show one fault each: what is right of them stands in their README.
+// Sets of tests/data/made_up that show one fault each: what is right of them stands in their README.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ struct MadeUpSet {
 };
 
 MadeUpSet made_up(const std::string& name) {
-  const std::string path = "samples/made_up/" + name;
+  const std::string path = "tests/data/made_up/" + name;
   const auto model = read_model(path + ".toml");
   REQUIRE(model.has_value());
   const auto readings = laser::read_any(path + ".csv", {});
@@ -128,11 +128,11 @@ TEST_CASE("a model whose wave and curve cancel each other beyond the readings is
 }
 
 TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
-  const auto model = read_model("samples/made_up/bending_head.toml");
-  const auto machine = params::read_machine("samples/made_up/head_machine.toml");
+  const auto model = read_model("tests/data/made_up/bending_head.toml");
+  const auto machine = params::read_machine("tests/data/made_up/head_machine.toml");
   laser::ImportOptions options;
   options.takes_rotary = true;
-  const auto readings = laser::read_any("samples/made_up/bending_head.csv", options);
+  const auto readings = laser::read_any("tests/data/made_up/bending_head.csv", options);
   REQUIRE(model);
   REQUIRE(machine);
   REQUIRE(readings);

@@ -32,14 +32,14 @@ struct Sample {
 
 Sample sample(const std::string& model, const std::string& data, const std::string& machine) {
   Sample one;
-  const auto read = read_model("samples/" + model);
+  const auto read = read_model(model);
   REQUIRE(read.has_value());
   one.model = *read;
-  const auto readings = laser::read_any("samples/" + data, {});
+  const auto readings = laser::read_any(data, {});
   REQUIRE(readings.has_value());
   one.set = readings->set;
   if (!machine.empty()) {
-    const auto of = params::read_machine("samples/" + machine);
+    const auto of = params::read_machine(machine);
     REQUIRE(of.has_value());
     one.machine = of->machine;
   }
@@ -129,11 +129,14 @@ void check_stays(const Sample& one, int times = kTimes) {
 }
 
 Sample hidden(const std::string& number) {
-  const std::string of = "hidden/" + number + "/";
+  const std::string of = "samples/hidden/" + number + "/";
   return sample(of + "model.toml", of + "data.csv", of + "machine.toml");
 }
 
-Sample made(const std::string& name) { return sample("made_up/" + name + ".toml", "made_up/" + name + ".csv", ""); }
+Sample made(const std::string& name) {
+  const std::string of = "tests/data/made_up/" + name;
+  return sample(of + ".toml", of + ".csv", "");
+}
 
 }  // namespace
 

@@ -1,4 +1,5 @@
-// The fit of the project against certified values of NIST StRD (samples/real/nist-strd): parameters and their sigmas.
+// The fit of the project against certified values of NIST StRD (tests/data/real/nist-strd): parameters and their
+// sigmas.
 #include <cmath>
 #include <map>
 
@@ -40,7 +41,7 @@ std::vector<std::string_view> words_in(std::string_view line) {
 
 NistProblem nist(const std::string& name) {
   NistProblem problem;
-  const std::string text = *read_file("samples/real/nist-strd/" + name + ".dat");
+  const std::string text = *read_file("tests/data/real/nist-strd/" + name + ".dat");
   bool in_data = false;
   for (const std::string_view line : lines_of(text)) {
     const auto words = words_in(line);

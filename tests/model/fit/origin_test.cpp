@@ -76,9 +76,9 @@ TEST_CASE("a fitted model predicts the same rows alike, whatever rows are with t
 }
 
 TEST_CASE("the set next_day is predicted alike from the whole file and from its second half") {
-  const auto model = read_model("samples/made_up/next_day.toml");
-  const auto all = laser::read_any("samples/made_up/next_day.csv", {});
-  const auto half = laser::read_any("samples/made_up/next_day_half.csv", {});
+  const auto model = read_model("tests/data/made_up/next_day.toml");
+  const auto all = laser::read_any("tests/data/made_up/next_day.csv", {});
+  const auto half = laser::read_any("tests/data/made_up/next_day_half.csv", {});
   REQUIRE(model);
   REQUIRE(all);
   REQUIRE(half);

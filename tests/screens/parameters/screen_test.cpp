@@ -204,10 +204,10 @@ TEST_CASE("a file with wrong values is refused with every reason, and the name s
   const ParametersCase one;
   ParametersScreen screen(no_link());
   type(screen, "o");
-  enter(screen, "samples/params/broken_values.toml");
+  enter(screen, "tests/data/params/broken_values.toml");
   const std::string text = picture(screen);
   CHECK(reads(text, "broken_values.toml:"));
-  CHECK(reads(text, "samples/params/broken_values.toml_"));
+  CHECK(reads(text, "tests/data/params/broken_values.toml_"));
   CHECK_FALSE(screen.controller().loaded());
   (void)press(screen, Key::Name::escape);  // what is typed
   (void)press(screen, Key::Name::escape);

@@ -115,13 +115,13 @@ TEST_CASE("files of different machines are not joined") {
 }
 
 TEST_CASE("every bad row of a file is named with line and column") {
-  const Ran r = ran({"laser", "stats", "samples/laser/broken_rows.csv"});
+  const Ran r = ran({"laser", "stats", "tests/data/laser/broken_rows.csv"});
   CHECK(r.code == 3);
   CHECK(r.out.empty());
   for (const char* place : {":3:1:", ":4:5:", ":5:8:", ":6:12:", ":7:14:", ":8:3:", ":9:8:", ":10:12:"})
     CHECK(r.messages.find(place) != std::string::npos);
-  const auto error = ran({"laser", "stats", "samples/laser/broken_rows.csv", "--json"}).json()["error"];
-  CHECK(error["file"] == "samples/laser/broken_rows.csv");
+  const auto error = ran({"laser", "stats", "tests/data/laser/broken_rows.csv", "--json"}).json()["error"];
+  CHECK(error["file"] == "tests/data/laser/broken_rows.csv");
   CHECK(error["line"].is_number());
   CHECK(error["column"].is_number());
   CHECK(error["also"].size() == 7);
@@ -131,7 +131,7 @@ TEST_CASE("no verb accepts a corrupted file") {
   for (const char* file : {"broken_binary.csv", "broken_duplicate.csv", "broken_empty.csv", "broken_header.csv",
                            "broken_points.rtl", "broken_cut.rtl"})
     for (const char* verb : {"import", "show", "stats", "process"})
-      CHECK(ran({"laser", verb, std::string("samples/laser/") + file}).code == 3);
+      CHECK(ran({"laser", verb, std::string("tests/data/laser/") + file}).code == 3);
 }
 
 TEST_CASE("a log without readings has no statistics") {

@@ -88,8 +88,8 @@ TEST_CASE("gross outliers are listed by row") {
 
 TEST_CASE(
     "what is likely is told as likely, with what is not excluded, what would decide and what adding it would do") {
-  const std::vector<std::string> verb{"model", "diagnose", "samples/made_up/two_zeros.toml",
-                                      "samples/made_up/two_zeros.csv"};
+  const std::vector<std::string> verb{"model", "diagnose", "tests/data/made_up/two_zeros.toml",
+                                      "tests/data/made_up/two_zeros.csv"};
   std::vector<std::string> as_json = verb;
   as_json.emplace_back("--json");
   const nlohmann::json answer = ran(as_json).json();

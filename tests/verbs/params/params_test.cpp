@@ -9,7 +9,7 @@
 namespace ecs::app {
 namespace {
 
-const char* const kUnit = "samples/params/mill_unit.toml";
+const char* const kUnit = "tests/data/params/mill_unit.toml";
 
 TEST_CASE("setting the present value is reported as unchanged, and no line ends in blanks") {
   const Folder folder;
@@ -45,7 +45,7 @@ TEST_CASE("show gives every parameter as a typed value") {
 }
 
 TEST_CASE("a broken parameter file gives every problem with its line in one JSON error") {
-  const Ran r = ran({"params", "show", "samples/params/broken_values.toml", "--json"});
+  const Ran r = ran({"params", "show", "tests/data/params/broken_values.toml", "--json"});
   CHECK(r.code == 3);
   const auto error = r.json()["error"];
   CHECK(error["line"] == 2);

@@ -80,7 +80,7 @@ TEST_CASE("a unit is read-only until the host is armed with its code, and switch
 
 TEST_CASE("a batch says before it sends that a unit would refuse") {
   const AccessBench bench;
-  static_cast<void>(bench.folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  static_cast<void>(bench.folder.with("p.toml", content_of("tests/data/params/mill_unit.toml")));
   const std::string unit =
       fmt::format("[[unit]]\nlink = \"rtu:{}:115200\"\nparams = \"p.toml\"\n", bench.folder / "line");
   const std::string coded = bench.folder.with("coded.toml", unit + fmt::format("arm_code = \"{}\"\n", kArmCode));
