@@ -65,7 +65,7 @@ inline UnitParameters one_axis() {
 /// A measured file: of samples/laser, else of tests/data/laser, which has the broken and the odd ones.
 inline std::filesystem::path sample(const std::string& name) {
   const std::filesystem::path of_user = "samples/laser/" + name;
-  return std::filesystem::exists(of_user) ? of_user : "tests/data/laser/" + name;
+  return std::filesystem::exists(of_user) ? of_user : std::filesystem::path("tests/data/laser/" + name);
 }
 
 inline std::string sample_text(const std::string& name) {
