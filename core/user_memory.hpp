@@ -1,4 +1,4 @@
-// Where a user's program finds the machine, and leaves its registers (docs/user_software.md).
+// Where a user's program finds the machine, and leaves its registers (docs/unit.md).
 #pragma once
 
 #include "core/address_map.hpp"

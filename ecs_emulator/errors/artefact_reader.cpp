@@ -1,4 +1,4 @@
-// [[artefact]] of the errors file: what squares and straight edges have of their own (docs/instruments.md).
+// [[artefact]] of the errors file: what squares and straight edges have of their own (docs/emulator.md).
 #include <fmt/format.h>
 
 #include "ecs_emulator/errors/reader.hpp"

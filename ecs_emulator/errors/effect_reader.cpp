@@ -1,4 +1,4 @@
-// [[effect]] of the errors file: ids, keys and parameters of docs/surroundings.md.
+// [[effect]] of the errors file: ids, keys and parameters of docs/emulator.md.
 #include <utility>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Part programs as text: blocks of words in the dialect of thesis appendix B (docs/part_programs.md), read line by
+// Part programs as text: blocks of words in the dialect of thesis appendix B (docs/unit.md), read line by
 // line. Does not live here: what the blocks do (interpreter.hpp), the program that measures a plan
 // (writer.hpp).
 #pragma once

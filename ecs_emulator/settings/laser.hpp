@@ -1,4 +1,4 @@
-// The instruments of the virtual workshop: the table `[emulator.laser]` of the machine file (docs/instruments.md).
+// The instruments of the virtual workshop: the table `[emulator.laser]` of the machine file (docs/emulator.md).
 // Does not live here: what they show (ecs_emulator/instruments/laser.hpp).
 #pragma once
 

@@ -228,7 +228,7 @@ void add_lengths_options(RequestVerb verb) {
 }
 
 void add_run_options(RequestVerb verb) {
-  verb.path("PROGRAM", "program", "part program (docs/part_programs.md)", Need::required);
+  verb.path("PROGRAM", "program", "part program (docs/unit.md)", Need::required);
   verb.word("--axis", "axis", "axis whose component every M08 reads");
   verb.word("--sense", "sense", "EX, EY, EZ, EA, EB or EC");
   verb.word("--instrument", "instrument", "linear, straightness, angular, level or square");

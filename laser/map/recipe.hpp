@@ -47,7 +47,7 @@ struct MapRecipe {
   std::string remark{};  ///< kept with the steps of the map
 };
 
-/// Reads a recipe (docs/maps.md):
+/// Reads a recipe (docs/laser.md):
 ///   customer, engineer, date, machine, serial_number, remark, shrink (true or false)
 ///   [[component]] code, files (relative to the recipe), slope, smoothing_mm, exclude_runs, increment_mm
 ///   [[declared_zero]] code, reason

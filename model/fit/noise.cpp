@@ -48,7 +48,7 @@ constexpr double kLeastInformation = 0.05;
 /// number. A choice: a smaller part names less and later.
 constexpr double kFreedomOfReplicates = 0.7;
 /// Turbulence is correlated over up to a minute [s]; noise is at most three times what neighbours scatter
-/// (docs/physics.md, limits of effects); variance of a second difference of independent readings: 1 + 4 + 1.
+/// (docs/model.md, "Fit"); variance of a second difference of independent readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;

@@ -13,7 +13,7 @@ constexpr int kMostSingleRuns = 50;
 constexpr double kCoverageOfSingle = 2.0;
 constexpr int kTargetsBeyondCurve = 4;
 
-/// Noise of one reading with the instrument for a sense, as the emulated instruments have it (docs/instruments.md).
+/// Noise of one reading with the instrument for a sense, as the emulated instruments have it (docs/emulator.md).
 double instrument_noise(Component component) {
   constexpr double kLinear_um = 0.1, kStraightness_um = 0.5, kAngular_um_per_m = 0.5, kLevel_um_per_m = 1.0;
   if (is_positioning(component)) return kLinear_um;

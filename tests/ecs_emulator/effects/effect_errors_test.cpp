@@ -1,4 +1,4 @@
-// [[effect]] tables: each against its formula in docs/surroundings.md, worked out by hand.
+// [[effect]] tables: each against its formula in docs/physics.md, worked out by hand.
 #include <cmath>
 
 #include <doctest/doctest.h>

@@ -118,7 +118,7 @@ TEST_CASE("columns are suggested where they look like targets and errors, and na
   const std::string turned =
       advice("angle_deg,direction,run,error_um_per_m\n0,1,1,5\n90,1,1,-40\n180,1,1,30\n90,-1,1,-38\n0,-1,1,6\n");
   CHECK(contains(turned, "--columns \"c_deg=1[deg],reading=4[um/m],approach=2,run=3\" --skip 1 reads column 1 as"));
-  CHECK_FALSE(contains(errors + actual + coordinates, "docs/formats.md"));
+  CHECK_FALSE(contains(errors + actual + coordinates, "docs/laser.md"));
 }
 
 TEST_CASE("so does every further real file") {
