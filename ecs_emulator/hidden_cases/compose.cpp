@@ -104,7 +104,7 @@ bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorb
   Absorbed used = absorbed;
   used.add(lines_either_way(scene));
   const double size = used.left_of(structure).norm();
-  if (size < std::sqrt(kLeastShare) * structure.norm()) return false;
+  if (!(size > std::sqrt(kLeastShare) * structure.norm())) return false;  // nothing at any stop is nothing
   for (int step = 0; step < kLibrarySteps; ++step) {
     const auto explains = [&](const Rival& rival) { return rival.separation < kForeign * size; };
     const auto rivals = rivals_of(scene, ground, used, structure, 1.0, true, explains);

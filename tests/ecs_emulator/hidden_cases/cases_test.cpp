@@ -413,6 +413,17 @@ TEST_CASE("structure that is in no library says on which columns it depends") {
   CHECK(structures().size() == 30);
 }
 
+TEST_CASE("structure that falls between the stops is drawn again") {
+  HiddenCaseRequest request;
+  request.seed = 7840065;  // a crane that comes and goes within pauses
+  request.kind = CaseKind::out_of_library;
+  request.snr = 3.0;
+  request.free_base = true;
+  const HiddenCase c = case_of(request);
+  CHECK(rms(c.structure.value) > 0.0);
+  for (const double reading : c.readings) REQUIRE(std::isfinite(reading));
+}
+
 TEST_CASE("on an XYTZ machine the yaw of Y does not enter equation (27)") {
   HiddenCaseRequest request;
   request.xytz = true;
