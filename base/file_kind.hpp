@@ -1,5 +1,5 @@
 // What a file is by its content: text at all, of which kind; and reading a file that has to be of one kind.
-// Does not live here: code pages (laser/text_decoding.hpp), the formats of instruments (laser/import/registry.hpp), a
+// Does not live here: code pages (laser/text_decoding.hpp), the formats of instruments (laser/import/format.hpp), a
 // look into a whole file (commissioning/files/kind.hpp).
 #pragma once
 

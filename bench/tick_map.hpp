@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/random.hpp"
-#include "core/compiled_map.hpp"
 #include "core/tick.hpp"
 
 namespace ecs::bench {

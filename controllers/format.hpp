@@ -1,9 +1,10 @@
 // One file format of a controller: its words, what it holds, its options, writing and reading. Verbs, help, detection,
-// documentation and tests walk the list in registry.hpp.
+// documentation and tests walk the list of those that the program knows.
 #pragma once
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -90,5 +91,17 @@ struct ControllerFormat {
   laser::ErrorMap (*at_measurement_lines)(const laser::ErrorMap& read, const UnitParameters& parameters,
                                           bool levers_from_lines) = nullptr;
 };
+
+/// In the order of menus and documentation.
+[[nodiscard]] std::span<const ControllerFormat* const> controller_formats();
+
+/// Nothing if no format has this id.
+[[nodiscard]] const ControllerFormat* controller_format(std::string_view id);
+
+/// The first format that recognises decoded text; nothing if none does.
+[[nodiscard]] const ControllerFormat* recognised_format(std::string_view text);
+
+/// Its row of the table "What each holds" in docs/controllers.md.
+[[nodiscard]] std::string holds_row(const ControllerFormat& format);
 
 }  // namespace ecs::controllers

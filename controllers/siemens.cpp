@@ -1,16 +1,311 @@
-// SINUMERIK 840D: what a map becomes within the tables that the control has.
-// (siemens_groups.cpp), their text (siemens_text.cpp), reading (siemens_reader.cpp).
+// SINUMERIK 840D, writing: the tables of positioning, straightness and squareness, their text, and which of them fit
+// into the control. Does not live here: reading (siemens_reader.cpp).
+#include "controllers/siemens.hpp"
+
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "controllers/curve.hpp"
 #include "controllers/format.hpp"
-#include "controllers/siemens_tables.hpp"
 
 namespace ecs::controllers {
 namespace {
+
+/// One table for the control, still as compensation.
+struct SiemensTable {
+  Component component = Component::EXX;
+  std::string name;  ///< of the component in the report
+  Axis input = Axis::X, output = Axis::X;
+  int direction = 0;  ///< $AN_CEC_DIRECTION: 0 both, 1, -1
+  EvenGrid grid;
+  std::vector<double> compensation_um;
+  std::string comment;
+  [[nodiscard]] double largest() const {
+    double most = 0.0;
+    for (const double value : compensation_um) most = std::max(most, std::abs(value));
+    return most;
+  }
+};
+
+constexpr double kNothing_um = 0.0005;  ///< below the last digit written
+
+/// Tables that only make sense together: the two directions of one component.
+struct SiemensGroup {
+  std::vector<SiemensTable> tables;
+  ExportedTable report;
+  std::optional<Component> square;  ///< a squareness that the tables hold besides
+  [[nodiscard]] double largest() const {
+    double most = 0.0;
+    for (const SiemensTable& table : tables) most = std::max(most, table.largest());
+    return most;
+  }
+};
+
+/// Positioning: the mean for the encoder table, half the difference for each direction of the reversal.
+struct SiemensPositioning {
+  std::vector<SiemensTable> encoder;
+  std::vector<SiemensGroup> reversal;
+  std::vector<ExportedTable> reports;
+};
+
+/// How cross tables are spared: squareness inside straightness, straightness by its mean.
+struct SiemensThrift {
+  bool squareness_inside = false;
+  bool mean_only = false;
+};
+
+/// Largest difference of the two approaches.
+double largest_reversal(const ControlCurve& curve) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    most = std::max(most, std::abs(curve.forward[i] - curve.reverse[i]));
+  return most;
+}
+
+double reference_mm(const ExportSource& source, Axis axis) {
+  return source.parameters.axes[index_of(axis)].datum.reference_position_mm;
+}
+
+bool has_axis(const ExportSource& source, Axis axis) { return source.parameters.axis_present[index_of(axis)]; }
+
+/// Squareness as compensation of the output axis by the position of the input axis: a line over its travel.
+struct SquareLine {
+  Component square = Component::C0Y;
+  Component curve = Component::EXY;  ///< the straightness between the same axes
+  Axis input = Axis::Y, output = Axis::X;
+  double um_per_mm = 0.0;
+  std::array<double, 2> travel_mm{};
+};
+std::vector<SquareLine> square_lines_of(const ExportSource& source) {
+  std::vector<SquareLine> lines;
+  const auto values = squareness_of(source.parameters);
+  const auto chain = chain_of(source.parameters);
+  const auto terms = chain ? terms_of(*chain, source.parameters.convention, CurveKind::measured) : std::nullopt;
+  if (!terms) return lines;
+  for (const Term& term : *terms) {
+    if (!is_squareness(term.component) || values[index_of(term.component)] == 0.0) continue;
+    const auto& travel = source.travel_mm[index_of(term.lever)];
+    if (!travel || !has_axis(source, term.observed)) continue;
+    lines.push_back({term.component, curve_of(static_cast<Sense>(term.observed), term.lever), term.lever, term.observed,
+                     -term.sign * values[index_of(term.component)] / 1000.0, *travel});
+  }
+  return lines;
+}
+
+/// A curve of the map on an even grid, zero (mean of both approaches) at the reference position.
+struct Gridded {
+  EvenGrid grid;
+  ControlCurve curve;
+  double shift_um = 0.0;
+  double deviation_um = 0.0;
+  std::size_t map_points = 0;
+};
+/// @param line  added to the curve, which then reaches over the whole travel
+std::optional<Gridded> gridded(const ExportSource& source, Component component, std::size_t most_points,
+                               const SquareLine* line = nullptr) {
+  auto curve = curve_of(source.map, component);
+  if (!curve) return std::nullopt;
+  Gridded made;
+  made.map_points = curve->position_mm.size();
+  if (line != nullptr) {
+    std::set<double> positions(curve->position_mm.begin(), curve->position_mm.end());
+    positions.insert(line->travel_mm.begin(), line->travel_mm.end());
+    curve = resampled(*curve, {positions.begin(), positions.end()});
+  }
+  made.grid = even_grid(*curve, most_points);
+  made.curve = resampled(*curve, made.grid.positions());
+  made.deviation_um = deviation_from_unit(made.curve, source.map, component, source.parameters.interpolation);
+  for (std::size_t i = 0; line != nullptr && i < made.curve.position_mm.size(); ++i)
+    for (auto* side : {&made.curve.forward, &made.curve.reverse})
+      (*side)[i] += line->um_per_mm * made.curve.position_mm[i];
+  made.shift_um = mean_at(made.curve, reference_mm(source, moving_axis(component)));
+  for (auto* side : {&made.curve.forward, &made.curve.reverse})
+    for (double& value : *side) value -= made.shift_um;
+  return made;
+}
+
+SiemensGroup group_of(Component component, const Gridded& from, std::vector<SiemensTable> tables, std::string what) {
+  SiemensGroup group{std::move(tables), {}, std::nullopt};
+  group.report = {std::string(name_of(component)),
+                  std::move(what),
+                  from.map_points,
+                  from.grid.points,
+                  0.0,
+                  from.deviation_um,
+                  from.shift_um};
+  group.report.largest = group.largest();
+  return group;
+}
+
+SiemensTable table_on(const Gridded& from, Component component, int direction,
+                      const std::function<double(std::size_t)>& value, std::string comment) {
+  SiemensTable table{component,
+                     std::string(name_of(component)),
+                     moving_axis(component),
+                     direction_of(sense_of(component)),
+                     direction,
+                     from.grid,
+                     {},
+                     std::move(comment)};
+  for (std::size_t i = 0; i < from.grid.points; ++i) table.compensation_um.push_back(value(i));
+  return table;
+}
+
+std::vector<SiemensTable> straightness_tables(const Gridded& from, Component component, bool mean_only) {
+  const auto& c = from.curve;
+  if (!mean_only && largest_reversal(c) >= kNothing_um) {
+    const auto forward = [&](std::size_t k) { return c.forward[k]; };
+    const auto reverse = [&](std::size_t k) { return c.reverse[k]; };
+    return {table_on(from, component, 1, forward, "straightness, forward"),
+            table_on(from, component, -1, reverse, "straightness, reverse")};
+  }
+  const auto mean = [&](std::size_t k) { return 0.5 * (c.forward[k] + c.reverse[k]); };
+  return {table_on(from, component, 0, mean, "straightness")};
+}
+
+SiemensPositioning positioning_of(const ExportSource& source, const SiemensOptions& options) {
+  SiemensPositioning all;
+  for (const Axis axis : kAllAxes) {
+    const Component component = curve_of(static_cast<Sense>(axis), axis);
+    const auto from = has_axis(source, axis) ? gridded(source, component, options.most_points) : std::nullopt;
+    if (!from) continue;
+    const auto& c = from->curve;
+    const auto mean = [&](std::size_t i) { return 0.5 * (c.forward[i] + c.reverse[i]); };
+    const auto half = [&](std::size_t i) { return 0.5 * (c.forward[i] - c.reverse[i]); };
+    all.encoder.push_back(table_on(*from, component, 0, mean, "mean of both approaches"));
+    SiemensGroup report =
+        group_of(component, *from, {all.encoder.back()}, fmt::format("ENC_COMP of {}", letter_of(axis)));
+    all.reports.push_back(report.report);
+    if (largest_reversal(c) < kNothing_um) continue;
+    SiemensGroup pair =
+        group_of(component, *from,
+                 {table_on(*from, component, 1, half, "reversal, forward"),
+                  table_on(
+                      *from, component, -1, [&](std::size_t i) { return -half(i); }, "reversal, reverse")},
+                 fmt::format("CEC {0} to {0}, reversal, two directions", letter_of(axis)));
+    pair.report.shift = 0.0;
+    all.reversal.push_back(std::move(pair));
+  }
+  return all;
+}
+
+std::vector<SiemensGroup> straightness_of(const ExportSource& source, const SiemensOptions& options,
+                                          const SiemensThrift& thrift) {
+  std::vector<SiemensGroup> groups;
+  const std::vector<SquareLine> lines = square_lines_of(source);
+  for (std::size_t i = 0; i < kCurves; ++i) {
+    const auto component = static_cast<Component>(i);
+    if (!is_straightness(component)) continue;
+    const Axis input = moving_axis(component), output = direction_of(sense_of(component));
+    if (!has_axis(source, input) || !has_axis(source, output)) continue;
+    const auto line = std::find_if(lines.begin(), lines.end(), [&](const auto& l) { return l.curve == component; });
+    const bool inside = thrift.squareness_inside && line != lines.end();
+    const auto from = gridded(source, component, options.most_points, inside ? &*line : nullptr);
+    if (!from) continue;
+    auto tables = straightness_tables(*from, component, thrift.mean_only);
+    const std::string what = fmt::format("CEC {} to {}{}{}", letter_of(input), letter_of(output),
+                                         inside ? fmt::format(" with {}", name_of(line->square)) : std::string(),
+                                         tables.size() > 1 ? ", two directions" : "");
+    SiemensGroup group = group_of(component, *from, std::move(tables), what);
+    if (inside) group.square = line->square;
+    if (group.largest() >= kNothing_um) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Each squareness that no straightness table holds, as a table of two points.
+std::vector<SiemensGroup> squareness_groups(const ExportSource& source, const std::vector<SiemensGroup>& straightness) {
+  std::vector<SiemensGroup> groups;
+  for (const SquareLine& line : square_lines_of(source)) {
+    if (std::any_of(straightness.begin(), straightness.end(),
+                    [&](const SiemensGroup& group) { return group.square == line.square; }))
+      continue;
+    const double step_mm = std::ceil((line.travel_mm[1] - line.travel_mm[0]) * 1e6 - 1e-3) * 1e-6;
+    const std::string name(name_of(line.square));
+    SiemensTable table{line.curve, name,
+                       line.input, line.output,
+                       0,          {line.travel_mm[0], step_mm, 2},
+                       {},         fmt::format("squareness {}", name)};
+    const double reference = reference_mm(source, line.input);
+    for (const double p : table.grid.positions()) table.compensation_um.push_back(line.um_per_mm * (p - reference));
+    SiemensGroup group{{table}, {}, std::nullopt};
+    group.report = {name,
+                    fmt::format("CEC {} to {}, a line", letter_of(line.input), letter_of(line.output)),
+                    0,
+                    2,
+                    0.0,
+                    0.0,
+                    line.um_per_mm * reference};
+    group.report.largest = group.largest();
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+constexpr int kDigits = 6;  ///< of mm: one nanometre
+
+std::string grid_lines(std::string_view variable, const std::string& index, const EvenGrid& grid) {
+  const double last = grid.first_mm + grid.step_mm * static_cast<double>(grid.points - 1);
+  return fmt::format("{0}_STEP[{1}]={2:.{5}f}\n{0}_MIN[{1}]={3:.{5}f}\n{0}_MAX[{1}]={4:.{5}f}\n", variable, index,
+                     grid.step_mm, grid.first_mm, last, kDigits);
+}
+
+/// The error in mm that a compensation stands for.
+std::string value_text(double compensation_um) {
+  const std::string text = fmt::format("{:.{}f}", -compensation_um / kUmPerMm, kDigits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+/// `AX_EEC.INI`: every table of them for its axis. @pre input and output are the same
+std::string encoder_text(const std::vector<SiemensTable>& tables, const SiemensOptions& options) {
+  std::string text =
+      "%_N_AX_EEC_INI\n; value = error in mm: a positive value moves the axis in the negative direction\n";
+  for (const SiemensTable& table : tables)
+    text += fmt::format("; needs MD38000 $MA_MM_ENC_COMP_MAX_POINTS[{},{}] of at least {}\n", options.encoder,
+                        options.axis_name[index_of(table.input)], table.grid.points);
+  text += "; load with MD32700 $MA_ENC_COMP_ENABLE = 0\nCHANDATA(1)\n";
+  for (const SiemensTable& table : tables) {
+    const std::string axis = options.axis_name[index_of(table.input)];
+    const std::string index = fmt::format("{},{}", options.encoder, axis);
+    text += fmt::format("; {} {}\n", table.name, table.comment) + grid_lines("$AA_ENC_COMP", index, table.grid);
+    text += fmt::format("$AA_ENC_COMP_IS_MODULO[{}]=0\n", index);
+    for (std::size_t k = 0; k < table.compensation_um.size(); ++k)
+      text +=
+          fmt::format("$AA_ENC_COMP[{},{},{}]={}\n", options.encoder, k, axis, value_text(table.compensation_um[k]));
+  }
+  return text + "M17\n";
+}
+
+/// `NC_CEC.INI`: numbered from 0 in this order.
+std::string cross_text(const std::vector<SiemensTable>& tables, const SiemensOptions& options) {
+  std::string needs, body;
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    const SiemensTable& table = tables[t];
+    needs += fmt::format("; needs MD18342 $MN_MM_CEC_MAX_POINTS[{}] of at least {}\n", t, table.grid.points);
+    body += fmt::format("; table {}: {} {}\n", t, table.name, table.comment);
+    body += fmt::format("$AN_CEC_INPUT_AXIS[{0}]=({1})\n$AN_CEC_OUTPUT_AXIS[{0}]=({2})\n", t,
+                        options.axis_name[index_of(table.input)], options.axis_name[index_of(table.output)]);
+    body += grid_lines("$AN_CEC", std::to_string(t), table.grid);
+    body += fmt::format("$AN_CEC_DIRECTION[{0}]={1}\n$AN_CEC_MULT_BY_TABLE[{0}]=0\n$AN_CEC_IS_MODULO[{0}]=0\n", t,
+                        table.direction);
+    for (std::size_t k = 0; k < table.compensation_um.size(); ++k)
+      body += fmt::format("$AN_CEC[{},{}]={}\n", t, k,
+                          value_text(table.compensation_um[k] * (options.cec_adds ? -1.0 : 1.0)));
+  }
+  return fmt::format("%_N_NC_CEC_INI\n; value in mm: a positive value moves the output axis in the {} direction\n",
+                     options.cec_adds ? "positive" : "negative") +
+         needs + "; load with MD32710 $MA_CEC_ENABLE = 0\nCHANDATA(1)\n" + body + "M17\n";
+}
 
 constexpr const char* kEncoderFile = "AX_EEC.INI";
 constexpr const char* kCrossFile = "NC_CEC.INI";

@@ -1,9 +1,11 @@
 // The address space of the unit's 68000 (24 bits, big-endian), as host and unit see it. Sizes in bytes.
-// Axis memory holds two banks of one map each; a commit record says which bank is the active one.
+// Axis memory holds two banks of one map each; a commit record says which bank is the active one. Where a user's
+// program finds the machine, and leaves its registers (docs/unit.md). The RAM test of power-up.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "core/parameters.hpp"
@@ -37,5 +39,27 @@ inline constexpr std::array<Region, 5> kRegions{kEprom, kSystemRam, kCommitRecor
 
 /// Bytes of one bank that a unit with `modules` axis memory modules has.
 [[nodiscard]] constexpr std::uint32_t bank_bytes(std::uint8_t modules) { return modules * kModuleBankBytes; }
+
+inline constexpr Region kMachineInputs{0x0E0000, 0x1000, false, "machine inputs"};  ///< for user software alone
+inline constexpr Address kUserRegisters = kSystemRam.first;  ///< D0 … D7, A0 … A7, PC, SR, 32 bits each
+inline constexpr std::uint32_t kUserRegisterBytes = 72;
+inline constexpr Address kUserPrograms = kSystemRam.first + 0x1000;  ///< programs begin here or above
+
+/// First address that does not hold what is written to it; nothing if all do.
+/// @param memory  has `uint8_t read(Address)` and `void write(Address, uint8_t)`, unprotected while the test runs
+template <class Memory>
+[[nodiscard]] std::optional<Address> failing_address(Memory& memory, Address first, std::uint32_t size) {
+  for (Address address = first; address - first < size; ++address) {
+    const std::uint8_t content = memory.read(address);
+    bool holds = true;
+    for (const std::uint8_t pattern : {std::uint8_t{0x55}, std::uint8_t{0xAA}}) {
+      memory.write(address, pattern);
+      holds = holds && memory.read(address) == pattern;
+    }
+    memory.write(address, content);
+    if (!holds || memory.read(address) != content) return address;
+  }
+  return std::nullopt;
+}
 
 }  // namespace ecs

@@ -9,8 +9,6 @@
 #include <string_view>
 
 #include "core/axis.hpp"
-#include "core/chain.hpp"
-#include "core/component.hpp"
 #include "core/terms.hpp"
 
 namespace ecs {

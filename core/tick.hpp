@@ -1,14 +1,91 @@
-// The fixed-period loop of the unit: positions in, D/A counts out (thesis 5.3, compensation mode).
-// No heap, no exception, no lock, no clock, bounded time; tests/core runs it with allocation forbidden.
+// The working form of a map, made once when a map becomes active so that the tick is a straight run through memory, and
+// the fixed-period loop of the unit over it: positions in, D/A counts out (thesis 5.3, compensation mode). No heap, no
+// exception, no lock, no clock, bounded time; tests/core runs it with allocation forbidden. Storage is fixed (about 2.7
+// MB): the owner puts it on the heap or in static memory before the first tick.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 
-#include "core/compiled_map.hpp"
+#include "core/address_map.hpp"
+#include "core/fault.hpp"
+#include "core/memory_image.hpp"
 
 namespace ecs {
+
+/// The six curves of one axis for one approach, side by side. Curve s is, in um or um/m of compensation,
+///   value[i] + slope[i] · cell,  cell = clamp(position · cells_per_mm + offset, first, last),  i = ⌊cell⌋:
+/// the end values hold beyond the ends. A curve without a table stays on cell 0, which is zero.
+struct alignas(64) CurveSet {
+  std::array<double, 6> cells_per_mm{};
+  std::array<double, 6> offset{};
+  std::array<double, 6> first{};
+  std::array<double, 6> last{};
+  std::array<std::uint32_t, 6> first_value{};  ///< index in the image of the value in cell `first`
+};
+
+/// How the rotations ε of one moving axis act on the tool, E += ε × L, as six products
+///   ε_r · (gain · p_l + constant)   with r = B C C A A B and l = X X Y Y Z Z, for E_Z E_Y E_X E_Z E_Y E_X.
+/// Sign, angular scale, measurement line and tool offset are inside; um per um/m, with p in mm.
+struct alignas(16) AngularAction {
+  std::array<double, 6> gain{};
+  std::array<double, 6> constant{};
+};
+
+/// Compensation of squareness, um per mm of the lever.
+struct SquarenessAction {
+  double x_by_y = 0.0;
+  double x_by_z = 0.0;
+  double y_by_z = 0.0;
+};
+
+/// One axis as the tick needs it.
+struct AxisWorking {
+  double mm_per_count = 0.001;
+  double deadband_mm = 0.0;
+};
+
+/// X, Y, Z and one lane unused, so that the compiler makes vector instructions of the output stage.
+using Lanes = std::array<double, 4>;
+
+/// From compensation to D/A counts, and back to the motion they bring about; absent axes have zeros.
+struct alignas(16) OutputWorking {
+  Lanes counts_per_um{};  ///< polarity inside
+  Lanes limit_counts{};   ///< at most 32,767
+  Lanes slew_counts{};    ///< per tick
+  Lanes mm_per_output{};  ///< how far one D/A count moves the axis, in the end
+  Lanes follow_part{};    ///< part of what is left of that way which the axis covers in one tick
+};
+
+/// Index of an approach in per-approach tables.
+[[nodiscard]] constexpr std::size_t side_of(Approach approach) noexcept {
+  return approach == Approach::forward ? 1 : 0;
+}
+
+struct CompiledMap {
+  static constexpr std::size_t kSides = 2;
+  static constexpr std::size_t kCells = kMostValues + 1;  ///< cell 0 is zero
+
+  PerAxis<std::array<CurveSet, kSides>> curves{};
+  PerAxis<AngularAction> angular{};
+  SquarenessAction squareness{};
+  PerAxis<AxisWorking> axes{};
+  OutputWorking output{};
+  double period_s = 0.001;
+  std::array<double, kCells> value{};
+  std::array<double, kCells> slope{};
+};
+
+struct CompileVerdict {
+  Fault fault = Fault::none;           ///< none, bad_parameters or map_not_for_parameters
+  Component missing = Component::EXX;  ///< the first component that is needed and not there
+};
+
+/// Builds the working form of a sound image (check_image found no fault) with the parameters it carries.
+/// Refuses a map that lacks a component the scope and chain need and that is not declared zero; squareness comes from
+/// the parameters. On refusal `map` must not be used.
+[[nodiscard]] CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept;
 
 /// What the loop remembers from tick to tick, and what can be read of it in between.
 struct TickState {

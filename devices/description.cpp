@@ -1,10 +1,14 @@
 #include "devices/description.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/toml_reader.hpp"
 
 namespace ecs::devices {
 namespace {
@@ -137,6 +141,295 @@ Values values_in(const DeviceDescription& device, const std::vector<Bytes>& repl
     values.emplace(field.quantity, static_cast<double>(*raw) * field.scale + field.offset);
   }
   return values;
+}
+
+namespace {
+
+constexpr std::array kKinds{DeviceKind::trigger, DeviceKind::environment, DeviceKind::gauge};
+constexpr std::array kQuantities{Quantity::air_degC, Quantity::material_degC, Quantity::pressure_hPa,
+                                 Quantity::humidity_pct, Quantity::reading_um};
+
+constexpr double kMostFactor = 1e12;  ///< of scale and offset: a choice
+
+template <class List>
+std::string names_of(const List& list) {
+  std::string names;
+  for (const auto each : list) names += (names.empty() ? "" : ", ") + std::string(name_of(each));
+  return names;
+}
+
+class DeviceReader {
+ public:
+  explicit DeviceReader(const std::string& file) : reader_(file) {}
+
+  Result<DeviceDescription> read(std::string_view text) {
+    ECS_TRY(table, reader_.parsed(text));
+    reader_.only(table, {"name", "kind", "source", "match", "report", "trigger", "field"}, "a device");
+    DeviceDescription out;
+    out.file = reader_.file();
+    out.name = reader_.word(table, "name").value_or("");
+    if (out.name.empty()) reader_.complain(1, "name: expected a name in quotes, as in name = \"foot switch\"");
+    out.source = reader_.word(table, "source").value_or("");
+    out.kind = kind_of(table);
+    read_match(table, out.match);
+    if (const toml::table* report = reader_.child(table, "report")) read_report(*report, out.report);
+    read_trigger(table, out);
+    read_fields(table, out);
+    if (!reader_.clean()) return tl::unexpected(reader_.all());
+    return out;
+  }
+
+ private:
+  DeviceKind kind_of(const toml::table& table) {
+    const std::string word = reader_.word(table, "kind").value_or("");
+    for (const DeviceKind kind : kKinds)
+      if (word == name_of(kind)) return kind;
+    reader_.complain(table, fmt::format("kind: expected one of {}, got \"{}\"", names_of(kKinds), word));
+    return DeviceKind::trigger;
+  }
+
+  std::optional<long long> whole(const toml::table& table, std::string_view key, long long least, long long most) {
+    const auto value = reader_.number(table, key);
+    if (!value) return std::nullopt;
+    if (*value == std::floor(*value) && *value >= static_cast<double>(least) && *value <= static_cast<double>(most))
+      return static_cast<long long>(*value);
+    reader_.complain(*table.get(key), fmt::format("{}: expected a whole number from {} to {}", key, least, most));
+    return std::nullopt;
+  }
+
+  std::optional<bool> yes_or_no(const toml::table& table, std::string_view key) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto* value = node->as_boolean()) return value->get();
+    reader_.complain(*node, fmt::format("{}: expected true or false", key));
+    return std::nullopt;
+  }
+
+  Bytes bytes_of(const toml::table& table, std::string_view key) {
+    Bytes out;
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return out;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || array->size() > 1024) {
+      reader_.complain(*node, fmt::format("{}: expected a list of bytes, as in [0x01, 0x80]", key));
+      return out;
+    }
+    for (const toml::node& each : *array) {
+      const auto value = each.is_integer() ? each.value<std::int64_t>() : std::nullopt;
+      if (!value || *value < 0 || *value > 255) {
+        reader_.complain(each, fmt::format("{}: expected bytes from 0x00 to 0xff", key));
+        return out;
+      }
+      out.push_back(static_cast<std::uint8_t>(*value));
+    }
+    return out;
+  }
+
+  void read_match(const toml::table& table, DeviceMatch& match) {
+    const toml::table* at = reader_.child(table, "match");
+    if (at == nullptr) return reader_.complain(1, "[match] is missing: expected at least vendor_id and product_id");
+    reader_.only(*at, {"vendor_id", "product_id", "serial", "path", "interface", "usage_page"}, "[match]");
+    const auto vendor = whole(*at, "vendor_id", 0, 0xFFFF);
+    const auto product = whole(*at, "product_id", 0, 0xFFFF);
+    if (!vendor || !product)
+      reader_.complain(*at, "[match]: expected vendor_id and product_id, as `ecs laser devices` lists them");
+    match.ids.push_back(
+        {static_cast<std::uint16_t>(vendor.value_or(0)), static_cast<std::uint16_t>(product.value_or(0))});
+    match.serial = reader_.word(*at, "serial");
+    match.path = reader_.word(*at, "path");
+    if (const auto number = whole(*at, "interface", 0, 255)) match.interface = static_cast<int>(*number);
+    if (const auto page = whole(*at, "usage_page", 0, 0xFFFF)) match.usage_page = static_cast<std::uint16_t>(*page);
+  }
+
+  void read_report(const toml::table& at, ReportLayout& report) {
+    reader_.only(at, {"type", "id", "length", "poll", "poll_id", "replies", "timeout_ms"}, "[report]");
+    const std::string type = reader_.word(at, "type").value_or("input");
+    report.feature = type == "feature";
+    if (type != "feature" && type != "input")
+      reader_.complain(*at.get("type"), fmt::format("type: expected input or feature, got \"{}\"", type));
+    report.number = static_cast<std::uint8_t>(whole(at, "id", 0, 255).value_or(0));
+    report.bytes = static_cast<std::size_t>(whole(at, "length", 1, 4096).value_or(0));
+    report.poll = bytes_of(at, "poll");
+    report.poll_number = static_cast<std::uint8_t>(whole(at, "poll_id", 0, 255).value_or(0));
+    report.replies = static_cast<int>(whole(at, "replies", 1, 16).value_or(1));
+    report.timeout_ms = static_cast<int>(whole(at, "timeout_ms", 1, 10'000).value_or(500));
+    if (report.feature && report.bytes == 0) reader_.complain(at, "[report]: a feature report needs its length");
+  }
+
+  void read_trigger(const toml::table& table, DeviceDescription& out) {
+    const toml::table* at = reader_.child(table, "trigger");
+    if ((at != nullptr) != (out.kind == DeviceKind::trigger))
+      reader_.complain(table, at == nullptr
+                                  ? "[trigger] is missing: expected byte and bit (or mask)"
+                                  : fmt::format("[trigger] does not belong to a device of kind {}", name_of(out.kind)));
+    if (at == nullptr) return;
+    reader_.only(*at, {"byte", "bit", "mask", "active", "debounce_ms"}, "[trigger]");
+    const auto byte = whole(*at, "byte", 0, 4095);
+    const auto bit = whole(*at, "bit", 0, 7);
+    const auto mask = whole(*at, "mask", 1, 255);
+    if (!byte) reader_.complain(*at, "[trigger]: byte is missing: which byte of the report holds the button");
+    if (bit.has_value() == mask.has_value())
+      reader_.complain(*at, "[trigger]: expected bit (0 to 7) or mask (1 to 255), one of them");
+    const std::string active = reader_.word(*at, "active").value_or("high");
+    if (active != "high" && active != "low")
+      reader_.complain(*at->get("active"), fmt::format("active: expected high or low, got \"{}\"", active));
+    out.trigger.byte = static_cast<std::size_t>(byte.value_or(0));
+    out.trigger.mask = static_cast<std::uint8_t>(mask ? *mask : 1LL << bit.value_or(0));
+    out.trigger.active_high = active == "high";
+    out.trigger.debounce_ms = static_cast<int>(whole(*at, "debounce_ms", 0, 5000).value_or(30));
+    if (out.report.feature) reader_.complain(table, "[report]: a trigger sends input reports");
+  }
+
+  void read_fields(const toml::table& table, DeviceDescription& out) {
+    const auto fields = reader_.children(table, "field");
+    if (out.kind == DeviceKind::trigger && !fields.empty())
+      reader_.complain(table, "[[field]] does not belong to a device of kind trigger");
+    if (out.kind != DeviceKind::trigger && fields.empty())
+      reader_.complain(table, "[[field]] is missing: expected one for each number, with quantity and byte");
+    for (const toml::table* each : fields) out.fields.push_back(field(*each, out));
+    if (out.kind == DeviceKind::gauge && fields.size() > 1) reader_.complain(table, "a gauge has one [[field]]");
+  }
+
+  ReportField field(const toml::table& at, const DeviceDescription& device) {
+    reader_.only(at, {"quantity", "byte", "length", "order", "signed", "scale", "offset", "absent", "starts"},
+                 "[[field]]");
+    ReportField out;
+    out.quantity = quantity_of(at, device.kind);
+    const auto byte = whole(at, "byte", 0, 4095);
+    if (!byte) reader_.complain(at, "[[field]]: byte is missing: where in the report the number begins");
+    out.byte = static_cast<std::size_t>(byte.value_or(0));
+    out.bytes = static_cast<int>(whole(at, "length", 1, 4).value_or(2));
+    const std::string order = reader_.word(at, "order").value_or("little");
+    if (order != "little" && order != "big")
+      reader_.complain(*at.get("order"), fmt::format("order: expected little or big, got \"{}\"", order));
+    out.big_endian = order == "big";
+    out.is_signed = yes_or_no(at, "signed").value_or(true);
+    out.scale = reader_.number(at, "scale").value_or(1.0);
+    if (out.scale == 0.0) reader_.complain(at, "scale: expected a number other than 0");
+    out.offset = reader_.number(at, "offset").value_or(0.0);
+    for (const auto& [key, value] : {std::pair{"scale", out.scale}, std::pair{"offset", out.offset}})
+      if (std::abs(value) > kMostFactor)
+        reader_.complain(*at.get(key), fmt::format("{}: expected a number within {}, got {}", key, kMostFactor, value));
+    out.absent = whole(at, "absent", -2147483648LL, 4294967295LL);
+    out.starts = bytes_of(at, "starts");
+    if (device.report.bytes != 0 && out.byte + static_cast<std::size_t>(out.bytes) > device.report.bytes)
+      reader_.complain(at, fmt::format("[[field]]: bytes {} to {} are beyond the report of {} bytes", out.byte,
+                                       out.byte + static_cast<std::size_t>(out.bytes) - 1, device.report.bytes));
+    return out;
+  }
+
+  Quantity quantity_of(const toml::table& at, DeviceKind kind) {
+    const std::string word = reader_.word(at, "quantity").value_or("");
+    for (const Quantity quantity : kQuantities)
+      if (word == name_of(quantity) && (quantity == Quantity::reading_um) == (kind == DeviceKind::gauge))
+        return quantity;
+    reader_.complain(
+        at, kind == DeviceKind::gauge
+                ? fmt::format("quantity: expected reading_um, got \"{}\"", word)
+                : fmt::format("quantity: expected air_degC, material_degC, pressure_hPa or humidity_pct, got \"{}\"",
+                              word));
+    return Quantity::air_degC;
+  }
+
+  TomlReader reader_;
+};
+
+}  // namespace
+
+Result<DeviceDescription> parse_device(std::string_view text, const std::string& file) {
+  return DeviceReader(file).read(text);
+}
+
+Result<DeviceDescription> read_device(const std::filesystem::path& path) {
+  ECS_TRY(text, read_file(path));
+  return parse_device(text, path.string());
+}
+
+namespace {
+
+/// All sticks of the family answer to this on their second interface (TEMPered wiki; temper.py).
+const Bytes kQuery{0x01, 0x80, 0x33, 0x01, 0x00, 0x00, 0x00, 0x00};
+constexpr std::size_t kReply = 8;
+
+ReportField temperature(Quantity quantity, std::size_t byte, double scale, std::int64_t absent, Bytes starts) {
+  return {quantity, byte, 2, true, true, scale, 0.0, absent, std::move(starts)};
+}
+
+DeviceDescription temper() {
+  DeviceDescription out;
+  out.kind = DeviceKind::environment;
+  out.match.interface = 1;
+  out.report.bytes = kReply;
+  out.report.poll = kQuery;
+  out.report.timeout_ms = 800;
+  return out;
+}
+
+/// Reply 80 02 HH LL … (one sensor) or 80 04 HH LL hh ll … (two): degrees in 256ths; ff ff where no sensor is.
+DeviceDescription fm75() {
+  DeviceDescription out = temper();
+  out.name = "temper-fm75";
+  out.source =
+      "github.com/edorfaus/TEMPered wiki and issues 17, 32; github.com/urwen/temper pull request 21 (8002135065723146 "
+      "= "
+      "19.31 degC)";
+  out.match.ids = {{0x0C45, 0x7401}};
+  out.fields = {temperature(Quantity::air_degC, 2, 1.0 / 256.0, -1, {}),
+                temperature(Quantity::material_degC, 4, 1.0 / 256.0, -1, {0x80, 0x04})};
+  return out;
+}
+
+/// Reply 80 xx TT TT HH HH 00 00, hundredths of a degree and of a percent, 4e 20 where no sensor is; a stick with a
+/// probe on a cable sends 80 01 TT TT 4e 20 00 00 besides.
+DeviceDescription hundredths() {
+  DeviceDescription out = temper();
+  out.name = "temper-hundredths";
+  out.source =
+      "github.com/edorfaus/TEMPered issue 51; github.com/ccwienk/temper pull requests 8 (8080085f4e200000 "
+      "8001078b4e200000 = 21.43 and 19.31 degC), 45 (8020090111930000 = 23.05 degC) and issue 31";
+  out.match.ids = {{0x413D, 0x2107}, {0x1A86, 0xE025}, {0x3553, 0xA001}};
+  out.report.replies = 2;
+  out.fields = {temperature(Quantity::air_degC, 2, 0.01, 20000, {}),
+                {Quantity::humidity_pct, 4, 2, true, true, 0.01, 0.0, 20000, {}},
+                temperature(Quantity::material_degC, 2, 0.01, 20000, {0x80, 0x01})};
+  return out;
+}
+
+}  // namespace
+
+const std::vector<DeviceDescription>& builtin_devices() {
+  static const std::vector<DeviceDescription> devices{fm75(), hundredths()};
+  return devices;
+}
+
+std::vector<DeviceDescription> builtin_named(const std::string& name) {
+  std::vector<DeviceDescription> found;
+  for (const DeviceDescription& device : builtin_devices())
+    if (name == "temper" || name == device.name) found.push_back(device);
+  return found;
+}
+
+std::string udev_rule(std::uint16_t vendor_id, std::uint16_t product_id) {
+  return fmt::format(
+      "KERNEL==\"hidraw*\", ATTRS{{idVendor}}==\"{:04x}\", ATTRS{{idProduct}}==\"{:04x}\", MODE=\"0660\", "
+      "GROUP=\"plugdev\", TAG+=\"uaccess\"",
+      vendor_id, product_id);
+}
+
+std::string udev_rules(const std::vector<DeviceDescription>& devices) {
+  std::string text =
+      "# HID devices of the workshop, for ECS. Belongs to /etc/udev/rules.d/70-ecs.rules; afterwards:\n"
+      "#   sudo udevadm control --reload && sudo udevadm trigger\n"
+      "# The file's number stays below 73, where uaccess is dealt with.\n";
+  std::vector<std::string> written;
+  for (const DeviceDescription& device : devices)
+    for (const DeviceMatch::Ids& ids : device.match.ids) {
+      const std::string rule = udev_rule(ids.vendor_id, ids.product_id);
+      if (std::find(written.begin(), written.end(), rule) != written.end()) continue;
+      written.push_back(rule);
+      text += fmt::format("# {}\n{}\n", device.name, rule);
+    }
+  return text;
 }
 
 }  // namespace ecs::devices

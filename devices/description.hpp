@@ -1,6 +1,7 @@
 // What a HID device of the workshop is and how its reports read, as TOML (docs/devices.md): a measuring trigger, a
-// sensor of the surroundings, an indicator gauge. Does not live here: finding the device (port.hpp), the
-// descriptions that come with the program (builtin.hpp).
+// sensor of the surroundings, an indicator gauge. The descriptions that come with the program: thermometers whose
+// protocol is public. The udev rules that let a user open the devices. Does not live here: finding the device
+// (port.hpp).
 #pragma once
 
 #include <cstdint>
@@ -93,5 +94,18 @@ struct DeviceDescription {
 using Values = std::map<Quantity, double>;
 /// The numbers in the replies to one poll; without a sensor, or in a short report, a number is left out.
 [[nodiscard]] Values values_in(const DeviceDescription& device, const std::vector<Bytes>& replies);
+
+/// Thermometers of the TEMPer family, by the names "temper-fm75" and "temper-hundredths"; from public descriptions that
+/// `source` names, none tried on a real stick.
+[[nodiscard]] const std::vector<DeviceDescription>& builtin_devices();
+
+/// The built-in descriptions that a name stands for: its own, or "temper" for all of the family.
+[[nodiscard]] std::vector<DeviceDescription> builtin_named(const std::string& name);
+
+/// One rule: whoever sits at the machine (uaccess) and the group plugdev may read and write.
+[[nodiscard]] std::string udev_rule(std::uint16_t vendor_id, std::uint16_t product_id);
+
+/// The file 70-ecs.rules: a rule for every id of `devices`, each once, below a heading that says where it goes.
+[[nodiscard]] std::string udev_rules(const std::vector<DeviceDescription>& devices);
 
 }  // namespace ecs::devices

@@ -1,9 +1,12 @@
-// USB HID devices as the kernel shows them (hidraw): which there are, opening one, its reports.
-// Does not live here: what the bytes mean (description.hpp), devices that come and go (port.hpp).
+// USB HID devices as the kernel shows them (hidraw): which there are, opening one, its reports, and how long these are
+// by its report descriptor. Does not live here: what the bytes mean (description.hpp), devices that come and go
+// (port.hpp).
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,9 +14,21 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "devices/hid_descriptor.hpp"
 
 namespace ecs::devices {
+
+/// Lengths in bytes as they are read and written, the leading report number included where the device numbers them.
+struct HidReports {
+  bool numbered = false;                      ///< every report begins with its number
+  std::map<std::uint8_t, std::size_t> input;  ///< by report number; 0: not numbered
+  std::map<std::uint8_t, std::size_t> output;
+  std::map<std::uint8_t, std::size_t> feature;
+  friend bool operator==(const HidReports&, const HidReports&) = default;
+};
+
+/// Reads the items of a descriptor (USB Device Class Definition for HID 1.11, 6.2.2): Report Size, Report Count,
+/// Report ID, Push, Pop, Input, Output, Feature. Never fails: what follows a cut item is left out.
+[[nodiscard]] HidReports reports_in(std::span<const std::uint8_t> descriptor);
 
 using Bytes = std::vector<std::uint8_t>;
 

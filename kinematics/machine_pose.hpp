@@ -1,11 +1,128 @@
-// What an error component does at the tool while the rotary axes of a machine stand at given angles: the terms of
-// joint_terms.hpp with their levers worked out. Affine in the positions of the linear axes.
-// Does not live here: values of components, sums over a volume (volume/).
+// The kinematic chain of a machine with linear axes X, Y, Z and up to two rotary axes A, B, C, the rigid-body error
+// model of any chain as one table of terms, rotary axes among them, and what an error component does at the tool while
+// the rotary axes stand at given angles: the terms with their levers worked out, affine in the positions of the linear
+// axes. For a chain of linear axes these are the rows of core/terms.hpp (tests/kinematics/machine_pose_test.cpp holds
+// them to each other). With the joints from the workpiece to the tool, N_j their motions (rotations about the fixed
+// direction through the pivot), o the tool point where all joints are at 0:
+//   tool point      P = N_1 N_2 … N_n o
+//   error           E = Σ_b R_b [ δ_b + ε_b × L_b ]         orientation   Ω = Σ_b R_b ε_b       (frame of the
+//   workpiece) lever           L_b = N_{first beyond b} … N_n o − r_b
+// A linear carriage turns with its moving part, a rotary axis moves in the frame of its part that does not turn; so
+// what lies beyond b counted towards the tool includes b itself for a linear axis that carries the workpiece and for a
+// rotary axis that carries the tool. R_b turns from there to the workpiece; r_b is the measurement line, or the pivot.
+// Sources: R. Schultschik, CIRP Annals 25 (1977) 223; S. Ibaraki, W. Knapp, Int. J. Automation Technol. 6 (2012) 110;
+// names of ISO 230-1 and ISO 230-7.
+// Does not live here: the three-axis chain that a unit compensates (core/terms.hpp), values of components, sums over a
+// volume (volume/).
 #pragma once
 
-#include "kinematics/joint_terms.hpp"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/axis.hpp"
+#include "core/terms.hpp"
 
 namespace ecs::kinematics {
+
+/// An axis that moves: linear along, or rotary about, X, Y, Z. The first three have the numbers of core's Axis.
+enum class Joint : std::uint8_t { X, Y, Z, A, B, C };
+
+inline constexpr std::size_t kJoints = 6;
+inline constexpr std::size_t kMostRotary = 2;
+inline constexpr std::size_t kMostLetters = kAxes + kMostRotary;
+
+template <class T>
+using PerJoint = std::array<T, kJoints>;
+
+[[nodiscard]] constexpr std::size_t index_of(Joint joint) { return static_cast<std::size_t>(joint); }
+[[nodiscard]] constexpr bool is_rotary(Joint joint) { return joint >= Joint::A; }
+[[nodiscard]] constexpr Joint joint_of(Axis axis) { return static_cast<Joint>(ecs::index_of(axis)); }
+/// The direction along which, or about which, it moves where nothing else is said.
+[[nodiscard]] constexpr Axis direction_of(Joint joint) { return static_cast<Axis>(index_of(joint) % kAxes); }
+[[nodiscard]] constexpr char letter_of(Joint joint) { return "XYZABC"[index_of(joint)]; }
+[[nodiscard]] constexpr std::optional<Joint> joint_of(char letter) {
+  for (std::size_t j = 0; j < kJoints; ++j)
+    if ("XYZABC"[j] == letter) return static_cast<Joint>(j);
+  return std::nullopt;
+}
+
+struct ChainJoint {
+  Joint joint = Joint::X;
+  bool carries_workpiece = false;  ///< a letter before the T
+  friend constexpr bool operator==(const ChainJoint&, const ChainJoint&) = default;
+};
+
+/// Every axis from the workpiece to the tool: that of "XYACTZ" is C A Y X | Z (ISO 10791-6: w C' A' Y' X' b Z t).
+struct JointChain {
+  std::array<ChainJoint, kMostLetters> joints{};
+  std::size_t count = 0;
+
+  [[nodiscard]] constexpr const ChainJoint* begin() const { return joints.data(); }
+  [[nodiscard]] constexpr const ChainJoint* end() const { return joints.data() + count; }
+  [[nodiscard]] constexpr bool has(Joint joint) const {
+    for (const ChainJoint& one : *this)
+      if (one.joint == joint) return true;
+    return false;
+  }
+  [[nodiscard]] constexpr std::size_t rotary_count() const {
+    std::size_t rotary = 0;
+    for (const ChainJoint& one : *this) rotary += is_rotary(one.joint) ? 1u : 0u;
+    return rotary;
+  }
+  friend constexpr bool operator==(const JointChain&, const JointChain&) = default;
+};
+
+/// What is wrong with a configuration, as what was expected; nothing: it is a chain. Letters as in core/terms.hpp, with
+/// A, B, C among them: exactly one T, at least one of X, Y, Z, none twice, at most two rotary axes.
+[[nodiscard]] std::optional<std::string> fault_of(std::string_view configuration);
+
+/// Nothing if fault_of() finds one.
+[[nodiscard]] std::optional<JointChain> joint_chain_of(std::string_view configuration);
+
+/// The letters without those of rotary axes: the chain that a unit compensates.
+[[nodiscard]] std::string linear_configuration(std::string_view configuration);
+
+/// As ISO 10791-6 writes it, from the workpiece over the bed to the tool: "w C' A' Y' X' b Z t".
+[[nodiscard]] std::string iso_notation(const JointChain& chain);
+
+/// One row: the error of `moving` in `sense` adds to the tool point along `observed`, in the frame of `moving`.
+struct JointTerm {
+  Axis observed = Axis::X;
+  Joint moving = Joint::X;
+  Sense sense = Sense::EX;
+  bool has_lever = false;
+  Axis lever = Axis::X;  ///< direction of the lever arm, if has_lever
+  std::int8_t sign = 1;
+  friend constexpr bool operator==(const JointTerm&, const JointTerm&) = default;
+};
+
+/// A constant between two linear axes: the motion of `lever` leans, so that it adds along `observed`, in its own frame.
+struct SquarenessTerm {
+  Axis observed = Axis::X;
+  Component component = Component::C0Y;
+  Axis lever = Axis::Y;
+  std::int8_t sign = 1;
+};
+
+struct JointTable {
+  std::array<JointTerm, kMostLetters * 9> rows{};  ///< 3 translations, 3 rotations of two directions each
+  std::size_t count = 0;
+  std::array<SquarenessTerm, 3> squareness{};
+  std::size_t squareness_count = 0;
+};
+
+/// The terms of a chain, in the order of the joints X Y Z A B C, then senses, then observed directions.
+[[nodiscard]] JointTable terms_of(const JointChain& chain);
+
+/// True where the position of `other` is part of the lever arm of `b`: the rule above.
+[[nodiscard]] bool is_beyond(const JointChain& chain, Joint b, Joint other, CurveKind curves);
+
+/// The table in core's form. @pre no rotary axis in `chain`
+[[nodiscard]] TermTable as_linear_terms(const JointChain& chain, CurveKind curves);
 
 /// Where a rotary axis turns, all axes at 0, in machine coordinates: a tool-side pivot is counted from the point whose
 /// position the coordinates give, a workpiece-side one is where that point stands above it.

@@ -1,5 +1,5 @@
 // A circular test (ISO 230-4) as values: radial deviations of contouring both ways, with what was known of the circle.
-// Does not live here: the file (laser/standards/circle_file.hpp), its writer (laser/writers/circle_writer.hpp).
+// Does not live here: the file (laser/standards/circle.hpp), its writer (laser/writers/measurement_writer.hpp).
 #pragma once
 
 #include <array>

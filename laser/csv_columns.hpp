@@ -1,15 +1,23 @@
-// The known columns of a measurement CSV: their names, and how one cell enters a reading.
-// Does not live here: lines, headers and files (measurement_set.cpp).
+// The known columns of a measurement CSV: their names, and how one cell enters a reading; words of headings and cells
+// that mean something whatever the file. Does not live here: lines, headers and files (measurement_set.cpp).
 #pragma once
 
 #include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "core/axis.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
+
+/// The words of a heading in lower case: "Target_mm" and "target (mm)" are target and mm. At least one, perhaps empty.
+[[nodiscard]] std::vector<std::string> heading_words(std::string_view heading);
+
+/// "forward", "rev", "+", "down", "1", … in any case; an empty word is unknown. Nothing for other words.
+[[nodiscard]] std::optional<Approach> approach_named(std::string_view word);
 
 /// An optional number of a reading and the column that holds it.
 struct NumberColumn {

@@ -1,5 +1,5 @@
-// Air and temperatures over time, as an environment log holds them. Does not live here: reading one, joining it to
-// measurements (laser/import/environment.hpp).
+// Air and temperatures over time, as an environment log holds them, line by line. Does not live here: reading one,
+// joining it to measurements (laser/import/environment.hpp), writing one (laser/writers/table_writers.hpp).
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,18 @@
 #include <string_view>
 #include <vector>
 
+#include "core/axis.hpp"
+
 namespace ecs::laser {
+
+struct EnvironmentRecord {
+  Vector3 stage_mm{};
+  Vector3 air_degC{};  ///< at the X, Y and Z interferometer
+  double pressure_hPa = 0.0;
+  double humidity_pct = 0.0;
+  double sample_degC = 0.0;
+  friend bool operator==(const EnvironmentRecord&, const EnvironmentRecord&) = default;
+};
 
 struct EnvironmentRow {
   std::optional<double> time_s;

@@ -1,8 +1,10 @@
-// Measurements as values: readings of one or more axes with what was known about each, and the reader of their CSV
-// form. Does not live here: the writer (laser/writers/measurement_writer.hpp), instruments' own files
-// (laser/import/import.hpp), statistics (laser/analysis/iso230.hpp).
+// Measurements as values: readings of one or more axes with what was known about each, the reader of their CSV form,
+// the passes of an axis from the order of its stops, and on which machine a set was measured, as its header says. Does
+// not live here: the writer (laser/writers/measurement_writer.hpp), instruments' own files (laser/import/import.hpp),
+// statistics (laser/analysis/iso230.hpp).
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,7 +14,6 @@
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
-#include "core/component.hpp"
 #include "laser/csv_table.hpp"
 
 namespace ecs::laser {
@@ -96,5 +97,43 @@ struct MeasurementSet {
 
 /// The same from a file, of linear axes only.
 [[nodiscard]] Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path);
+
+/// The readings whose position or error no machine has, line by line, with the limit; nothing if there are none.
+[[nodiscard]] std::optional<Problem> implausible(const MeasurementSet& set, const std::string& file_name);
+
+/// parse_measurement_set(), but where the column `approach` is absent it stays unknown.
+[[nodiscard]] Result<MeasurementSet> set_with_approach_open(std::string_view text, const std::string& file_name);
+
+struct MotionStop {
+  Approach approach = Approach::unknown;
+  int run = 1;  ///< how often the axis has gone this way, from 1
+};
+
+/// One for each position. A pass ends where the direction turns; a stop repeated at the turn begins the next pass. A
+/// single jump back followed by the old direction begins another pass the same way. One lone position: unknown.
+[[nodiscard]] std::vector<MotionStop> motion_of(const std::vector<double>& positions_mm);
+
+/// Gives readings of a file that states no approach the direction in which their axis came, in each run that goes both
+/// ways: unlike in `motion_of`, nobody said that the order is that of the motion, so what it leaves open stays unknown:
+/// the first stop of a run, a single step back between two forward ones, positions in no order, a run that goes one
+/// way. Where an axis turns, twice the usual number of readings are half of each pass. Paths (circles, diagonals) state
+/// their own direction.
+/// @return how many readings got one
+std::size_t take_approach_from_order(MeasurementSet& set);
+
+/// Empty: not said.
+struct MeasuredMachine {
+  std::string name;
+  std::string serial_number;
+};
+
+/// Our own `machine` and `serial_number`, and what instruments write: `Machine`, `Serial No`. The first of each counts.
+[[nodiscard]] MeasuredMachine measured_machine(const std::vector<MetadataEntry>& metadata);
+
+/// "measured on \"a\", the machine file is of \"b\"" where both say a name, or a serial number, and they differ;
+/// nothing where they do not contradict each other.
+/// @param whose  "the machine file is of"
+[[nodiscard]] std::optional<std::string> other_machine(const MeasuredMachine& measured, const MeasuredMachine& at_hand,
+                                                       std::string_view whose);
 
 }  // namespace ecs::laser

@@ -1,6 +1,6 @@
-// The one table of a unit's parameters: key, unit, range, help, and how to read and set each in UnitParameters.
-// TOML, `params show/set/check/diff`, the documentation and the screens are driven by it. Files live in
-// parameters_toml.
+// The one table of a unit's parameters: key, unit, range, help, and how to read and set each in UnitParameters; what
+// differs between two parameter sets. TOML, `params show/set/check/diff`, the documentation and the screens are driven
+// by it. Files live in parameters_toml.
 #pragma once
 
 #include <functional>
@@ -86,5 +86,23 @@ struct Field {
 
 /// docs/parameters.md: the table of all fields for readers.
 [[nodiscard]] std::string parameters_markdown();
+
+/// All rows, in the order of the file.
+[[nodiscard]] std::vector<Field> field_table();
+
+struct Difference {
+  std::string key;
+  std::string unit;  ///< empty: none
+  std::string a;     ///< value in the first set, full precision
+  std::string b;     ///< value in the second
+  friend bool operator==(const Difference&, const Difference&) = default;
+};
+
+/// Every field whose values, written in full, differ; in the order of the field table.
+[[nodiscard]] std::vector<Difference> diff(const UnitParameters& a, const UnitParameters& b);
+
+/// A table with one line per difference, headed by the names of the two sets; empty without differences.
+[[nodiscard]] std::string to_text(const std::vector<Difference>& differences, std::string_view name_a,
+                                  std::string_view name_b);
 
 }  // namespace ecs::params

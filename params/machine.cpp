@@ -10,7 +10,6 @@
 #include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
-#include "params/rotary_machine.hpp"
 
 namespace ecs::params {
 namespace {

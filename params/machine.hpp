@@ -1,6 +1,6 @@
-// The machine tool that a unit stands on: axes, travels, transducers and facts, from its TOML file
-// (docs/design.md, "Files"). The unit's own parameters live in core/parameters.hpp; the emulator's hidden truths are
-// read by the emulator.
+// The machine tool that a unit stands on: axes, travels, transducers and facts, from its TOML file (docs/design.md,
+// "Files"), and its rotary axes (docs/five_axes.md): a unit deals with the linear ones. The unit's own parameters live
+// in core/parameters.hpp; the emulator's hidden truths are read by the emulator.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 
 #include "base/result.hpp"
 #include "core/parameters.hpp"
+#include "kinematics/machine_pose.hpp"
 
 namespace ecs::params {
 
@@ -39,7 +40,7 @@ struct MachineRotaryAxis {
 
 struct Machine {
   std::string name;
-  std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/chain.hpp)
+  std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/terms.hpp)
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
   std::string rotary_configuration;            ///< with the letters of its rotary axes, "XYACTZ"; empty: it has none
   PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them (rotary_machine.hpp)
@@ -67,5 +68,23 @@ struct MachineFile {
 /// the travel, and the widest scope its axes allow. What only the control knows (datum kind, output scale, polarity)
 /// keeps the default.
 [[nodiscard]] UnitParameters default_parameters_for(const Machine& machine);
+
+struct RotaryMachine {
+  Machine machine;                                     ///< the linear axes; its chain has their letters only
+  std::string configuration;                           ///< as in the file: "XYACTZ"
+  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C: those of the configuration
+};
+
+/// The same file as parse_machine(), with the same problems: a letter without its table, a table without its letter, a
+/// travel, pivot or direction that is missing or none.
+[[nodiscard]] Result<RotaryMachine> parse_rotary_machine(std::string_view text, const std::string& name);
+[[nodiscard]] Result<RotaryMachine> read_rotary_machine(const std::filesystem::path& path);
+
+[[nodiscard]] bool has_rotary_axes(const RotaryMachine& machine);
+/// The chain of all axes that exist.
+[[nodiscard]] std::optional<kinematics::JointChain> joint_chain_of(const RotaryMachine& machine);
+
+/// Chain, terms, directions, pivots and measurement lines; nothing if the machine has no rotary axes.
+[[nodiscard]] std::optional<kinematics::JointMachine> joint_machine_of(const Machine& machine);
 
 }  // namespace ecs::params

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/datum_record.hpp"
+#include "core/datum.hpp"
 #include "core/parameters.hpp"
 
 namespace ecs::params {

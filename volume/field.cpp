@@ -1,8 +1,107 @@
 #include "volume/field.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/units.hpp"
 
 namespace ecs::volume {
+namespace {
+
+Grid empty_grid(const Travels& travel_mm, const Vector3& reference_mm) {
+  Grid grid;
+  grid.reference_mm = reference_mm;
+  for (std::size_t a = 0; a < kAxes; ++a) grid.exists[a] = travel_mm[a].has_value();
+  return grid;
+}
+
+std::vector<double> steps(const std::optional<std::array<double, 2>>& travel_mm, std::size_t count) {
+  if (!travel_mm) return {0.0};
+  std::vector<double> mm(count);
+  for (std::size_t i = 0; i < count; ++i)
+    mm[i] = std::lerp((*travel_mm)[0], (*travel_mm)[1], static_cast<double>(i) / static_cast<double>(count - 1));
+  return mm;
+}
+
+}  // namespace
+
+std::size_t Grid::axes() const { return static_cast<std::size_t>(std::count(exists.begin(), exists.end(), true)); }
+
+std::size_t Grid::axes_at_an_end(const GridIndex& index) const {
+  std::size_t count = 0;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (exists[a] && (index[a] == 0 || index[a] + 1 == mm[a].size())) ++count;
+  return count;
+}
+
+Grid grid_over(const Travels& travel_mm, std::size_t places, const Vector3& reference_mm) {
+  Grid grid = empty_grid(travel_mm, reference_mm);
+  std::vector<std::size_t> axes;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (travel_mm[a]) axes.push_back(a);
+  const auto length = [&](std::size_t a) { return (*travel_mm[a])[1] - (*travel_mm[a])[0]; };
+  std::stable_sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  const double root =
+      std::pow(static_cast<double>(places), 1.0 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
+  PerAxis<std::size_t> count{1, 1, 1};
+  for (const std::size_t a : axes) count[a] = std::max<std::size_t>(2, static_cast<std::size_t>(root + 1e-9));
+  for (const std::size_t a : axes)  // one step more while there is room
+    if (count[0] * count[1] * count[2] / count[a] * (count[a] + 1) <= places) ++count[a];
+  for (std::size_t a = 0; a < kAxes; ++a) grid.mm[a] = steps(travel_mm[a], count[a]);
+  return grid;
+}
+
+Grid even_grid(const Travels& travel_mm, std::size_t count, const Vector3& reference_mm) {
+  Grid grid = empty_grid(travel_mm, reference_mm);
+  for (std::size_t a = 0; a < kAxes; ++a) grid.mm[a] = steps(travel_mm[a], count);
+  return grid;
+}
+
+Grid grid_at(const Travels& travel_mm, const Vector3& place_mm, const Vector3& reference_mm) {
+  Grid grid = empty_grid(travel_mm, reference_mm);
+  for (std::size_t a = 0; a < kAxes; ++a) grid.mm[a] = {travel_mm[a] ? place_mm[a] : 0.0};
+  return grid;
+}
+
+namespace {
+
+/// @param sign  −1: errors, 1: compensation
+Components components_in(const laser::ErrorMap& map, const UnitParameters& parameters, const Grid& grid,
+                         Interpolation interpolation, double sign) {
+  Components out;
+  for (std::size_t c = 0; c < kCurves; ++c) {
+    const auto component = static_cast<Component>(c);
+    if (!grid.exists[index_of(moving_axis(component))]) continue;
+    const double scale = sign * (is_angular(component) ? parameters.angular_scale : 1.0);
+    for (const Approach approach : kSides) {
+      const laser::MapTable* table = table_of(map, component, approach);
+      if (table == nullptr || table->position_mm.empty()) continue;
+      auto& values = out.curve[side_of(approach)][c];
+      for (const double p : coordinates_of(grid, moving_axis(component)))
+        values.push_back(scale * laser::unit_value_at(*table, interpolation, p));
+    }
+  }
+  for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z})
+    out.squareness[index_of(square)] = -sign * squareness_um_per_m(parameters, square);
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> coordinates_of(const Grid& grid, Axis axis) {
+  std::vector<double> mm = grid.mm[index_of(axis)];
+  mm.push_back(grid.reference_mm[index_of(axis)]);
+  return mm;
+}
+
+Components errors_in(const laser::ErrorMap& map, const UnitParameters& parameters, const Grid& grid) {
+  return components_in(map, parameters, grid, Interpolation::linear, -1.0);
+}
+
+Components compensation_in(const laser::ErrorMap& map, const UnitParameters& parameters, const Grid& grid) {
+  return components_in(map, parameters, grid, parameters.interpolation, 1.0);
+}
+
 namespace {
 
 constexpr std::size_t kSenses = kSenseNames.size();

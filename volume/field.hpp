@@ -1,19 +1,75 @@
-// The error vector over a grid as sums of what one axis contributes: each term of core/terms.hpp reads one curve and at
-// most one lever, so that a place costs a dozen products however many components there are.
+// The places of a working volume at which its error is evaluated, the error components of a machine along its axes
+// there (what a map says, what a unit adds), and the error vector over that grid as sums of what one axis contributes:
+// each term of core/terms.hpp reads one curve and at most one lever, so that a place costs a dozen products however
+// many components there are.
 //   E_d(p) = Σ_b [ c_bd(p_b) + Σ_{l≠b} s_bdl(p_b)·p_l ] + Σ_l q_dl·p_l        d, b, l: axes; c [um], s and q [um/mm]
-// Agrees with exact homogeneous matrices to second order in the errors (tests/volume/exact_machine_test.cpp).
+// Agrees with exact homogeneous matrices to second order in the errors (tests/volume/volume_test.cpp).
 // Source: thesis 4.3; R. Schultschik, The components of volumetric accuracy, CIRP Annals 25 (1977) 223.
-// Does not live here: the statistics of a volume (statistics.hpp).
+// Does not live here: the statistics of a volume (volume.hpp).
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/axis.hpp"
+#include "core/tick.hpp"
 #include "kinematics/machine_pose.hpp"
-#include "volume/components.hpp"
+#include "laser/map/error_map.hpp"
 
 namespace ecs::volume {
+
+/// Lower and upper end of the travel of each axis that exists, machine coordinates [mm].
+using Travels = PerAxis<std::optional<std::array<double, 2>>>;
+
+/// A place by its coordinates' numbers in a Grid.
+using GridIndex = PerAxis<std::size_t>;
+
+/// Every combination of one coordinate of each axis.
+struct Grid {
+  PerAxis<std::vector<double>> mm;  ///< ascending, the ends of the travel among them; one, 0, where there is no axis
+  PerAxis<bool> exists{};
+  Vector3 reference_mm{};  ///< the place from which errors count
+
+  [[nodiscard]] std::size_t places() const { return mm[0].size() * mm[1].size() * mm[2].size(); }
+  [[nodiscard]] Vector3 at(const GridIndex& index) const { return {mm[0][index[0]], mm[1][index[1]], mm[2][index[2]]}; }
+  /// The axes that stand at an end of their travel there.
+  [[nodiscard]] std::size_t axes_at_an_end(const GridIndex& index) const;
+  [[nodiscard]] std::size_t axes() const;
+};
+
+inline constexpr std::size_t kMostPlaces = 5'000'000;
+
+/// Even steps over the travels, about as many on each axis: at most `places` in all, at least two on each axis.
+[[nodiscard]] Grid grid_over(const Travels& travel_mm, std::size_t places, const Vector3& reference_mm);
+
+/// `count` even steps on each axis: places of equal numbers are those of a body diagonal.
+[[nodiscard]] Grid even_grid(const Travels& travel_mm, std::size_t count, const Vector3& reference_mm);
+
+/// One place alone.
+[[nodiscard]] Grid grid_at(const Travels& travel_mm, const Vector3& place_mm, const Vector3& reference_mm);
+
+inline constexpr std::array<Approach, 2> kSides{Approach::reverse, Approach::forward};  ///< in the order of side_of()
+
+/// Values of the components [um, um/m].
+struct Components {
+  /// `[side][curve]`: at each coordinate of the curve's axis in the grid, then at the reference; empty: zero there.
+  std::array<std::array<std::vector<double>, kCurves>, 2> curve;
+  ComponentValues squareness{};  ///< of C0Y, B0Z, A0Z
+};
+
+/// Coordinates of an axis in a grid, then its reference position.
+[[nodiscard]] std::vector<double> coordinates_of(const Grid& grid, Axis axis);
+
+/// The errors that a map and the squareness of the parameters say the machine has: minus the compensation, straight
+/// between the points, end values beyond the ends. What the map does not hold is zero.
+[[nodiscard]] Components errors_in(const laser::ErrorMap& map, const UnitParameters& parameters, const Grid& grid);
+
+/// What a unit with these parameters adds, before their scope: interpolation and angular scale as they say.
+[[nodiscard]] Components compensation_in(const laser::ErrorMap& map, const UnitParameters& parameters,
+                                         const Grid& grid);
 
 /// How components act at the tool.
 struct Kinematics {

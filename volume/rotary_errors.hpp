@@ -1,6 +1,7 @@
 // The errors of rotary axes: error motions over the angle (EXC … ECC) and location errors (XOC, YOC, AOC, BOC, COC) by
-// the names of ISO 230-7 and ISO 230-1, and the file that holds them. Does not live here: how they act at the tool
-// (kinematics/).
+// the names of ISO 230-7 and ISO 230-1, the file that holds them, and readings of rotary axes as such motions.
+// Does not live here: how they act at the tool (kinematics/), readings of linear axes, whose map a unit holds
+// (laser/map/).
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 
 #include "base/result.hpp"
 #include "kinematics/machine_pose.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::volume {
 
@@ -66,5 +68,12 @@ struct TableWeights {
                                                        const kinematics::JointChain& chain);
 [[nodiscard]] Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file,
                                                       const kinematics::JointChain& chain);
+
+/// Mean of the readings at each target, by approach where it is known.
+/// Refused: readings of a linear axis, a component measured at two parked positions.
+[[nodiscard]] Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set);
+
+/// The text of a file for read_rotary_errors(). @param machine  of its header; empty: none
+[[nodiscard]] std::string rotary_csv(const RotaryErrors& errors, const std::string& machine);
 
 }  // namespace ecs::volume

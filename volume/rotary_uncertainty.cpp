@@ -7,7 +7,6 @@
 #include "base/random.hpp"
 #include "volume/curve_covariance.hpp"
 #include "volume/joint_volume.hpp"
-#include "volume/roughness.hpp"
 
 namespace ecs::volume {
 namespace {

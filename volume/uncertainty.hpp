@@ -1,7 +1,7 @@
 // How certain the error of a volume is after compensation by a map: each value of the map with its standard
 // uncertainty, propagated to the tool. Linearly with the covariance along each curve (JCGM 100:2008, GUM, 5.2.2), and
 // by drawing whole maps (JCGM 101:2008), because the largest error of a volume is no linear function of them.
-// Does not live here: the repeatability of measured lines (laser/analysis/repeatability.hpp).
+// Does not live here: the repeatability of measured lines (laser/analysis/shrinking.hpp).
 #pragma once
 
 #include <array>

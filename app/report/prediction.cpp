@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "commissioning/unit/transfer.hpp"
-#include "core/compiled_map.hpp"
 #include "core/tick.hpp"
 #include "laser/map/image.hpp"
 

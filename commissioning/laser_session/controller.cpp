@@ -14,7 +14,7 @@
 #include "base/text.hpp"
 #include "commissioning/laser_session/machine_mismatch.hpp"
 #include "commissioning/link/unit_commands.hpp"
-#include "laser/measured_machine.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/summary.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {

@@ -4,7 +4,7 @@
 
 #include "commissioning/link/emulator_process.hpp"
 #include "core/memory_image.hpp"
-#include "laser/measured_machine.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
 namespace {

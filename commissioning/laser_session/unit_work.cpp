@@ -7,7 +7,7 @@
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "core/memory_image.hpp"
-#include "laser/map/coverage.hpp"
+#include "laser/map/error_map.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {

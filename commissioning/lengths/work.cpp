@@ -9,7 +9,7 @@
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
-#include "laser/measured_machine.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
 namespace {

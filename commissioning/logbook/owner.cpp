@@ -8,7 +8,7 @@
 namespace ecs::commissioning {
 namespace {
 
-constexpr std::size_t kLeastMachineCut = 37;  // bytes; a unit's identity cuts longer names (core/identity.cpp)
+constexpr std::size_t kLeastMachineCut = 37;  // bytes; a unit's identity cuts longer names (core/memory_image.cpp)
 
 bool same_machine(const std::string& a, const std::string& b) {
   if (a == b) return true;

@@ -9,7 +9,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "laser/csv_line.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::commissioning {
 namespace {

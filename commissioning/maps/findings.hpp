@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "laser/map/coverage.hpp"
+#include "laser/map/error_map.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "base/json_fwd.hpp"
 #include "commissioning/session/message.hpp"
-#include "laser/map/coverage.hpp"
+#include "laser/map/error_map.hpp"
 #include "model/fit/compiled_model.hpp"
 #include "params/parameters_toml.hpp"
 

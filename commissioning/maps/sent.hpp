@@ -11,7 +11,7 @@
 #include "commissioning/maps/prepared_map.hpp"
 #include "commissioning/maps/source.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "params/diff.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::commissioning {
 

@@ -11,7 +11,7 @@
 
 #include "commissioning/measurements/capture_source.hpp"
 #include "devices/capture_record.hpp"
-#include "devices/trigger.hpp"
+#include "devices/port.hpp"
 
 namespace ecs::commissioning {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "devices/sensor.hpp"
+#include "devices/port.hpp"
 
 namespace ecs::commissioning {
 

@@ -1,12 +1,12 @@
 // What is to be captured, as it is typed: targets along a line, a row of a plan, or a target list; the stops that
-// follow from it are devices/capture_plan.hpp.
+// follow from it are devices/capture_record.hpp.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "devices/capture_plan.hpp"
+#include "devices/capture_record.hpp"
 
 namespace ecs::commissioning {
 

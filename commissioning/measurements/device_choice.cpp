@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/builtin.hpp"
+#include "devices/description.hpp"
 
 namespace ecs::commissioning {
 namespace {

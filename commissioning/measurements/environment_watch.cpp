@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "commissioning/measurements/device_choice.hpp"
-#include "devices/sensor.hpp"
+#include "devices/port.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/file_watch.hpp"
-#include "laser/import/registry.hpp"
+#include "laser/import/format.hpp"
 #include "laser/text_decoding.hpp"
 
 namespace ecs::commissioning {

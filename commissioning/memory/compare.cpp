@@ -9,7 +9,7 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "params/diff.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::commissioning {
 namespace {

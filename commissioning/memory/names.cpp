@@ -6,7 +6,7 @@
 
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/memory/fields.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 
 namespace ecs::commissioning {
 namespace {

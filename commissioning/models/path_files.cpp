@@ -9,7 +9,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "laser/standards/circle_file.hpp"
+#include "laser/standards/circle.hpp"
 #include "model/data/path.hpp"
 #include "model/data/path_sets.hpp"
 

@@ -12,7 +12,7 @@
 #include "base/file_watch.hpp"
 #include "commissioning/measurements/given_files.hpp"
 #include "commissioning/models/path_files.hpp"
-#include "laser/measured_machine.hpp"
+#include "laser/measurement_set.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/exchangeable.hpp"
 

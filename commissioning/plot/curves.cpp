@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/component.hpp"
+#include "core/axis.hpp"
 
 namespace ecs::commissioning {
 namespace {

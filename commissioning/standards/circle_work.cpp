@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
-#include "laser/standards/circle_file.hpp"
+#include "laser/standards/circle.hpp"
 
 namespace ecs::commissioning {
 namespace {

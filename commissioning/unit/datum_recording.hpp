@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "core/datum_record.hpp"
+#include "core/datum.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::commissioning {

@@ -7,7 +7,7 @@
 
 #include "base/json_fwd.hpp"
 #include "core/parameters.hpp"
-#include "params/diff.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::commissioning {
 

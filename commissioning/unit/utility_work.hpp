@@ -8,7 +8,7 @@
 
 #include "base/json_fwd.hpp"
 #include "base/result.hpp"
-#include "core/user_memory.hpp"
+#include "core/address_map.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::commissioning {

@@ -1,5 +1,5 @@
 // The errors of rotary axes that a fit found, as `ecs volume --rotary` takes them: location errors and error motions
-// with their standard uncertainties. Does not live here: the file (volume/rotary_map.hpp).
+// with their standard uncertainties. Does not live here: the file (volume/rotary_errors.hpp).
 #pragma once
 
 #include <string>

@@ -9,8 +9,8 @@
 
 #include "base/text.hpp"
 #include "commissioning/volume/rotary_work.hpp"
-#include "volume/between.hpp"
 #include "volume/joint_volume.hpp"
+#include "volume/volume.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -7,7 +7,7 @@
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/volume/refits.hpp"
 #include "model/effects/definition.hpp"
-#include "volume/grid.hpp"
+#include "volume/field.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "commissioning/volume/true_errors.hpp"
 #include "model/fit/compiled_model.hpp"
-#include "params/rotary_machine.hpp"
+#include "params/machine.hpp"
 #include "volume/joint_volume.hpp"
 
 namespace ecs::commissioning {

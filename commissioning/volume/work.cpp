@@ -16,7 +16,7 @@
 #include "commissioning/volume/rotary_work.hpp"
 #include "commissioning/volume/true_errors.hpp"
 #include "laser/map/csv.hpp"
-#include "laser/measured_machine.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
 namespace {

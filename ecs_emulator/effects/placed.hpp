@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/axis.hpp"
-#include "core/component.hpp"
 #include "ecs_emulator/effects/smooth_curve.hpp"
 #include "ecs_emulator/scene/scene.hpp"
 

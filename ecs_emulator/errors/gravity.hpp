@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "core/chain.hpp"
 #include "core/terms.hpp"
 
 namespace ecs::emulator {

@@ -3,7 +3,6 @@
 // (ecs_emulator/instruments/laser.hpp).
 #pragma once
 
-#include "core/chain.hpp"
 #include "core/terms.hpp"
 #include "ecs_emulator/errors/rotary_errors.hpp"
 #include "params/machine.hpp"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/random/random.hpp"
 #include "ecs_emulator/settings/laser.hpp"

@@ -7,7 +7,6 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/writers/measurement_writer.hpp"
-#include "laser/writers/renishaw_dynamic_writer.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
 

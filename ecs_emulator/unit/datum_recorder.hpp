@@ -1,7 +1,7 @@
-// RECORD DATUM SEQUENCE: ten seconds of one axis into system RAM (thesis 5.3; bytes in core/datum_record.hpp).
+// RECORD DATUM SEQUENCE: ten seconds of one axis into system RAM (thesis 5.3; bytes in core/datum.hpp).
 #pragma once
 
-#include "core/datum_record.hpp"
+#include "core/datum.hpp"
 #include "ecs_emulator/unit/axis_module.hpp"
 #include "ecs_emulator/unit/memory.hpp"
 

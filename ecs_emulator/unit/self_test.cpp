@@ -1,6 +1,6 @@
 #include "ecs_emulator/unit/self_test.hpp"
 
-#include "core/ram_test.hpp"
+#include "core/address_map.hpp"
 
 namespace ecs::emulator {
 namespace {

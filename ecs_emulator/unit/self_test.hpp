@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "core/compiled_map.hpp"
 #include "core/fault.hpp"
+#include "core/tick.hpp"
 #include "ecs_emulator/unit/memory.hpp"
 #include "ecs_emulator/unit/rack.hpp"
 

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "core/address_map.hpp"
 #include "core/axis.hpp"
-#include "core/user_memory.hpp"
 #include "ecs_emulator/unit/memory.hpp"
 
 namespace ecs::emulator {

@@ -18,7 +18,6 @@
 #include "ecs_emulator/workshop/program.hpp"
 #include "ecs_emulator/workshop/referencing.hpp"
 #include "ecs_emulator/workshop/survey.hpp"
-#include "laser/writers/circle_writer.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {

@@ -1,5 +1,6 @@
-// Positioning errors referred to 20 °C by one coefficient of expansion, and back again (thesis 6.3.1).
-// Does not live here: air in the beam (refraction.hpp), machines whose parts expand differently (model/).
+// Refractive index of air from what a weather station measures, by the two equations that calibration laboratories use;
+// positioning errors referred to 20 °C by one coefficient of expansion, and back again (thesis 6.3.1).
+// Does not live here: machines whose parts expand differently (model/).
 #pragma once
 
 #include <optional>
@@ -10,6 +11,33 @@
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
+
+/// Air in the beam.
+struct BeamAir {
+  double temperature_degC = 20.0;
+  double pressure_hPa = 1013.25;
+  double humidity_pct = 50.0;  ///< relative, over water above 0 °C and over ice below
+  double co2_ppm = 450.0;      ///< Ciddor alone uses it
+  friend bool operator==(const BeamAir&, const BeamAir&) = default;
+};
+
+inline constexpr double kRedHeNe_nm = 632.9905770;  ///< vacuum wavelength of a stabilised helium-neon laser [nm]
+
+enum class AirEquation {
+  ciddor,         ///< P. E. Ciddor, Appl. Opt. 35 (1996) 1566, in the arrangement of the NIST wavelength calculator
+  modified_edlen  ///< G. Boensch, E. Potulski, Metrologia 35 (1998) 133 as NIST simplifies it (Birch and Downs 1994)
+};
+
+/// Phase refractive index. `refused` outside 300 … 1700 nm, −40 … 100 °C, 100 … 1400 hPa, 0 … 100 %, 0 … 2000 ppm.
+[[nodiscard]] Result<double> refractive_index(const BeamAir& air, double vacuum_wavelength_nm = kRedHeNe_nm,
+                                              AirEquation equation = AirEquation::ciddor);
+
+/// How far the index differs from that of the reference air, `BeamAir{}`, in 1e-6, by Ciddor. Never fails: what lies
+/// outside the range of the equation counts as the end of the range.
+[[nodiscard]] double refractive_index_deviation_ppm(BeamAir air, double vacuum_wavelength_nm = kRedHeNe_nm);
+
+/// Saturation pressure of water vapour [Pa]: over water from 0 °C (IAPWS-IF97), over ice below (IAPWS 1993).
+[[nodiscard]] double water_vapour_saturation_Pa(double temperature_degC);
 
 inline constexpr double kReference_degC = 20.0;  ///< ISO 1
 

@@ -1,9 +1,82 @@
+// Outliers of a measured line. Each reading is compared with the mean of the others of its target and approach; the
+// scale is the median of these distances (median absolute deviation; F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383).
 #include "laser/analysis/pipeline.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <vector>
 
 namespace ecs::laser {
+namespace {
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Readings of one target and approach.
+using Cell = std::vector<std::size_t>;
+
+std::vector<Cell> cells_of(const MeasurementSet& set, const Group& group) {
+  std::vector<std::size_t> order = group.readings;
+  const auto at = [&](std::size_t i) { return target_of(set.readings[i]); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
+  const double tolerance_mm = target_tolerance_mm(set, group);
+  std::vector<Cell> cells;
+  std::map<Approach, Cell> here;
+  double first_mm = 0.0;
+  const auto close = [&] {
+    for (auto& [approach, cell] : here) cells.push_back(std::move(cell));
+    here.clear();
+  };
+  for (const std::size_t i : order) {
+    if (here.empty() || at(i) - first_mm > tolerance_mm) {
+      close();
+      first_mm = at(i);
+    }
+    here[set.readings[i].approach].push_back(i);
+  }
+  close();
+  return cells;
+}
+
+/// From the mean of the other readings of the cell.
+double distance_in(const MeasurementSet& set, const Cell& cell, std::size_t reading) {
+  double sum = 0.0;
+  for (const std::size_t other : cell)
+    if (other != reading) sum += set.readings[other].error;
+  return set.readings[reading].error - sum / static_cast<double>(cell.size() - 1);
+}
+
+}  // namespace
+
+std::vector<std::size_t> outliers_of(const MeasurementSet& set, const Group& group) {
+  constexpr double kUsual = 1.4826;  // standard deviation over median distance of a normal distribution
+  constexpr double kFar = 5.0;       // one reading in 1.7 million by chance
+  constexpr std::size_t kLeast = 3;  // below, it is not known which reading is apart
+  const auto cells = cells_of(set, group);
+  std::vector<double> distances;
+  for (const Cell& cell : cells)
+    if (cell.size() >= kLeast)
+      for (const std::size_t i : cell) distances.push_back(std::abs(distance_in(set, cell, i)));
+  const double far = kFar * kUsual * median_of(distances);
+  std::vector<std::size_t> outliers;
+  if (far <= 0.0) return outliers;
+  for (const Cell& cell : cells) {
+    if (cell.size() < kLeast) continue;
+    const auto farthest = *std::max_element(cell.begin(), cell.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(distance_in(set, cell, a)) < std::abs(distance_in(set, cell, b));
+    });
+    if (std::abs(distance_in(set, cell, farthest)) > far) outliers.push_back(farthest);
+  }
+  std::sort(outliers.begin(), outliers.end());
+  return outliers;
+}
+
 namespace {
 
 double range_of(const MeasurementSet& set) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "laser/analysis/curve.hpp"
 
 namespace ecs::laser {

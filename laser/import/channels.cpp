@@ -10,7 +10,7 @@
 
 #include "base/text.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/import/row_readings.hpp"
+#include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
 
 namespace ecs::laser {

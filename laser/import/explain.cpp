@@ -1,22 +1,447 @@
-// Why a file is not read, in words that help: what it seems to be, the table found in it, the command that imports it.
+// Why a file is not read, in words that help: what it seems to be, the table found in it, which of its columns could be
+// positions and readings, the command that imports it.
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
-#include "laser/import/column_advice.hpp"
+#include "laser/import/columns.hpp"
+#include "laser/import/fields.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/registry.hpp"
+#include "laser/import/time.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
+
+constexpr std::size_t kLeastTargets = 3;
+constexpr std::size_t kRowsATurn = 4;  ///< positions turn back less often than every so many rows
+/// Errors [um] vary by less than this part of the travel [mm]: 300 um/m. Coordinates beside a position vary by more.
+constexpr double kGreatestSlope_um_per_mm = 0.3;
+/// Errors lie round the 0 of a readout; coordinates that hardly change lie far from it.
+constexpr double kGreatestOffset = 3.0;
+/// Actual positions are as close to their targets as this part of the travel.
+constexpr double kClose = 0.001;
+constexpr std::size_t kMostNamed = 12;
+/// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
+constexpr double kFarthest_mm = 1e6;
+
+/// What a heading says that its column holds.
+enum class Meaning { none, reading, position, counter, run, approach, temperature, pressure, humidity, time, other };
+
+struct TableColumn {
+  std::size_t number = 0;  ///< from 1
+  std::string heading;
+  Meaning meaning = Meaning::none;
+  std::optional<Unit> unit;  ///< of the heading
+  std::vector<std::string_view> cells;
+  std::vector<double> values;  ///< as many as cells where each is a number, else none
+  [[nodiscard]] bool is_number() const { return !values.empty(); }
+  [[nodiscard]] double least() const { return *std::min_element(values.begin(), values.end()); }
+  [[nodiscard]] double most() const { return *std::max_element(values.begin(), values.end()); }
+  [[nodiscard]] double span() const { return most() - least(); }
+  [[nodiscard]] bool turns() const { return unit && unit->kind == UnitKind::angle; }
+  /// One of the cells in mm, or deg.
+  [[nodiscard]] double as_target() const {
+    if (!unit) return 1.0;
+    return unit->kind == UnitKind::angle ? unit->factor / kUmPerMPerDegree : unit->factor;
+  }
+  /// … in um, or um/m.
+  [[nodiscard]] double as_error() const {
+    if (!unit) return 1.0;
+    return unit->kind == UnitKind::length ? unit->factor * 1000.0 : unit->factor;
+  }
+};
+using Columns = std::vector<TableColumn>;
+
+/// The rows that the suggested options would read.
+struct Rows {
+  int skip = 0;
+  std::size_t count = 0;  ///< 0: all
+};
+
+Rows rows_of(const TableShape& shape) {
+  return {(shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1, shape.is_mixed ? shape.stretch_rows : 0};
+}
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// By words of English, German and French headings.
+Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) {
+  const std::string text = lower(heading);
+  const auto has = [&](std::initializer_list<std::string_view> parts) {
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](std::string_view part) { return text.find(part) != std::string::npos; });
+  };
+  const auto words = heading_words(heading);
+  const auto is_word = [&](std::initializer_list<std::string_view> any) {
+    return std::any_of(words.begin(), words.end(), [&](const std::string& word) { return is_one_of(word, any); });
+  };
+  if (has({"std", "standard", "sigma", "uncertainty", "unsicherheit", "incertitude", "streuung"}))
+    return Meaning::other;
+  if (unit && unit->kind == UnitKind::temperature) return Meaning::temperature;
+  if (unit && unit->kind == UnitKind::pressure) return Meaning::pressure;
+  if (has({"feucht", "humid"})) return Meaning::humidity;
+  if (has({"approach", "direction", "richtung", "anfahr", "approche"}) || is_word({"dir", "sens"}))
+    return Meaning::approach;
+  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur",
+           "\xC3\xA9"
+           "cart",
+           "\xC3\x89"
+           "cart",
+           "ecart", "displacement"}) ||
+      is_word({"err", "dev", "abw", "diff", "delta", "disp", "exx", "eyy", "ezz"}))
+    return Meaning::reading;
+  if (unit && unit->kind == UnitKind::time) return Meaning::time;
+  if (!unit &&
+      (has({"cycle", "zyklus"}) || is_word({"run", "lauf", "messlauf", "durchgang", "nr", "no", "num", "nummer",
+                                            "passage", "essai", "serie", "series", "repeat", "wdh", "wiederholung"})))
+    return Meaning::run;
+  if (!unit && is_word({"index", "count", "sample", "row", "zeile", "point", "punkt", "messpunkt", "n", "i"}))
+    return Meaning::counter;
+  if (has({"position", "target", "nominal", "soll", "cible", "consigne", "angle", "winkel"}) ||
+      is_word({"pos", "x", "y", "z", "a", "b", "c", "weg"}))
+    return Meaning::position;
+  return Meaning::none;
+}
+
+/// Every column; numbers where each of its cells is one.
+Columns columns_of(std::string_view text, const TableShape& shape) {
+  Columns columns;
+  for (std::size_t i = 0; i < shape.columns; ++i) {
+    TableColumn column;
+    column.number = i + 1;
+    if (i < shape.headings.size()) column.heading = shape.headings[i];
+    column.unit = unit_in_heading(column.heading);
+    column.meaning = meaning_of(column.heading, column.unit);
+    columns.push_back(std::move(column));
+  }
+  const Rows rows = rows_of(shape);
+  const auto lines = lines_of(text);
+  const auto last = std::min(lines.size(), static_cast<std::size_t>(shape.last_row_line));
+  std::size_t taken = 0;
+  for (auto i = static_cast<std::size_t>(rows.skip); i < last && (rows.count == 0 || taken < rows.count); ++i) {
+    if (is_comment(lines[i])) continue;
+    const auto cells = cells_of(lines[i], shape.delimiter);
+    if (cells.size() != shape.columns) continue;
+    ++taken;
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back(cells[c]);
+  }
+  for (TableColumn& column : columns) {
+    for (const std::string_view cell : column.cells)
+      if (const auto number = number_or_comma(cell)) column.values.push_back(*number);
+    if (column.values.size() != column.cells.size()) column.values.clear();
+  }
+  return columns;
+}
+
+/// 0, 1, 2, ... or 1, 2, 3, ...
+bool counts_rows(const TableColumn& column) {
+  if (column.values.front() != 0.0 && column.values.front() != 1.0) return false;
+  for (std::size_t i = 1; i < column.values.size(); ++i)
+    if (column.values[i] != column.values[i - 1] + 1.0) return false;
+  return true;
+}
+
+/// Whole numbers, fewer than rows: a number of each row is no run.
+bool are_runs(const TableColumn& column) {
+  return column.is_number() && !counts_rows(column) &&
+         std::all_of(column.values.begin(), column.values.end(),
+                     [](double value) { return value == std::floor(value) && std::abs(value) < 1e6; });
+}
+
+bool are_positions(const TableColumn& column) {
+  std::size_t moves = 0, turns = 0;
+  double before = 0.0;
+  for (std::size_t i = 1; i < column.values.size(); ++i) {
+    const double step = column.values[i] - column.values[i - 1];
+    if (step == 0.0) continue;
+    if (step * before < 0.0) ++turns;
+    ++moves;
+    before = step;
+  }
+  return moves + 1 >= kLeastTargets && turns * kRowsATurn <= moves;
+}
+
+/// Whether the values are positions that were reached where `targets` were asked for.
+bool are_actual(const TableColumn& column, const TableColumn& targets) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < column.values.size(); ++i)
+    largest =
+        std::max(largest, std::abs(column.values[i] * column.as_target() - targets.values[i] * targets.as_target()));
+  return largest > 0.0 && largest <= kClose * targets.span() * targets.as_target();
+}
+
+bool are_errors(const TableColumn& column, const TableColumn& targets) {
+  const double largest = std::max(std::abs(column.least()), std::abs(column.most()));
+  return column.span() > 0.0 &&
+         column.span() * column.as_error() <= kGreatestSlope_um_per_mm * targets.span() * targets.as_target() &&
+         largest <= kGreatestOffset * column.span();
+}
+
+/// ",date_time=1", or ",date_time=1..2" of a date and the time beside it; empty: none is there.
+std::string date_rule(const Columns& columns) {
+  for (std::size_t i = 0; i < columns.size() && !columns[i].cells.empty(); ++i) {
+    const std::string cell(columns[i].cells.front());
+    if (seconds_in(cell)) return fmt::format(",date_time={}", i + 1);
+    if (i + 1 < columns.size() && !columns[i + 1].cells.empty() &&
+        seconds_in(cell + " " + std::string(columns[i + 1].cells.front())))
+      return fmt::format(",date_time={}..{}", i + 1, i + 2);
+  }
+  return {};
+}
+
+std::string row_options(const TableShape& shape) {
+  const Rows rows = rows_of(shape);
+  return (rows.skip > 0 ? fmt::format(" --skip {}", rows.skip) : "") +
+         (rows.count > 0 ? fmt::format(" --rows {}", rows.count) : "");
+}
+
+bool could_be_targets(const TableColumn& column, const Columns& columns) {
+  if (!column.is_number() || (column.meaning != Meaning::position && column.meaning != Meaning::none)) return false;
+  if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
+  const auto numbers = std::count_if(columns.begin(), columns.end(), [](const auto& one) { return one.is_number(); });
+  const bool is_first = std::none_of(columns.begin(), columns.end(),
+                                     [&](const auto& one) { return one.is_number() && one.number < column.number; });
+  if (std::max(std::abs(column.least()), std::abs(column.most())) * column.as_target() > kFarthest_mm) return false;
+  return are_positions(column) &&
+         (column.meaning == Meaning::position || numbers < 3 || !is_first || !counts_rows(column));
+}
+
+/// Whether the headings allow it: a column named so where there is one, no count of runs.
+bool could_be_readings(const TableColumn& column, const Columns& columns) {
+  const bool named = std::any_of(columns.begin(), columns.end(), [](const TableColumn& one) {
+    return one.is_number() && one.meaning == Meaning::reading;
+  });
+  if (!column.is_number()) return false;
+  if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
+  return named ? column.meaning == Meaning::reading
+               : (column.meaning == Meaning::none || column.meaning == Meaning::position) && !counts_rows(column);
+}
+
+/// ",approach=2,run=3" as headings name them, else the approach from the motion.
+std::string pass_rules(const Columns& columns, bool moves) {
+  std::string approach = moves ? ",approach=motion" : "", run;
+  for (const TableColumn& column : columns) {
+    if (column.meaning == Meaning::run && run.empty() && are_runs(column)) run = fmt::format(",run={}", column.number);
+    if (column.meaning == Meaning::approach && moves && approach == ",approach=motion" &&
+        std::all_of(column.cells.begin(), column.cells.end(),
+                    [](auto cell) { return approach_named(cell).has_value(); }))
+      approach = fmt::format(",approach={}", column.number);
+  }
+  return approach + run;
+}
+
+bool go_both_ways(const TableColumn& targets) {
+  const auto falls = [](double a, double b) { return b < a; };
+  const auto rises = [](double a, double b) { return b > a; };
+  return std::adjacent_find(targets.values.begin(), targets.values.end(), falls) != targets.values.end() &&
+         std::adjacent_find(targets.values.begin(), targets.values.end(), rises) != targets.values.end();
+}
+
+/// The name of a temperature: "t_air_degC" of "T Luft [°C]".
+std::string sensor_of(const TableColumn& column) {
+  std::string name;
+  for (const std::string& word : heading_words(column.heading)) {
+    if (word.find("luft") != word.npos || word == "air") return "t_air_degC";
+    if (word.find("material") != word.npos || word.find("werkst") != word.npos) return "t_material_degC";
+    std::string plain;
+    for (const char c : word)
+      if (static_cast<unsigned char>(c) < 0x80) plain += c;
+    if (is_one_of(plain, {"t", "temp", "temperature", "temperatur", "c", "f", "k", "degc", "degf", "deg", "in"}))
+      continue;
+    if (!plain.empty()) name += (name.empty() ? "" : "_") + plain;
+  }
+  return fmt::format("t_{}_degC", name.empty() ? std::to_string(column.number) : name);
+}
+
+/// Temperatures, air and time as their headings name them.
+std::string condition_rules(const Columns& columns, bool dated) {
+  std::string rules;
+  const auto add = [&](const std::string& field, const TableColumn& column) {
+    if (rules.find("," + field + "=") == rules.npos)
+      rules += fmt::format(",{}={}{}", field, column.number, column.unit ? fmt::format("[{}]", column.unit->name) : "");
+  };
+  for (const TableColumn& column : columns) {
+    if (!column.is_number()) continue;
+    if (column.meaning == Meaning::temperature) add(sensor_of(column), column);
+    if (column.meaning == Meaning::pressure) add("pressure_hPa", column);
+    if (column.meaning == Meaning::humidity && !column.unit) add("humidity_pct", column);
+    if (column.meaning == Meaning::time && !dated) add("time_s", column);
+  }
+  return rules;
+}
+
+/// The letter of a linear or of a rotary axis in a heading, lower case; else `otherwise`.
+char axis_letter(const TableColumn& column, std::string_view letters, char otherwise) {
+  for (const std::string& word : heading_words(column.heading))
+    if (word.size() == 1 && letters.find(word[0]) != letters.npos) return word[0];
+  return otherwise;
+}
+
+/// Errors without a unit are um, but mm where they would all be far too small for um.
+std::string error_unit(const TableColumn& column) {
+  constexpr double kTooSmall_um = 0.1;
+  if (column.unit) return std::string(column.unit->name);
+  return std::max(std::abs(column.least()), std::abs(column.most())) < kTooSmall_um ? "mm" : "um";
+}
+
+std::string reading_rule(const TableColumn& column, const TableColumn& targets, bool actual) {
+  if (actual)
+    return fmt::format("reading={}[{}]", column.number,
+                       column.unit       ? column.unit->name
+                       : targets.turns() ? "deg"
+                                         : "mm");
+  if (targets.turns()) return fmt::format("reading={}[{}]", column.number, column.unit ? column.unit->name : "um/m");
+  return fmt::format("{}={}[{}]", column.turns() ? "EB" : "reading", column.number, error_unit(column));
+}
+
+/// "forward2" of "F2 (um)", "Lauf 2 vor": the field of a column that holds one pass; empty: the heading names none.
+std::string pass_field(const std::string& heading) {
+  std::string direction, number;
+  for (const std::string& word : heading_words(heading)) {
+    const std::size_t digits = std::min(word.find_first_of("0123456789"), word.size());
+    const std::string letters = word.substr(0, digits);
+    if (is_one_of(letters, {"f", "fwd", "forward", "vor", "vorw\xC3\xA4rts", "hin", "aller", "up"}))
+      direction = "forward";
+    if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward",
+                            "r\xC3\xBC"
+                            "ck",
+                            "r\xC3\xBC"
+                            "ckw\xC3\xA4rts",
+                            "zur\xC3\xBC"
+                            "ck",
+                            "retour", "down"}))
+      direction = "reverse";
+    if (digits < word.size() && integer_in(word.substr(digits))) number = word.substr(digits);
+  }
+  const std::string field = direction + (number.empty() ? "1" : number);
+  return pass_named(field) ? field : "";
+}
+
+/// "forward1=2[um],reverse1=3[um]" where the columns of errors are passes, each another; empty: they are not.
+std::string pass_columns(const Columns& columns, const TableColumn& targets, bool actual) {
+  std::vector<std::string> fields, rules;
+  for (const TableColumn& column : columns) {
+    const std::string field = pass_field(column.heading);
+    const bool fits = column.is_number() && column.turns() == targets.turns() && &column != &targets &&
+                      !field.empty() && column.meaning != Meaning::temperature &&
+                      (actual ? are_actual(column, targets) : are_errors(column, targets));
+    if (!fits) continue;
+    if (std::find(fields.begin(), fields.end(), field) != fields.end()) return {};
+    fields.push_back(field);
+    rules.push_back(field + reading_rule(column, targets, actual).substr(std::string_view("reading").size()));
+  }
+  return fields.size() < 2 ? std::string() : fmt::format("{}", fmt::join(rules, ","));
+}
+
+std::string pair_text(const TableColumn& targets, const TableColumn& readings, bool actual, const TableShape& shape,
+                      const Columns& columns) {
+  const bool turns = targets.turns();
+  const std::string field = turns ? fmt::format("{}_deg", axis_letter(targets, "abc", 'c'))
+                                  : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x'));
+  const std::string date = date_rule(columns);
+  const std::string passes = pass_columns(columns, targets, actual);
+  std::string others;
+  for (const TableColumn& column : columns)
+    if (passes.empty() && &column != &readings && !actual && column.is_number() && column.meaning == Meaning::reading)
+      others += fmt::format(
+          "{} {}", others.empty() ? "; readings of other columns, each by an import of its own:" : ",", column.number);
+  return fmt::format(
+      "--columns \"{}={}[{}],{}{}{}{}\"{}{} reads column {} as targets and {} as {}, if that is what "
+      "they are{}{}",
+      field, targets.number,
+      targets.unit ? targets.unit->name
+      : turns      ? "deg"
+                   : "mm",
+      passes.empty() ? reading_rule(readings, targets, actual) : passes, date,
+      passes.empty() ? pass_rules(columns, date.empty() || go_both_ways(targets)) : "",
+      condition_rules(columns, !date.empty()), actual ? " --values actual" : "", row_options(shape), targets.number,
+      passes.empty() ? fmt::format("column {}", readings.number) : "the columns of passes",
+      actual ? "the positions reached" : "errors",
+      !turns && readings.turns() && !actual ? " (EB is a rotation about Y; EA and EC are those about X and Z)" : "",
+      others);
+}
+
+/// The options for the first pair of columns that look like it, targets and positions reached before errors.
+std::optional<std::string> pair_advice(const Columns& columns, const TableShape& shape) {
+  for (const bool actual : {true, false})
+    for (const TableColumn& targets : columns) {
+      if (!could_be_targets(targets, columns)) continue;
+      for (const TableColumn& readings : columns)
+        if (&readings != &targets && could_be_readings(readings, columns) &&
+            (actual ? are_actual(readings, targets)
+                    : readings.meaning == Meaning::reading || are_errors(readings, targets)))
+          return pair_text(targets, readings, actual, shape, columns);
+    }
+  return std::nullopt;
+}
+
+/// One column of readings at one place, over time: the only one, or the only one that is named so.
+std::optional<std::string> growth_advice(const Columns& columns, const TableShape& shape) {
+  std::vector<const TableColumn*> numbers, named;
+  for (const TableColumn& column : columns) {
+    if (column.is_number() && column.meaning != Meaning::run) numbers.push_back(&column);
+    if (column.is_number() && column.meaning == Meaning::reading) named.push_back(&column);
+  }
+  const auto& found = named.empty() ? numbers : named;
+  if (found.size() != 1 || found.front()->span() == 0.0 || found.front()->turns()) return std::nullopt;
+  const std::size_t number = found.front()->number;
+  const std::string date = date_rule(columns);
+  return fmt::format(
+      "--columns \"reading={}[{}]{}{}{}\"{} --axis X{} reads column {} as errors at one place, if that is what "
+      "they are",
+      number, error_unit(*found.front()), date, pass_rules(columns, false), condition_rules(columns, !date.empty()),
+      row_options(shape), date.empty() ? " --parked x=0" : "", number);
+}
+
+std::string columns_named(const Columns& columns) {
+  std::vector<std::string> named;
+  for (const TableColumn& column : columns) {
+    if (!column.is_number()) continue;
+    if (named.size() < kMostNamed)
+      named.push_back(fmt::format("{}{} ({:.6g} to {:.6g})", column.number,
+                                  column.heading.empty() ? "" : " " + in_quotes(column.heading), column.least(),
+                                  column.most()));
+    else
+      return fmt::format("{}, ...", fmt::join(named, ", "));
+  }
+  return fmt::format("{}", fmt::join(named, ", "));
+}
+
+/// Suggested is a column of positions that rises or falls over stretches, with a column of errors beside it that are
+/// small against its travel, or of actual positions close to it; or readings over time. Where no columns are like that
+/// the answer names the columns, and how to say which is what.
+/// @param known  the file is of a kind that holds no measurements: nothing is suggested
+std::string column_advice(std::string_view text, const TableShape& shape, bool known) {
+  const auto columns = columns_of(text, shape);
+  if (!known) {
+    if (const auto advice = pair_advice(columns, shape)) return *advice;
+    if (const auto advice = growth_advice(columns, shape)) return *advice;
+  }
+  if (std::none_of(columns.begin(), columns.end(), [](const auto& column) { return column.is_number(); }))
+    return "expected columns with a number in every row, found none: fill the empty cells";
+  return fmt::format(
+      "expected targets and errors beside them, found the columns {}; if two of them are targets and errors, say "
+      "which: x_mm=N[mm],reading=M[um] with their numbers after "
+      "--columns{}, and --values actual where M holds positions",
+      columns_named(columns), row_options(shape));
+}
 
 constexpr std::size_t kExplainedBytes = 64 * 1024;
 

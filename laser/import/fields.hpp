@@ -1,5 +1,6 @@
-// What each mapped column of a table is, and how one cell of it enters a reading.
-// Does not live here: rows and files (columns_reader.cpp), the mapping as it is typed (columns.cpp).
+// What each mapped column of a table is, how one cell of it enters a reading, and the unit that its heading states.
+// Does not live here: rows and files (rows.hpp, columns_reader.cpp), the mapping as it is typed (columns.cpp), the
+// units themselves (laser/units.hpp).
 #pragma once
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include "laser/import/columns.hpp"
 #include "laser/import/import.hpp"
 #include "laser/measurement_set.hpp"
+#include "laser/units.hpp"
 
 namespace ecs::laser {
 
@@ -82,5 +84,10 @@ struct Plan {
 /// What a field does to the reading that all readings of its row begin with; what is wrong, or nothing.
 /// @pre !is_value(field.role)
 [[nodiscard]] std::string set_common(Reading& reading, const Plan& plan, const Field& field, std::string_view cell);
+
+/// "Abweichung [mm]", "Pos (in)", "error_um", "T / °C", "Weg Zoll": the unit between brackets or at the end. Single
+/// letters and words that mean other things too count between brackets and behind an underscore only. Nothing where
+/// none is stated.
+[[nodiscard]] std::optional<Unit> unit_in_heading(std::string_view heading);
 
 }  // namespace ecs::laser

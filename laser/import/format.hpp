@@ -1,7 +1,8 @@
 // One format of measurement files: its words, how it is recognised, reading and writing. Detection, messages, `laser
-// import`, tests and fuzzers walk the list in registry.hpp.
+// import`, tests and fuzzers walk the list of those that the program knows.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,5 +57,19 @@ struct FileFormat {
   PerAxis<bool> states_place{};    ///< axes whose coordinates the file states
   bool places_in_columns = false;  ///< … or its columns x_mm, y_mm, z_mm do
 };
+
+/// In the order of messages and documentation; the first is the measurement CSV, the last are
+/// read by a mapping only.
+[[nodiscard]] std::span<const FileFormat* const> file_formats();
+
+/// Nothing if no format has this id.
+[[nodiscard]] const FileFormat* file_format(std::string_view id);
+
+/// The format by content, the extension only where the content leaves a choice; nothing if no format fits.
+/// @param text  decoded, or the bytes of a binary file
+[[nodiscard]] const FileFormat* recognised_format(std::string_view text, const std::string& file_name);
+
+/// The format that writes files of this extension (".rtl", any case); the measurement CSV for any other.
+[[nodiscard]] const FileFormat& format_written_as(std::string_view extension);
 
 }  // namespace ecs::laser

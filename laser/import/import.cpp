@@ -1,19 +1,23 @@
+// Our own CSV form as a format of the registry. The form itself: laser/measurement_set.hpp.
 #include "laser/import/import.hpp"
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
-#include "laser/import/at_rest.hpp"
 #include "laser/import/fields.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/import/registry.hpp"
 #include "laser/import/renishaw_file.hpp"
 #include "laser/import/set_up.hpp"
-#include "laser/measurement_checks.hpp"
+#include "laser/measurement_set.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -203,5 +207,107 @@ Vector3 position_at(const ImportOptions& options, Axis axis, double target_mm) {
 void number_rows(MeasurementSet& set) {
   for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].row = static_cast<int>(i) + 1;
 }
+
+extern const FileFormat kMeasurementCsv;
+extern const FileFormat kRenishawRun;
+extern const FileFormat kRenishawDynamic;
+extern const FileFormat kRenishawTable;
+extern const FileFormat kApiReport;
+extern const FileFormat kSiosEnvironment;
+extern const FileFormat kEnvironmentTable;
+extern const FileFormat kIso230Assignments;
+extern const FileFormat kPlate;
+extern const FileFormat kJsonLines;
+extern const FileFormat kMappedColumns;
+extern const FileFormat kMappedMatrix;
+
+std::span<const FileFormat* const> file_formats() {
+  // clang-format off
+  static constexpr std::array kFormats{
+      &kMeasurementCsv,
+      &kRenishawRun,
+      &kRenishawDynamic,
+      &kRenishawTable,
+      &kApiReport,
+      &kSiosEnvironment,
+      &kEnvironmentTable,
+      &kIso230Assignments,
+      &kPlate,
+      &kJsonLines,
+      &kMappedColumns,
+      &kMappedMatrix,
+  };
+  // clang-format on
+  return kFormats;
+}
+
+const FileFormat* file_format(std::string_view id) {
+  const auto formats = file_formats();
+  const auto at = std::find_if(formats.begin(), formats.end(), [&](const auto* format) { return format->id == id; });
+  return at == formats.end() ? nullptr : *at;
+}
+
+const FileFormat* recognised_format(std::string_view text, const std::string& file_name) {
+  const FileStart file(text, file_name);
+  const FileFormat* likely = nullptr;
+  for (const FileFormat* format : file_formats()) {
+    const Recognition found = format->recognises ? format->recognises(file) : Recognition::no;
+    if (found == Recognition::certain) return format;
+    if (found == Recognition::likely && !likely) likely = format;
+  }
+  return likely;
+}
+
+const FileFormat& format_written_as(std::string_view extension) {
+  for (const FileFormat* format : file_formats()) {
+    const auto& own = format->written_extensions;
+    if (std::find(own.begin(), own.end(), lower(extension)) != own.end()) return *format;
+  }
+  return kMeasurementCsv;
+}
+
+FileStart::FileStart(std::string_view whole, std::string_view name) : text(whole), file_name(name) {
+  constexpr std::size_t kHeadBytes = 16 * 1024;  // heads and headings are at the start of a file
+  head = lower(text.substr(0, kHeadBytes));
+  for (const std::string_view line : lines_of(text.substr(0, kHeadBytes)))
+    if (first_line.empty() && !trimmed(line).starts_with('#')) first_line = trimmed(line);
+}
+
+namespace {
+
+/// A heading with two of the columns that only this form has.
+bool is_csv_heading(std::string_view line) {
+  std::string plain = lower(line);
+  std::replace_if(
+      plain.begin(), plain.end(), [](char c) { return c == ';' || c == '\t' || c == '"' || c == ' '; }, ',');
+  int known = 0;
+  for (const std::string_view word : split(plain, ','))
+    if (word == "axis" || word == "sense" || word == "reading" || word == "approach" || word == "x_mm") ++known;
+  return known >= 2;
+}
+
+Recognition recognises_csv(const FileStart& file) {
+  if (is_csv_heading(file.first_line)) return Recognition::certain;
+  const bool is_named_csv = lower(std::filesystem::path(file.file_name).extension().string()) == ".csv";
+  return is_named_csv && file.has("axis") && file.has("reading") ? Recognition::likely : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kMeasurementCsv{
+    .id = "measurement_csv",
+    .title = "measurement CSV",
+    .sample = "x_axis.csv",
+    .recognises = recognises_csv,
+    .read =
+        [](std::string_view text, const std::string& file_name, const ImportOptions& options) {
+          return options.approach_unknown ? set_with_approach_open(text, file_name)
+                                          : parse_measurement_set(text, file_name);
+        },
+    .written_extensions = {".csv"},
+    .write = [](const MeasurementSet& set, const std::string&) -> Result<std::string> { return to_csv(set); },
+    .units = ErrorUnits::fixed,
+    .places_in_columns = true,
+};
 
 }  // namespace ecs::laser

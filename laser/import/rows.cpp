@@ -4,15 +4,18 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/time.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -94,6 +97,157 @@ Result<std::string> keep_channel(std::vector<TableRow>& rows, const std::string&
   }
   std::erase_if(rows, [&](const TableRow& row) { return channel_of(row) != channel; });
   return channel;
+}
+
+namespace {
+
+/// Rows, not readings, are stops: one row may hold several readings.
+void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
+  std::vector<double> targets;
+  std::vector<std::size_t> stop_of;
+  for (std::size_t i = 0; i < set.readings.size(); ++i) {
+    if (i == 0 || set.readings[i].line != set.readings[i - 1].line) targets.push_back(target_of(set.readings[i]));
+    stop_of.push_back(targets.size() - 1);
+  }
+  const auto motion = motion_of(targets);
+  for (std::size_t i = 0; i < set.readings.size(); ++i) {
+    if (mapping.motion_approach) set.readings[i].approach = motion[stop_of[i]].approach;
+    if (mapping.motion_run) set.readings[i].run = motion[stop_of[i]].run;
+  }
+  set.notes.push_back("approach and run from the order of the targets, as asked");
+}
+
+/// Readings of the same line, target and approach are runs one after the other. Where the axis never moves, readings
+/// one after the other are no runs.
+void number_runs(MeasurementSet& set) {
+  const auto elsewhere = std::find_if(set.readings.begin(), set.readings.end(), [&](const Reading& reading) {
+    return reading.position_mm != set.readings.front().position_mm ||
+           reading.angle_deg != set.readings.front().angle_deg;
+  });
+  if (elsewhere == set.readings.end()) return;
+  std::map<std::tuple<Axis, Sense, Vector3, Vector3, Approach>, int> seen;
+  bool repeated = false;
+  for (Reading& reading : set.readings) {
+    reading.run = ++seen[{reading.axis, reading.sense, reading.position_mm, reading.angle_deg, reading.approach}];
+    repeated = repeated || reading.run > 1;
+  }
+  if (repeated) set.notes.push_back("no column for the run: repeats at a target are numbered in their order");
+}
+
+}  // namespace
+
+std::string joined_cells(const std::vector<std::string_view>& cells, const Field& field) {
+  return fmt::format("{}", fmt::join(cells.begin() + static_cast<std::ptrdiff_t>(field.index),
+                                     cells.begin() + static_cast<std::ptrdiff_t>(field.last() + 1), " "));
+}
+
+std::vector<Field> fields_of(const std::vector<ColumnRule>& rules) {
+  std::vector<Field> fields;
+  for (const ColumnRule& rule : rules)
+    fields.push_back({rule, role_of(rule.field), static_cast<std::size_t>(std::max(0, rule.column - 1))});
+  return fields;
+}
+
+void take_mapped_axis(Plan& plan) {
+  for (const bool rotary : {true, false}) {
+    std::vector<Axis> found;
+    for (const Axis axis : kAllAxes)
+      if (std::any_of(plan.fields.begin(), plan.fields.end(),
+                      [&](const Field& field) { return field.rule.field == target_column(axis, rotary); }))
+        found.push_back(axis);
+    if (plan.axis || found.size() != 1) continue;
+    plan.axis = found.front();
+    plan.rotary = rotary;
+  }
+}
+
+int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run, Findings& findings) {
+  const auto& cells = row.cells;
+  Reading common;
+  common.line = row.number;
+  common.run = run;
+  common.axis = plan.axis.value_or(Axis::X);
+  common.rotary = plan.rotary;
+  common.position_mm = plan.parked_mm;
+  bool whole = true;
+  const auto bad = [&](const Field& field, const std::string& fault) {
+    findings.add(row.number, field.index < cells.size() ? column_of(row.line, cells[field.index]) : 0, fault);
+    whole = false;
+  };
+  for (const Field& field : plan.fields) {
+    if (field.last() >= cells.size()) {
+      bad(field,
+          fmt::format("{}: expected a column {}, found {} columns", field.rule.field, field.last() + 1, cells.size()));
+      return 0;
+    }
+    if (is_value(field.role)) continue;
+    if (const std::string fault = set_common(common, plan, field, joined_cells(cells, field)); !fault.empty())
+      bad(field, fault);
+  }
+  if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
+  const bool has_sense =
+      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) { return field.role == Role::sense; });
+  if (!has_sense)
+    common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis) + (common.rotary ? kAxes : 0)));
+  if (!whole) return 0;
+  const bool is_difference = row.target && plan.values != TableValues::actual_positions;
+  const double from = is_difference ? row.target->number : 0.0;
+  int left_out = 0;
+  for (const Field& field : plan.fields) {
+    if (!is_value(field.role)) continue;
+    const std::string_view cell = cells[field.index];
+    if (cell.empty() && field.role != Role::error && field.role != Role::measured) continue;
+    const auto value = cell_number(plan, cell);
+    if (!value && plan.leaves_words) {
+      ++left_out;
+      continue;
+    }
+    if (!value) {
+      bad(field, fmt::format("{}: expected a finite number, found {}", field.rule.field, in_quotes(cell)));
+      continue;
+    }
+    Reading reading = common;
+    if (field.role == Role::own_sense) reading.sense = *sense_named(field.rule.field);
+    if (const auto direction = measured_direction(field.rule.field)) {
+      reading.sense = static_cast<Sense>(index_of(*direction));
+      if (!plan.axis) reading.axis = *direction;
+    }
+    if (const auto pass = pass_named(field.rule.field); pass && field.role == Role::pass) {
+      reading.approach = pass->approach;
+      reading.run = pass->run;
+    }
+    std::string fault = set_error(reading, plan, field, *value - from);
+    if (fault.empty() && !std::isfinite(reading.error))
+      fault = field.rule.field + ": expected a number that stays finite";
+    if (!fault.empty())
+      bad(field, fault);
+    else
+      set.readings.push_back(std::move(reading));
+  }
+  return left_out;
+}
+
+void begin_at_zero(MeasurementSet& set) {
+  std::optional<double> first;
+  for (const Reading& reading : set.readings)
+    if (reading.time_s) first = std::min(first.value_or(*reading.time_s), *reading.time_s);
+  for (Reading& reading : set.readings)
+    if (reading.time_s) *reading.time_s -= *first;
+  if (first && !date_time_text(*first).empty()) set.metadata.push_back({std::string(kBegun), date_time_text(*first)});
+}
+
+void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan) {
+  const bool has_run = std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) {
+    return field.rule.field == "run" || field.role == Role::pass || field.rule.field == "time_s" ||
+           field.role == Role::date_time;
+  });
+  if (mapping.motion_approach || mapping.motion_run) take_motion(set, mapping);
+  if (!has_run && !mapping.motion_run) number_runs(set);
+  if (has_role(plan.fields, Role::date_time)) begin_at_zero(set);
+  if (mapping.values == TableValues::actual_positions)
+    set.notes.push_back("values are positions: error = position - target");
+  if (mapping.values == TableValues::compensations) set.notes.push_back("values are compensations: error = -value");
+  for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].row = static_cast<int>(i) + 1;
 }
 
 }  // namespace ecs::laser

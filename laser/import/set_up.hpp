@@ -1,6 +1,6 @@
-// How a workpiece lay on the machine that measured it: the six freedoms of a rigid body between nominal and measured
-// positions.
-// Does not live here: measured positions as columns of a table (row_readings.hpp).
+// What is done to readings once they are read: the set-up of a workpiece on the machine that measured it (the six
+// freedoms of a rigid body between nominal and measured positions) taken out, those at rest taken, or their means. Does
+// not live here: measured positions as columns of a table (rows.hpp), joining the channels of a log (channels.hpp).
 #pragma once
 
 #include <optional>
@@ -35,5 +35,12 @@ struct RigidSetUp {
 /// them is a point. A note tells shift, rotation, and the rms before and after. Where the rows lack a direction, its
 /// error counts as 0 for the fit.
 void take_out_set_up(MeasurementSet& set);
+
+/// Keeps the readings of each axis and sense that stand in a stretch of three or more, one after the other, whose
+/// positions lie within `at_rest_mm` of the first of them; with `average` a stretch becomes one reading at its mean
+/// position, its error, time, conditions and numbers the means, with `readings_averaged` and `scatter` (standard
+/// deviation) beside. Absent: readings at the same place, how many they are, make a stretch. The notes say how many
+/// readings were left out and averaged.
+void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool average);
 
 }  // namespace ecs::laser

@@ -7,7 +7,7 @@
 
 #include "base/text.hpp"
 #include "laser/import/columns.hpp"
-#include "laser/import/heading_units.hpp"
+#include "laser/import/fields.hpp"
 #include "laser/import/renishaw_file.hpp"
 #include "laser/units.hpp"
 

@@ -269,7 +269,8 @@ class Builder {
     value = unit_sign(one.component) * square->um_per_m;
     outcome_.largest = std::abs(square->um_per_m);
     const double length_m = std::abs(curve.points.back().position_mm - curve.points.front().position_mm) / kMmPerM;
-    // The straight line of a pass: a quarter of its mean square (volume/shapes.hpp), over the length measured.
+    // The straight line of a pass: a quarter of its mean square (volume/curve_covariance.hpp), over the length
+    // measured.
     stated_.value = std::hypot(square->std_error_um_per_m.value_or(0.0), std::sqrt(3.0) * stated_.pass / length_m);
     stated_.pass = 0.0;
     state_uncertainty(one.component);

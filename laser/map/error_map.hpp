@@ -1,12 +1,16 @@
-// The error map as the host holds it: tables of compensation with the header that says where they come from.
-// Does not live here: its text form (csv.hpp), its bytes (image.hpp), how it is made (build.hpp).
+// The error map as the host holds it: tables of compensation with the header that says where they come from; what
+// stands against sending it, and how far its tables reach: against each other and against the travels of the machine.
+// Does not live here: its text form (csv.hpp), its bytes (image.hpp), how it is made (build.hpp), where the travels
+// come from (a machine file).
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "core/parameters.hpp"
 
 namespace ecs::laser {
@@ -93,5 +97,25 @@ struct MapFinding {
 
 /// "X axis roll error", "squareness of Y to X": what a component is, in words.
 [[nodiscard]] std::string description_of(Component component);
+
+/// Lower and upper end of each axis's travel, machine coordinates [mm]; absent: not known.
+using Travels = PerAxis<std::optional<std::array<double, 2>>>;
+
+/// findings_for() with the travels of the machine. It warns (no objection) where
+/// - a component covers less than its axis's travel by more than one spacing of its points, or 5 % of the travel, at an
+///   end; where no travel is known, what all tables of the axis cover together stands for it,
+/// - forward and reverse end a spacing apart (more than that is an objection already),
+/// - a table has two points only.
+/// Tables that the parameters do not use are not judged.
+[[nodiscard]] std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters,
+                                                   const Travels& travels);
+
+/// The warnings above alone.
+[[nodiscard]] std::vector<MapFinding> coverage_warnings(const ErrorMap& map, const UnitParameters& parameters,
+                                                        const Travels& travels);
+
+/// Fields that a header should state and does not, in words: "customer", "machine", "serial number", "engineer",
+/// "date".
+[[nodiscard]] std::vector<std::string> missing_in(const MapHeader& header);
 
 }  // namespace ecs::laser

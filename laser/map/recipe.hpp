@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "core/parameters.hpp"
 #include "laser/analysis/process.hpp"
 #include "laser/import/import.hpp"

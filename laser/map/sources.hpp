@@ -11,7 +11,7 @@
 
 #include "base/result.hpp"
 #include "laser/analysis/curve.hpp"
-#include "laser/analysis/repeatability.hpp"
+#include "laser/analysis/shrinking.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/error_map.hpp"
 

@@ -1,17 +1,260 @@
+// The file of a diagonal test, and its results.
 // Diagonals by ISO 230-6. Growth over a diagonal of unit vector n is nᵀ·E: with C0Y, B0Z, A0Z and one common scale the
 // four body diagonals are four equations for four unknowns. Step diagonals: M. A. V. Chapman, "Limitations of laser
 // diagonal measurements", Precision Engineering 27 (2003) 401-406.
 #include "laser/standards/diagonals.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "base/text.hpp"
 #include "base/units.hpp"
+#include "laser/findings.hpp"
 #include "laser/groups.hpp"
 
 namespace ecs::laser {
+namespace {
+
+/// More is a wrong unit or no measurement; choices.
+constexpr double kLongestEdge_mm = 1e6, kLargestDeviation_um = 1e6, kMostDiagonalRuns = 1e6;
+constexpr std::array<std::string_view, 3> kDiagonalColumns{"diagonal", "position_mm", "deviation_um"};
+/// Of the length: a target may lie a little beyond the corner.
+constexpr double kBeyondCorner = 1.001;
+
+std::optional<DiagonalDirection> diagonal_named(std::string_view name) {
+  DiagonalDirection direction{};
+  if (name.size() != kAxes) return std::nullopt;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (name[i] != 'P' && name[i] != 'N' && name[i] != '0') return std::nullopt;
+    direction[i] = name[i] == 'P' ? 1 : name[i] == 'N' ? -1 : 0;
+  }
+  return std::count(direction.begin(), direction.end(), 0) > 1 ? std::nullopt : std::optional(direction);
+}
+
+/// The same line from its other end.
+DiagonalDirection turned(DiagonalDirection direction) {
+  for (int& sign : direction) sign = -sign;
+  return direction;
+}
+
+/// The first of the two ends' directions that runs with its first axis.
+DiagonalDirection as_line(const DiagonalDirection& direction) {
+  const auto first = std::find_if(direction.begin(), direction.end(), [](int sign) { return sign != 0; });
+  return *first > 0 ? direction : turned(direction);
+}
+
+std::string diagonal_name(const DiagonalDirection& direction) {
+  std::string name;
+  for (const int sign : direction) name += sign > 0 ? 'P' : sign < 0 ? 'N' : '0';
+  return name;
+}
+
+/// The diagonals that belong to a body or a face with these axes.
+std::vector<DiagonalDirection> family_of(const DiagonalDirection& direction) {
+  std::vector<DiagonalDirection> family;
+  for (const int x : {1, -1})
+    for (const int y : {1, -1})
+      for (const int z : {1, -1}) {
+        const DiagonalDirection one =
+            as_line({direction[0] == 0 ? 0 : x, direction[1] == 0 ? 0 : y, direction[2] == 0 ? 0 : z});
+        if (std::find(family.begin(), family.end(), one) == family.end()) family.push_back(one);
+      }
+  return family;
+}
+
+double length_of(const DiagonalDirection& direction, const std::array<double, kAxes>& span_mm) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < kAxes; ++i) squares += direction[i] == 0 ? 0.0 : span_mm[i] * span_mm[i];
+  return std::sqrt(squares);
+}
+
+class DiagonalReader {
+ public:
+  DiagonalReader(const CsvTable& table, Findings& findings, DiagonalTest& test)
+      : table_(table), findings_(findings), test_(test) {}
+
+  void read() {
+    read_head();
+    for (const CsvRow& row : table_.rows) take(row);
+    if (findings_.empty()) check();
+  }
+
+ private:
+  void read_head() {
+    const std::string kind = metadata_value(table_.metadata, "kind").value_or("diagonal");
+    test_.steps = kind == "step";
+    if (kind != "step" && kind != "diagonal")
+      findings_.add(0, 0, fmt::format("kind: expected diagonal or step, found {}", in_quotes(kind)));
+    if (test_.steps && !place_of(table_, "moved"))
+      findings_.add(table_.header_line, 1, "header: expected a column moved, the axis that moved last, found none");
+    for (const Axis axis : kAllAxes) {
+      const std::string key = fmt::format("{}_mm", static_cast<char>(std::tolower(letter_of(axis))));
+      const auto text = metadata_value(table_.metadata, key);
+      if (!text) continue;
+      const auto span_mm = number_in(*text);
+      if (!span_mm || *span_mm <= 0.0 || *span_mm > kLongestEdge_mm)
+        findings_.add(0, 0,
+                      fmt::format("{}: expected a length above 0, at most {:g}, found {}", key, kLongestEdge_mm,
+                                  in_quotes(*text)));
+      test_.span_mm[index_of(axis)] = span_mm.value_or(0.0);
+    }
+  }
+
+  std::optional<double> number(const CsvRow& row, std::string_view column, double most) {
+    const auto place = place_of(table_, column);
+    if (!place) return std::nullopt;
+    const CsvField& field = row.fields[*place];
+    const auto value = number_in(field.text);
+    if (value && std::abs(*value) <= most) return value;
+    findings_.add(row.line, field.column,
+                  fmt::format("{}: expected a number{}, found {}", column,
+                              value ? fmt::format(" within {:g}", most) : "", in_quotes(field.text)));
+    return std::nullopt;
+  }
+
+  DiagonalReadings* diagonal_of(const CsvRow& row) {
+    const CsvField& field = row.fields[*place_of(table_, "diagonal")];
+    const auto direction = diagonal_named(field.text);
+    if (!direction) {
+      findings_.add(row.line, field.column,
+                    fmt::format("diagonal: expected P, N or 0 for each of X, Y and Z, such as PPN or PN0, found {}",
+                                in_quotes(field.text)));
+      return nullptr;
+    }
+    for (DiagonalReadings& diagonal : test_.diagonals) {
+      if (diagonal.name == field.text) return &diagonal;
+      if (diagonal.direction != turned(*direction)) continue;
+      findings_.add(row.line, field.column,
+                    fmt::format("diagonal: {} is {} from its other end; expected each diagonal from one end",
+                                field.text, diagonal.name));
+      return nullptr;
+    }
+    test_.diagonals.push_back({field.text, *direction, {}, {}});
+    test_.diagonals.back().readings.source = test_.source;
+    return &test_.diagonals.back();
+  }
+
+  void take(const CsvRow& row) {
+    DiagonalReadings* const diagonal = diagonal_of(row);
+    const auto position_mm = number(row, "position_mm", kLongestEdge_mm),
+               deviation_um = number(row, "deviation_um", kLargestDeviation_um);
+    const double approach = number(row, "approach", 1.0).value_or(0.0),
+                 run = number(row, "run", kMostDiagonalRuns).value_or(1.0);
+    if (diagonal == nullptr || !position_mm || !deviation_um) return;
+    Reading reading;
+    reading.line = row.line;
+    reading.position_mm[0] = *position_mm;
+    reading.error = *deviation_um;
+    reading.approach = approach > 0.0 ? Approach::forward : approach < 0.0 ? Approach::reverse : Approach::unknown;
+    reading.run = static_cast<int>(run);
+    if (test_.steps)
+      take_step(row, *diagonal, reading);
+    else
+      diagonal->readings.readings.push_back(reading);
+  }
+
+  /// Of a step diagonal the readings at the end of each step, when every axis has moved, are those of the diagonal.
+  void take_step(const CsvRow& row, DiagonalReadings& diagonal, const Reading& reading) {
+    const auto column = place_of(table_, "moved");
+    if (!column) return;
+    const CsvField& field = row.fields[*column];
+    const auto axis = field.text.size() == 1 ? std::find_if(kAllAxes.begin(), kAllAxes.end(),
+                                                            [&](Axis a) { return letter_of(a) == field.text[0]; })
+                                             : kAllAxes.end();
+    if (axis == kAllAxes.end() || diagonal.direction[index_of(*axis)] == 0) {
+      findings_.add(
+          row.line, field.column,
+          fmt::format("moved: expected an axis of the diagonal {}, found {}", diagonal.name, in_quotes(field.text)));
+      return;
+    }
+    StepState& state = steps_[diagonal.name];
+    const double along = reading.approach == Approach::reverse ? -1.0 : 1.0;
+    if (state.run != reading.run || state.approach != reading.approach || state.passes == 0)
+      state = {reading.run, reading.approach, reading.error, 0, state.passes + 1, state.moving_um};
+    else
+      state.moving_um[index_of(*axis)] += along * (reading.error - state.last_um);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (diagonal.direction[i] != 0) diagonal.while_moving_um[i] = state.moving_um[i] / state.passes;
+    state.last_um = reading.error;
+    const auto still = static_cast<int>(std::count(diagonal.direction.begin(), diagonal.direction.end(), 0));
+    const int axes = std::max(1, static_cast<int>(kAxes) - still);
+    if (state.count++ % axes == 0) diagonal.readings.readings.push_back(reading);
+  }
+
+  void check() {
+    if (test_.diagonals.empty()) findings_.add(table_.header_line, 0, "expected readings below the header, found none");
+    for (const DiagonalReadings& diagonal : test_.diagonals) {
+      check_edges(diagonal);
+      check_family(diagonal);
+    }
+  }
+
+  void check_edges(const DiagonalReadings& diagonal) {
+    for (const Axis axis : kAllAxes)
+      if (diagonal.direction[index_of(axis)] != 0 && test_.span_mm[index_of(axis)] <= 0.0)
+        findings_.add(0, 0,
+                      fmt::format("diagonal {}: expected `# {}_mm: ` with the edge of the volume along {}, found none",
+                                  diagonal.name, static_cast<char>(std::tolower(letter_of(axis))), letter_of(axis)));
+    const double length_mm = length_of(diagonal.direction, test_.span_mm);
+    for (const Reading& reading : diagonal.readings.readings)
+      if (length_mm > 0.0 && (reading.position_mm[0] < length_mm - kBeyondCorner * length_mm ||
+                              reading.position_mm[0] > kBeyondCorner * length_mm))
+        findings_.add(reading.line, 0,
+                      fmt::format("position_mm: expected 0 to {:.6g}, the length of {}, found {:g}", length_mm,
+                                  diagonal.name, reading.position_mm[0]));
+  }
+
+  void check_family(const DiagonalReadings& diagonal) {
+    const auto family = family_of(diagonal.direction);
+    std::vector<std::string> missing;
+    for (const DiagonalDirection& one : family)
+      if (std::none_of(test_.diagonals.begin(), test_.diagonals.end(),
+                       [&](const DiagonalReadings& other) { return as_line(other.direction) == one; }))
+        missing.push_back(diagonal_name(one));
+    const bool first = std::none_of(test_.diagonals.begin(), test_.diagonals.end(), [&](const DiagonalReadings& other) {
+      return &other < &diagonal && family_of(other.direction) == family;
+    });
+    if (missing.empty() || !first) return;
+    findings_.add(
+        0, 0,
+        fmt::format("expected the {} diagonals of the {}, found {}; missing: {}", family.size(),
+                    family.size() == 4 ? "body" : "face", family.size() - missing.size(), fmt::join(missing, ", ")));
+  }
+
+  struct StepState {
+    int run = 0;
+    Approach approach = Approach::unknown;
+    double last_um = 0.0;
+    int count = 0;
+    int passes = 0;
+    std::array<double, kAxes> moving_um{};  ///< sums over the passes
+  };
+
+  const CsvTable& table_;
+  Findings& findings_;
+  DiagonalTest& test_;
+  std::map<std::string, StepState> steps_;
+};
+
+}  // namespace
+
+Result<DiagonalTest> parse_diagonals(std::string_view text, const std::string& file_name) {
+  Findings findings(file_name);
+  ECS_TRY(table, parse_csv_table(text, file_name, kDiagonalColumns, findings));
+  DiagonalTest test;
+  test.source = file_name;
+  test.metadata = table.metadata;
+  DiagonalReader(table, findings, test).read();
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  return test;
+}
+
 namespace {
 
 constexpr const char* kChapman =

@@ -1,11 +1,17 @@
-// Heights of a plate by the worksheets of Moody (1955), with the corrections of B. Allen, "Comments on Moody's method
-// for surface plate calibration" (2019): the lowest height is taken off, not added.
+// The file of a union jack, and its heights by the worksheets of Moody (1955), with the corrections of B. Allen,
+// "Comments on Moody's method for surface plate calibration" (2019): the lowest height is taken off, not added.
 #include "laser/standards/plate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.hpp"
 #include "base/units.hpp"
+#include "laser/findings.hpp"
 #include "laser/standards/zone.hpp"
 
 namespace ecs::laser {
@@ -95,6 +101,166 @@ Flatness flatness_of(const PlateReadings& plate) {
   flatness.least_squares_um = least_squares_zone(points).width();
   flatness.minimum_zone_um = minimum_zone(points).width();
   return flatness;
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kPlateColumns{"line", "station_mm", "reading"};
+constexpr double kUm_per_m_arcsec = 4.84813681;
+/// A foot is put to a mark within this share of its length.
+constexpr double kUnequal = 0.01;
+/// Diagonals are laid out a little beyond or within the corners (Moody: 80 inches over 64 by 40).
+constexpr double kOblique = 0.10;
+
+std::string reversed_name(std::string_view name) {
+  const std::size_t dash = name.find('-');
+  return dash == name.npos ? std::string() : fmt::format("{}-{}", name.substr(dash + 1), name.substr(0, dash));
+}
+
+std::string order_text() { return fmt::format("the order is {}", fmt::join(kPlateLineNames, ", ")); }
+
+/// What `# key:` of the file gives.
+struct PlateHead {
+  double step_mm = 0.0;
+  double um_per_m = 1.0;  ///< of a reading of 1
+};
+
+PlateHead plate_head(const CsvTable& table, Findings& findings) {
+  PlateHead head;
+  const auto step = metadata_value(table.metadata, "step_mm");
+  const auto step_mm = step ? number_in(*step) : std::nullopt;
+  if (!step_mm || *step_mm <= 0.0)
+    findings.add(
+        0, 0,
+        fmt::format("expected `# step_mm: ` with the distance of the feet, found {}", in_quotes(step.value_or(""))));
+  head.step_mm = step_mm.value_or(0.0);
+  const std::string unit = metadata_value(table.metadata, "unit").value_or("um/m");
+  if (unit == "arcsec")
+    head.um_per_m = kUm_per_m_arcsec;
+  else if (unit != "um/m")
+    findings.add(0, 0, fmt::format("unit: expected arcsec or um/m, found {}", in_quotes(unit)));
+  const std::string positive = metadata_value(table.metadata, "positive").value_or("rises");
+  if (positive == "falls")
+    head.um_per_m = -head.um_per_m;
+  else if (positive != "rises")
+    findings.add(0, 0, fmt::format("positive: expected rises or falls, found {}", in_quotes(positive)));
+  return head;
+}
+
+/// Rows become the lines of a plate, one after the other.
+class PlateLines {
+ public:
+  PlateLines(const CsvTable& table, const PlateHead& head, Findings& findings)
+      : line_(*place_of(table, "line")),
+        station_(*place_of(table, "station_mm")),
+        reading_(*place_of(table, "reading")),
+        head_(head),
+        findings_(findings) {}
+
+  void take(const CsvRow& row) {
+    const CsvField& name = row.fields[line_];
+    if (name.text != last_name_ && !begins(row.line, name)) return;
+    last_name_ = name.text;
+    const auto station_mm = number_in(row.fields[station_].text), reading = number_in(row.fields[reading_].text);
+    if (!station_mm)
+      findings_.add(row.line, row.fields[station_].column,
+                    fmt::format("station_mm: expected a number, found {}", in_quotes(row.fields[station_].text)));
+    if (!reading)
+      findings_.add(row.line, row.fields[reading_].column,
+                    fmt::format("reading: expected a number, found {}", in_quotes(row.fields[reading_].text)));
+    if (!station_mm || !reading) return;
+    std::vector<double>& slopes = lines[at_];
+    if (!slopes.empty() && std::abs(*station_mm - last_mm_ - head_.step_mm) > kUnequal * head_.step_mm)
+      findings_.add(row.line, row.fields[station_].column,
+                    fmt::format("station_mm: expected {:.6g}, a step of {:.6g} mm from {:.6g}, found {:.6g}: the steps "
+                                "must be equal",
+                                last_mm_ + head_.step_mm, head_.step_mm, last_mm_, *station_mm));
+    last_mm_ = *station_mm;
+    slopes.push_back(head_.um_per_m * *reading);
+  }
+
+  std::array<std::vector<double>, kPlateLines> lines;
+
+ private:
+  /// A line begins. @return whether it is the one expected here
+  bool begins(int row, const CsvField& name) {
+    const std::size_t expected = begun_ ? at_ + 1 : 0;
+    const auto known = std::find(kPlateLineNames.begin(), kPlateLineNames.end(), name.text);
+    if (expected < kPlateLines && name.text == kPlateLineNames[expected]) {
+      at_ = expected;
+      begun_ = true;
+      return true;
+    }
+    if (std::exchange(faulty_, name.text) == name.text) return false;  // said once for each line
+    if (const std::string turned = reversed_name(name.text);
+        known == kPlateLineNames.end() &&
+        std::find(kPlateLineNames.begin(), kPlateLineNames.end(), turned) != kPlateLineNames.end())
+      findings_.add(row, name.column,
+                    fmt::format("line: expected {} from its first station, found {}: reverse the order of its readings "
+                                "and change their sign",
+                                turned, name.text));
+    else if (known == kPlateLineNames.end())
+      findings_.add(row, name.column,
+                    fmt::format("line: expected {}, found {}", fmt::join(kPlateLineNames, ", "), in_quotes(name.text)));
+    else
+      findings_.add(row, name.column,
+                    expected < kPlateLines ? fmt::format("line: expected {} here, found {}: {}",
+                                                         kPlateLineNames[expected], name.text, order_text())
+                                           : fmt::format("line: expected no line after {}, found {}: {}",
+                                                         kPlateLineNames.back(), name.text, order_text()));
+    return false;
+  }
+
+  std::size_t line_, station_, reading_;  ///< columns
+  const PlateHead& head_;
+  Findings& findings_;
+  std::size_t at_ = 0;
+  bool begun_ = false;
+  std::string last_name_, faulty_;
+  double last_mm_ = 0.0;
+};
+
+void check_plate(const PlateReadings& plate, Findings& findings) {
+  const auto& lines = plate.slopes_um_per_m;
+  for (std::size_t i = 0; i < kPlateLines; ++i) {
+    if (lines[i].empty())
+      findings.add(0, 0, fmt::format("the line {} is missing; {}", kPlateLineNames[i], order_text()));
+    else if (lines[i].size() % 2 != 0)
+      findings.add(
+          0, 0,
+          fmt::format("line {}: expected an even number of steps, so that a station is at its middle, found {}",
+                      kPlateLineNames[i], lines[i].size()));
+  }
+  if (!findings.empty()) return;
+  constexpr std::array<std::array<std::size_t, 2>, 5> kEqual{{{0, 1}, {2, 4}, {2, 6}, {3, 5}, {3, 7}}};
+  for (const auto& [a, b] : kEqual)
+    if (lines[a].size() != lines[b].size())
+      findings.add(0, 0,
+                   fmt::format("expected as many steps along {} as along {}, found {} and {}", kPlateLineNames[b],
+                               kPlateLineNames[a], lines[b].size(), lines[a].size()));
+  const double sides = std::hypot(static_cast<double>(lines[2].size()), static_cast<double>(lines[3].size()));
+  const double diagonal = static_cast<double>(lines[0].size());
+  if (std::abs(diagonal / sides - 1.0) > kOblique)
+    findings.add(0, 0,
+                 fmt::format("expected diagonals of about {:.1f} steps, as the sides make them, found {}", sides,
+                             lines[0].size()));
+}
+
+}  // namespace
+
+Result<PlateReadings> parse_plate_readings(std::string_view text, const std::string& file_name) {
+  Findings findings(file_name);
+  ECS_TRY(table, parse_csv_table(text, file_name, kPlateColumns, findings));
+  PlateReadings plate{file_name, table.metadata, 0.0, {}};
+  const PlateHead head = plate_head(table, findings);
+  plate.step_mm = head.step_mm;
+  PlateLines lines(table, head, findings);
+  if (findings.empty())
+    for (const CsvRow& row : table.rows) lines.take(row);
+  plate.slopes_um_per_m = std::move(lines.lines);
+  if (findings.empty()) check_plate(plate, findings);
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  return plate;
 }
 
 }  // namespace ecs::laser

@@ -1,6 +1,7 @@
 #include "laser/writers/measurement_writer.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 #include <vector>
 
@@ -9,7 +10,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
-#include "laser/csv_line.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -110,6 +111,35 @@ std::string to_csv(const MeasurementSet& set) {
 
 Result<void> write_measurement_set(const std::filesystem::path& path, const MeasurementSet& set) {
   return write_file(path, to_csv(set));
+}
+
+namespace {
+
+std::string metadata_line(std::string_view key, std::string_view value) {
+  return fmt::format("# {}: {}\n", key, value);
+}
+
+}  // namespace
+
+std::string to_csv(const CircleTest& test) {
+  std::string own = metadata_line("plane", plane_name(test.plane));
+  own += metadata_line("radius_mm", shortest(test.radius_mm));
+  if (test.feed_mm_min) own += metadata_line("feed_mm_min", shortest(*test.feed_mm_min));
+  if (test.start_angle_deg) own += metadata_line("start_angle_deg", shortest(*test.start_angle_deg));
+  for (std::size_t i = 0; i < test.plane.size(); ++i)
+    if (test.centre_mm[i])
+      own += metadata_line(fmt::format("centre_{}_mm", static_cast<char>(std::tolower(letter_of(test.plane[i])))),
+                           shortest(*test.centre_mm[i]));
+  std::string text;
+  for (const MetadataEntry& entry : test.metadata)
+    if (const std::string line = metadata_line(entry.key, entry.value);
+        own.find(fmt::format("# {}: ", entry.key)) == own.npos)
+      text += line;
+  text += own + "angle_deg,deviation_um,direction,run\n";
+  for (const CircleReading& reading : test.readings)
+    text += fmt::format("{:.4f},{:.4f},{},{}\n", reading.angle_deg, reading.deviation_um,
+                        contouring_name(reading.clockwise), reading.run);
+  return text;
 }
 
 }  // namespace ecs::laser

@@ -1,5 +1,5 @@
-// Measurement sets as Renishaw run files; needs nothing but the types.
-// Does not live here: the reader (laser/import/import.hpp).
+// Measurement sets as Renishaw run files, and captures at a constant rate as .rtx files; needs nothing but the types.
+// Does not live here: the readers (laser/import/import.hpp).
 #pragma once
 
 #include <string>
@@ -19,5 +19,11 @@ namespace ecs::laser {
 
 /// The extension that goes with the set: ".rtl", ".rta" or ".rts". @pre !set.readings.empty()
 [[nodiscard]] std::string renishaw_extension(const MeasurementSet& set);
+
+/// Bytes of a dynamic capture: text head, little-endian 64-bit floats in mm (or mrad), `EOF::`. Readings are
+/// displacements in the order of time. Metadata `Machine`, `Serial No`, `Date`, `By`, `Location`, `Velocity` go into
+/// the head. `refused`, with the reason, unless there are two readings or more of one axis and one sense, a rotation or
+/// the axis's own, with times a constant step apart (to 1 % of it).
+[[nodiscard]] Result<std::string> to_renishaw_dynamic(const MeasurementSet& set, const std::string& file_name);
 
 }  // namespace ecs::laser

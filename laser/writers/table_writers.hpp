@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/environment_record.hpp"
+#include "laser/environment_series.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {

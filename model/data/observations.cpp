@@ -17,7 +17,7 @@
 #include "kinematics/machine_pose.hpp"
 #include "laser/import/time.hpp"
 #include "model/data/motions.hpp"
-#include "params/rotary_machine.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::model {
 namespace {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/axis.hpp"
-#include "core/component.hpp"
 
 namespace ecs::model {
 

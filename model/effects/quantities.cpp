@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/chain.hpp"
-#include "laser/analysis/refraction.hpp"
+#include "core/terms.hpp"
+#include "laser/analysis/normalise.hpp"
 
 namespace ecs::model {
 namespace {

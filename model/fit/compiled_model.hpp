@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "core/component.hpp"
+#include "core/axis.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"

@@ -151,7 +151,7 @@ class LengthReport {
       mean2 += 0.5 * (out.u_forward[i] * out.u_forward[i] + out.u_reverse[i] * out.u_reverse[i]);
     mean2 /= static_cast<double>(out.u_forward.size());
     out.value = std::sqrt(std::min(value2, 0.5 * mean2));
-    // from the reference the shapes of a pass differ by about √2 of their own size (volume/shapes.hpp)
+    // from the reference the shapes of a pass differ by about √2 of their own size (volume/curve_covariance.hpp)
     out.pass = std::sqrt(std::max(0.0, 0.5 * mean2 - out.value * out.value));
   }
 

@@ -10,7 +10,6 @@
 
 #include "core/address_map.hpp"
 #include "core/axis.hpp"
-#include "core/component.hpp"
 #include "core/fault.hpp"
 #include "protocol/registers/register_map.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "controllers/registry.hpp"
+#include "controllers/format.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::controllers {

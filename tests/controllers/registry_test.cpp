@@ -1,7 +1,5 @@
 // Every controller format of the registry: its words, its row in the documentation, and that reading gives back what
 // writing was given.
-#include "controllers/registry.hpp"
-
 #include <filesystem>
 #include <set>
 
@@ -10,6 +8,7 @@
 
 #include "base/file.hpp"
 #include "controllers/curve.hpp"
+#include "controllers/format.hpp"
 #include "tests/controllers/support/small_machine_map.hpp"
 
 namespace ecs::controllers {

@@ -1,6 +1,4 @@
 // compile(): the working form gives what the image's values say by definition; what a map lacks is named.
-#include "core/compiled_map.hpp"
-
 #include <cmath>
 #include <memory>
 

@@ -11,10 +11,9 @@
 
 #include "core/address_map.hpp"
 #include "core/block_code.hpp"
-#include "core/compiled_map.hpp"
-#include "core/datum_record.hpp"
+#include "core/datum.hpp"
 #include "core/memory_image.hpp"
-#include "core/user_memory.hpp"
+#include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 

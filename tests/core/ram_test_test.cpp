@@ -1,10 +1,10 @@
 // The RAM test of power-up: it finds the first bad location and gives every other its content back.
-#include "core/ram_test.hpp"
-
 #include <cstdint>
 #include <vector>
 
 #include <doctest/doctest.h>
+
+#include "core/address_map.hpp"
 
 using namespace ecs;
 

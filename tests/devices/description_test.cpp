@@ -7,10 +7,8 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "devices/builtin.hpp"
-#include "devices/hid_descriptor.hpp"
+#include "devices/hid_device.hpp"
 #include "devices/port.hpp"
-#include "devices/udev.hpp"
 
 namespace ecs::devices {
 namespace {

@@ -7,9 +7,8 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "devices/builtin.hpp"
-#include "devices/sensor.hpp"
-#include "devices/trigger.hpp"
+#include "devices/description.hpp"
+#include "devices/port.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace ecs::devices {

@@ -1,10 +1,9 @@
-#include "devices/trigger.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
 #include "devices/learn.hpp"
+#include "devices/port.hpp"
 
 namespace ecs::devices {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "controllers/registry.hpp"
+#include "controllers/format.hpp"
 #include "laser/analysis/iso230.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/registry.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "model/lengths/length_test.hpp"

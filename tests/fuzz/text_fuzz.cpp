@@ -32,7 +32,7 @@
 #include "ecs_emulator/part_programs/reader.hpp"
 #include "ecs_emulator/settings/emulator.hpp"
 #include "laser/map/recipe.hpp"
-#include "laser/standards/circle_file.hpp"
+#include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/drive/parameters.hpp"
@@ -40,10 +40,8 @@
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
-#include "params/rotary_machine.hpp"
 #include "tests/fuzz/fuzzed_bytes.hpp"
 #include "volume/rotary_errors.hpp"
-#include "volume/rotary_map.hpp"
 
 namespace {
 

@@ -1,10 +1,12 @@
-// The CSV form of measurement sets: what is read, what is refused and where.
+// The CSV form of measurement sets: what is read, what is refused and where; its properties over arbitrary sets; which
+// machine a file was measured on.
+
 #include "laser/measurement_set.hpp"
 
 #include <doctest/doctest.h>
+#include <rapidcheck.h>
 
 #include "base/text.hpp"
-#include "laser/measurement_checks.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
@@ -317,3 +319,80 @@ TEST_CASE("readings that are all below 0.1 um are noted as perhaps mm") {
   REQUIRE(set.has_value());
   CHECK(says(set->notes, "all readings are below 0.1 um, the largest is 0.025: are they in mm?"));
 }
+
+namespace {
+
+double number() {
+  return *rc::gen::map(rc::gen::arbitrary<int>(), [](int i) { return i / 9970.0; });  // within what a machine can have
+}
+
+std::optional<double> maybe_number() { return *rc::gen::arbitrary<bool>() ? std::optional(number()) : std::nullopt; }
+
+std::string text() {
+  return *rc::gen::container<std::string>(rc::gen::element('a', 'Z', ',', '"', ' ', '#', '1', '.'));
+}
+
+Reading arbitrary_reading() {
+  Reading reading;
+  reading.axis = *rc::gen::element(Axis::X, Axis::Y, Axis::Z);
+  reading.sense = *rc::gen::element(Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC);
+  reading.position_mm = {number(), number(), number()};
+  reading.error = number();
+  reading.approach = *rc::gen::element(Approach::forward, Approach::unknown, Approach::reverse);
+  reading.run = *rc::gen::inRange(-3, 100);
+  reading.time_s = maybe_number();
+  reading.feed_mm_min = maybe_number();
+  reading.load_kg = maybe_number();
+  reading.travel_since_reversal_mm = maybe_number();
+  reading.pressure_hPa = maybe_number();
+  reading.humidity_pct = maybe_number();
+  if (*rc::gen::arbitrary<bool>()) reading.compensated = *rc::gen::arbitrary<bool>();
+  if (const auto value = maybe_number()) reading.sensors_degC["t_air_degC"] = *value;
+  if (const auto value = maybe_number()) reading.extras["spindle_rpm"] = *value;
+  if (const std::string word = text(); !word.empty()) reading.text_extras["remark"] = "x" + word;
+  return reading;
+}
+
+}  // namespace
+
+TEST_CASE("what is written is read back exactly") {
+  CHECK(rc::check([] {
+    MeasurementSet set;
+    set.source = "m.csv";
+    set.metadata = {{"machine", "mill"}, {"", "free words"}, {"date", "2024-05-06 09:10"}};
+    const int count = *rc::gen::inRange(1, 12);
+    for (int i = 0; i < count; ++i) {
+      set.readings.push_back(arbitrary_reading());
+      set.readings.back().row = i + 1;
+      set.readings.back().line = i + 5;
+    }
+    const auto again = parse_measurement_set(to_csv(set), "m.csv");
+    RC_ASSERT(again.has_value());
+    RC_ASSERT(again->metadata == set.metadata);
+    RC_ASSERT(again->readings == set.readings);
+    RC_ASSERT(to_csv(*again) == to_csv(set));
+  }));
+}
+
+namespace ecs::laser {
+namespace {
+
+TEST_CASE("machine and serial number are found in our header and in an instrument's own") {
+  CHECK(measured_machine({{"machine", "mill"}, {"serial_number", "7"}}).serial_number == "7");
+  const MeasuredMachine instrument = measured_machine({{"Owner", "x"}, {"Machine", "VMC 7"}, {"Serial No", "1234"}});
+  CHECK(instrument.name == "VMC 7");
+  CHECK(instrument.serial_number == "1234");
+  CHECK(measured_machine({}).name.empty());
+}
+
+TEST_CASE("another machine is one whose name or serial number contradicts; what is not said contradicts nothing") {
+  CHECK(other_machine({"mill", ""}, {"lathe", ""}, "the machine file is of") ==
+        "measured on \"mill\", the machine file is of \"lathe\"");
+  CHECK(other_machine({"mill", "1"}, {"mill", "2"}, "the parameters are of") ==
+        "measured on serial number 1, the parameters are of serial number 2");
+  CHECK_FALSE(other_machine({"mill", ""}, {"", "2"}, "x").has_value());
+  CHECK_FALSE(other_machine({"mill", "1"}, {"mill", "1"}, "x").has_value());
+}
+
+}  // namespace
+}  // namespace ecs::laser

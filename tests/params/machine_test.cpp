@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include "params/check.hpp"
-#include "params/rotary_machine.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

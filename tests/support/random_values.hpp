@@ -7,9 +7,8 @@
 #include <rapidcheck.h>
 
 #include "core/axis.hpp"
-#include "core/chain.hpp"
-#include "core/component.hpp"
 #include "core/parameters.hpp"
+#include "core/terms.hpp"
 
 namespace ecs::test {
 

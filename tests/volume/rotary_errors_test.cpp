@@ -1,8 +1,16 @@
+// The errors of rotary axes and their file. How certain the volume of a machine with rotary axes is: propagation and
+// draws against each other, and by hand.
+
 #include "volume/rotary_errors.hpp"
+
+#include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/test.hpp"
+#include "tests/support/volume_machine.hpp"
+#include "volume/joint_volume.hpp"
+#include "volume/rotary_uncertainty.hpp"
 
 namespace ecs::volume {
 namespace {
@@ -54,6 +62,74 @@ TEST_CASE("every wrong row of a file of rotary errors is reported with line, col
   CHECK(contains(all, "rotary.csv:7:6: p_deg: expected nothing"));
   CHECK(contains(all, "rotary.csv:9:7: p_deg: expected each angle once"));
   CHECK(contains(refused("component,approach,error\nEXC,1,1\n"), "p_deg"));
+}
+
+TEST_CASE("linear propagation and draws agree at every place and angle, on chains of all kinds") {
+  for (const char* chain : {"XYACTZ", "XTYZCB", "XYCTZB", "TXYZA"}) {
+    CAPTURE(chain);
+    CompensatedMachine machine = stated_rotary_machine(chain);
+    machine.tool_offset_mm = {20.0, -30.0, -150.0};
+    machine.errors = errors_of_map(machine.map, machine.parameters, machine.tool_offset_mm);
+    RotaryAxes& rotary = *machine.rotary;
+    std::erase_if(rotary.errors.tables, [](const RotaryTable& table) { return table.sense == Sense::EB; });
+    for (RotaryTable& table : rotary.errors.tables)
+      if (table.sense == Sense::EX)
+        for (std::size_t i = 0; i < table.p_deg.size(); ++i) table.u.push_back(1.0 + 0.1 * static_cast<double>(i));
+    rotary.errors.location_u[2][3] = 4.0;
+    const UncertaintyBudget budget = budget_of(machine, {});
+    const RotaryBudget turns = rotary_budget_of(rotary, {});
+    const Grid grid = grid_over(machine.travel_mm, 8, reference_of(machine.parameters));
+    const auto settings = settings_over(rotary, 2);
+    constexpr int kDraws = 3000;  // a standard deviation to 1.3 %
+    MapDraws maps(machine, budget, 11);
+    RotaryDraws drawn(rotary, turns, 12);
+    std::vector<Vector3> squares(settings.size() * 2 * grid.places());
+    const auto for_each = [&](const auto& each) {
+      std::size_t n = 0;
+      for (const kinematics::Angles& angles : settings)
+        for (std::size_t side = 0; side < 2; ++side)
+          for (std::size_t x = 0; x < grid.mm[0].size(); ++x)
+            for (std::size_t y = 0; y < grid.mm[1].size(); ++y)
+              for (std::size_t z = 0; z < grid.mm[2].size(); ++z) each(n++, angles, side, GridIndex{x, y, z});
+    };
+    for (int k = 0; k < kDraws; ++k) {
+      maps.next();
+      const JointVolume over = JointVolume::of(machine, grid, maps.components_over(grid), drawn.next());
+      std::vector<Field> fields;
+      for (const kinematics::Angles& angles : settings) fields.push_back(over.errors(angles));
+      for_each([&](std::size_t n, const kinematics::Angles&, std::size_t side, const GridIndex& index) {
+        const Vector3 error = fields[n / (2 * grid.places())].at(side, index);
+        for (std::size_t d = 0; d < kAxes; ++d) squares[n][d] += error[d] * error[d] / kDraws;
+      });
+    }
+    for_each([&](std::size_t n, const kinematics::Angles& angles, std::size_t side, const GridIndex& index) {
+      const Covariance linear = covariance_at(machine, budget, turns, grid.at(index), angles, side);
+      for (std::size_t d = 0; d < kAxes; ++d)
+        if (linear[d][d] > 0.01) CHECK(std::sqrt(squares[n][d]) == Approx(std::sqrt(linear[d][d])).epsilon(0.07));
+    });
+  }
+}
+
+TEST_CASE("an uncertain place of the axis line moves the workpiece as it turns") {
+  CompensatedMachine machine = stated_rotary_machine("XYCTZ");
+  RotaryBudget only;
+  only.location[2][0] = 3.0;  // XOC
+  const auto at = [&](double angle_deg) {
+    return covariance_at(machine, {}, only, {100.0, 50.0, 20.0}, {0.0, 0.0, angle_deg}, 1);
+  };
+  CHECK(at(0.0)[0][0] == Approx(0.0));   // counted from the reference at 0
+  CHECK(at(90.0)[0][0] == Approx(9.0));  // X of the machine has become Y of the workpiece: (0, 1) less (1, 0)
+  CHECK(at(90.0)[1][1] == Approx(9.0));
+  CHECK(at(180.0)[0][0] == Approx(36.0));
+}
+
+TEST_CASE("the bound of a volume with rotary axes says both ways how certain it is, and they agree") {
+  const CompensatedMachine machine = stated_rotary_machine("XYACTZ");
+  const auto u = uncertainty_of(machine, budget_of(machine, {}), rotary_budget_of(*machine.rotary, {}), {}, 2000);
+  REQUIRE(u);
+  CHECK(u->linear_rms_um == Approx(u->drawn_rms_um).epsilon(0.05));
+  CHECK(u->largest_95_um > u->largest_50_um);
+  CHECK(u->rms_95_um > u->linear_rms_um);
 }
 
 }  // namespace

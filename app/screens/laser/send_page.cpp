@@ -7,7 +7,7 @@
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "params/diff.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::app {
 namespace {

@@ -14,7 +14,7 @@
 #include "commissioning/maps/export_view.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "controllers/registry.hpp"
+#include "controllers/format.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/text_decoding.hpp"
 #include "params/parameters_toml.hpp"

@@ -14,7 +14,7 @@
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_view.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "controllers/registry.hpp"
+#include "controllers/format.hpp"
 
 namespace ecs::app {
 namespace {

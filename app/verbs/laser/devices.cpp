@@ -13,10 +13,8 @@
 #include "commissioning/measurements/capture_view.hpp"
 #include "commissioning/measurements/device_choice.hpp"
 #include "commissioning/measurements/learn_trigger.hpp"
-#include "devices/builtin.hpp"
-#include "devices/sensor.hpp"
-#include "devices/trigger.hpp"
-#include "devices/udev.hpp"
+#include "devices/description.hpp"
+#include "devices/port.hpp"
 
 namespace ecs::app {
 namespace {

@@ -13,7 +13,7 @@
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/import_profile.hpp"
-#include "laser/import/registry.hpp"
+#include "laser/import/format.hpp"
 
 namespace ecs::app {
 namespace {

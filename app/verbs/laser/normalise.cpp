@@ -6,7 +6,6 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
-#include "laser/analysis/refraction.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::app {

@@ -8,7 +8,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "volume/rotary_map.hpp"
+#include "volume/rotary_errors.hpp"
 
 namespace ecs::app {
 namespace {

@@ -14,7 +14,7 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ties.hpp"
-#include "volume/rotary_map.hpp"
+#include "volume/rotary_errors.hpp"
 
 namespace ecs::app {
 namespace {

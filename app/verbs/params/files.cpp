@@ -10,7 +10,6 @@
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"
-#include "params/diff.hpp"
 #include "params/fields.hpp"
 #include "params/parameters_toml.hpp"
 

@@ -1,12 +1,11 @@
 // `ecs test drift`: drift at one place over time, by ISO 230-3.
-#include "laser/standards/drift.hpp"
-
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "laser/standards/warm_up.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,7 +1,7 @@
 // Programs of the user in a unit: put into its memory, run.
 #pragma once
 
-#include "core/user_memory.hpp"
+#include "core/address_map.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 namespace ecs::emulator::test {

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "laser/import/at_rest.hpp"
-#include "laser/import/registry.hpp"
+#include "laser/import/format.hpp"
+#include "laser/import/set_up.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

@@ -1,4 +1,5 @@
-// Any table as measurements, by a mapping of its columns.
+// Any table as measurements, by a mapping of its columns; units that headings of tables state.
+
 #include "laser/import/columns.hpp"
 
 #include <algorithm>
@@ -9,10 +10,11 @@
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
+#include "laser/import/fields.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
-#include "laser/motion.hpp"
+#include "laser/measurement_set.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
@@ -331,4 +333,40 @@ TEST_CASE("a written table is read back whatever delimiter, unit and decimal sig
       RC_ASSERT(std::abs(set->set.readings[i].error - errors[i] / 10.0) < 0.002);
   });
   CHECK(same);
+}
+
+namespace {
+
+std::string unit_of_heading(const std::string& heading) {
+  const auto unit = unit_in_heading(heading);
+  return unit ? std::string(unit->name) : "";
+}
+
+}  // namespace
+
+TEST_CASE("a unit is found between brackets, behind an underscore and at the end") {
+  CHECK(unit_of_heading("Abweichung [mm]") == "mm");
+  CHECK(unit_of_heading("Position (m)") == "m");
+  CHECK(unit_of_heading("error_in") == "in");
+  CHECK(unit_of_heading("Weg Zoll") == "in");
+  CHECK(unit_of_heading("Zoll (Zoll)") == "in");
+  CHECK(unit_of_heading("\xC3\x89"
+                        "cart / \xC2\xB5m") == "um");
+  CHECK(unit_of_heading("Fehler in mm") == "mm");
+  CHECK(unit_of_heading("Abw. [in \xCE\xBCm]") == "um");
+  CHECK(unit_of_heading("T Luft [\xC2\xB0"
+                        "C]") == "degC");
+  CHECK(unit_of_heading("ambient_C") == "degC");
+  CHECK(unit_of_heading("Winkel (Grad)") == "deg");
+  CHECK(unit_of_heading("Nick [arcsec]") == "arcsec");
+  CHECK(unit_of_heading("Zeit [s]") == "s");
+  CHECK(unit_of_heading("error_um_per_m") == "um/m");
+  CHECK(unit_of_heading("slope_um_per_degC").empty());
+  CHECK(unit_of_heading("Temp (C)") == "degC");
+}
+
+TEST_CASE("letters and words that mean something else are no units") {
+  for (const char* heading : {"", "mm", "Lauf", "Error (F)", "Fehler (B)", "C", "err_min", "lead in", "Position [X]",
+                              "run (2)", "deviation", "pos_x", "Soll"})
+    CHECK_MESSAGE(unit_of_heading(heading).empty(), heading);
 }

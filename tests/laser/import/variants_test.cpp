@@ -5,8 +5,8 @@
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/registry.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
 #include "tests/laser/support/import_options.hpp"

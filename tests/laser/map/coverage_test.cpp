@@ -1,8 +1,7 @@
 // How far tables reach, what is said of it, and what is normal.
-#include "laser/map/coverage.hpp"
-
 #include <doctest/doctest.h>
 
+#include "laser/map/error_map.hpp"
 #include "laser/map/recipe.hpp"
 #include "tests/support/readings.hpp"
 

@@ -8,8 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "laser/standards/circle_file.hpp"
-#include "laser/writers/circle_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
