@@ -1,4 +1,5 @@
-// Arguments of a request as typed values; a wrong one is reported by its name. For .cpp files only.
+// Arguments of a request as typed values, a wrong one reported by its name, and the plans of `measure` and `capture`
+// made from them. For .cpp files only: it is heavy.
 #pragma once
 
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
 
 namespace ecs::emulator {
 
@@ -40,5 +42,10 @@ class Arguments {
   std::vector<std::string> known_{"action"};
   std::vector<Problem> problems_;
 };
+
+/// Asks `arguments` for everything that a plan has; what is wrong stays with them. Nothing without axis and sense.
+[[nodiscard]] std::optional<MeasurementPlan> plan_in(Arguments& arguments);
+/// The same for the request `capture`.
+[[nodiscard]] std::optional<CapturePlan> capture_in(Arguments& arguments);
 
 }  // namespace ecs::emulator

@@ -2,8 +2,8 @@
 // Does not live here: noise and the display's last digit (laser.hpp), where the reflector is (the machine).
 #pragma once
 
-#include "ecs_emulator/settings/laser.hpp"
-#include "ecs_emulator/thermal/air.hpp"
+#include "ecs_emulator/settings/emulator.hpp"
+#include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
 

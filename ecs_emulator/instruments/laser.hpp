@@ -1,7 +1,6 @@
 // The instruments that measure the machine: laser interferometer, electronic level, indicator against a square.
 // They see the tool against the workpiece, whatever makes it err, and add their own noise and bad set-up.
-// Does not live here: where the machine goes (measurement.hpp), each kind's own physics (instrument_*.cpp), what is
-// done with readings (the host).
+// Does not live here: where the machine goes (measurement.hpp), what is done with readings (the host).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +11,8 @@
 #include "core/axis.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/settings/laser.hpp"
-#include "ecs_emulator/thermal/air.hpp"
+#include "ecs_emulator/settings/emulator.hpp"
+#include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
 

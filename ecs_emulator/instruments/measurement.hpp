@@ -1,6 +1,7 @@
 // Measuring the machine as the person in the workshop does: optics set up, axes parked, targets approached from both
-// sides, a reading at each stop (thesis 6.3 and appendix B).
-// Does not live here: what an instrument shows (laser.hpp), what readings mean (the host).
+// sides, a reading at each stop (thesis 6.3 and appendix B); or the display at a constant rate while the machine stands
+// or moves. Does not live here: what an instrument shows (laser.hpp), the files (files.hpp), what readings mean (the
+// host).
 #pragma once
 
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "ecs_emulator/instruments/laser.hpp"
+#include "ecs_emulator/instruments/measuring_post.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "laser/measurement_set.hpp"
 
@@ -48,5 +50,24 @@ struct MeasurementProgress {
 /// The readings carry targets and errors (actual − target) in machine coordinates and the frame of docs/physics.md.
 [[nodiscard]] Result<laser::MeasurementSet> measure(Simulation& simulation, const MeasurementPlan& plan,
                                                     const std::function<void(const MeasurementProgress&)>& report = {});
+
+inline constexpr std::size_t kMostSamples = 200'000;
+
+struct CapturePlan {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  std::optional<InstrumentKind> instrument;  ///< absent: instrument_for()
+  double rate_Hz = 1000.0;                   ///< at most one sample in a period of the machine's control
+  double seconds = 10.0;
+  std::optional<double> to_mm;  ///< the axis starts to move there as the capture begins; absent: the machine stands
+  double feed_mm_min = 2000.0;
+  InstrumentSetting setting;
+  std::string date;
+  std::string engineer;
+};
+
+/// Captures from where the machine stands. Readings are displacements since the first sample, um or um/m, with `time_s`
+/// from there; their position is where the capture began. `usage` problems say why a plan cannot be followed.
+[[nodiscard]] Result<laser::MeasurementSet> capture(Simulation& simulation, const CapturePlan& plan);
 
 }  // namespace ecs::emulator

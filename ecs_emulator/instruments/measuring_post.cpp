@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/instruments/instruments.hpp"
 #include "ecs_emulator/instruments/interferometer.hpp"
 
 namespace ecs::emulator {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "base/result.hpp"
 #include "ecs_emulator/instruments/laser.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "laser/measurement_set.hpp"
@@ -21,6 +22,11 @@ struct ReadingPlace {
   std::optional<double> passing_mm_min;  ///< feed of a reading on the fly; absent: at standstill
   double stood_s = 1e9;                  ///< since the machine last moved
 };
+
+/// A measurement that the machine or its instruments cannot make.
+[[nodiscard]] inline tl::unexpected<Problem> refused(std::string message) {
+  return problem(ProblemKind::usage, std::move(message));
+}
 
 class MeasuringPost {
  public:

@@ -4,7 +4,7 @@
 // surroundings).
 #pragma once
 
-#include "ecs_emulator/thermal/air.hpp"
+#include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
 

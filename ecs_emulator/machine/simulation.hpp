@@ -1,19 +1,44 @@
-// Machine and unit in one simulated time: the tick that joins them, and motions run to their end.
-// Does not live here: what the person in the workshop does (ecs_emulator/instruments/measurement.hpp,
+// Machine and unit in one simulated time, held to the wall clock where wanted: the tick that joins them, and motions
+// run to their end. Does not live here: what the person in the workshop does (ecs_emulator/instruments/measurement.hpp,
 // ecs_emulator/workshop/survey.hpp, ecs_emulator/workshop/referencing.hpp).
 #pragma once
 
+#include <cstdint>
+#include <ctime>
 #include <functional>
 #include <optional>
 
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/errors/true_errors.hpp"
 #include "ecs_emulator/machine/machine_tool.hpp"
-#include "ecs_emulator/machine/real_time.hpp"
 #include "ecs_emulator/random/random.hpp"
 #include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
+
+/// What became of the periods so far.
+struct RealTimeRecord {
+  std::uint64_t periods = 0;
+  std::uint64_t missed = 0;    ///< begun a whole period or more after they were due
+  double worst_late_us = 0.0;  ///< of any period
+  bool fifo = false;           ///< the system gave this process a real-time priority
+};
+
+class RealTime {
+ public:
+  /// Asks the system for a real-time priority; goes on without where it is refused.
+  RealTime();
+
+  /// Returns when the next period is due. After a stop of more than a quarter of a second, time starts anew: the
+  /// periods left out count as missed.
+  void wait(double period_s);
+
+  [[nodiscard]] const RealTimeRecord& record() const { return record_; }
+
+ private:
+  timespec due_{};
+  RealTimeRecord record_;
+};
 
 /// Whatever stands between the machine's transducers and its drives.
 class Compensator {

@@ -3,6 +3,7 @@
 // (writer.hpp).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "ecs_emulator/machine/arc.hpp"
+#include "ecs_emulator/machine/path.hpp"
 
 namespace ecs::emulator {
 
@@ -55,6 +56,10 @@ struct Program {
 inline constexpr int kProgramDepth = 16;  ///< loops in loops
 inline constexpr std::size_t kProgramLines = 1'000'000;
 inline constexpr std::size_t kProgramProblems = 50;  ///< more are not reported
+
+/// Coordinates that add up are kept to the nanometre: sums of incremental moves stay what a hand would add up, 3 times
+/// −0.1 is −0.3.
+[[nodiscard]] inline double to_nanometre(double mm) { return std::round(mm * 1e6) / 1e6; }
 
 /// Every wrong line is reported at once, with line and column.
 [[nodiscard]] Result<Program> parse_program(std::string_view text, const std::string& file);

@@ -1,5 +1,5 @@
 // A part program run on the machine, with an instrument that the program triggers and a trace of the track where
-// wanted. Does not live here: what the words mean (interpreter.hpp), the request (ecs_emulator/workshop/program.hpp).
+// wanted. Does not live here: what the words mean (interpreter.hpp), the request (ecs_emulator/workshop/actions.hpp).
 #pragma once
 
 #include <filesystem>

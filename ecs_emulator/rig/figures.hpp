@@ -1,5 +1,5 @@
 // Figures 3.3, 3.5 and 3.9 to 3.12 of the thesis from the rig, with their numbers beside the printed ones.
-// Does not live here: the rig (rig.hpp), its calibration (runs.hpp).
+// Does not live here: the rig and its calibration (rig.hpp).
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "ecs_emulator/rig/runs.hpp"
+#include "ecs_emulator/rig/rig.hpp"
 
 namespace ecs::emulator {
 

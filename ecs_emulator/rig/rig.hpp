@@ -1,6 +1,7 @@
 // The thesis's single-axis test rig (3.1, 3.5): controller, servo drive, slide with a worn screw, and the prototype
-// compensation unit, whose loop is core/. Does not live here: the servo (ecs_emulator/drive/servo_drive.hpp),
-// calibrating (runs.hpp).
+// compensation unit, whose loop is core/; calibrated as 3.5.2 does (BS 4656: linear cycle, five runs each way, ±3σ),
+// with compensation tables made from it. Does not live here: the servo (ecs_emulator/drive/servo_drive.hpp), the
+// figures (figures.hpp).
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "core/tick.hpp"
 #include "ecs_emulator/drive/servo_drive.hpp"
 #include "ecs_emulator/random/random.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::emulator {
 
@@ -99,5 +101,36 @@ class Rig {
 
 /// Position loop gain Kv of a servo [1/s].
 [[nodiscard]] double position_loop_gain_per_s(const ServoParameters& servo);
+
+struct RigPlan {
+  double from_mm = 450.0;  ///< the datum of the calibration
+  double to_mm = 0.0;
+  double step_mm = 4.0;
+  int runs = 5;
+  double feed_mm_min = 3000.0;
+  double dwell_s = 0.6;
+  double overrun_mm = 4.0;  ///< beyond either end, so that every target is reached from the right side
+};
+
+[[nodiscard]] laser::MeasurementSet calibrated(Rig& rig, const RigPlan& plan, bool compensated);
+
+/// One target in one direction.
+struct RigTarget {
+  double position_mm = 0.0;
+  Approach approach = Approach::forward;
+  double mean_um = 0.0;
+  double sigma_um = 0.0;  ///< n − 1
+};
+/// The numbers in the heads of figures 3.9 to 3.12.
+struct RigBand {
+  double error_band_um = 0.0;         ///< largest mean + 3σ less smallest mean − 3σ, whatever the direction
+  double non_repeatability_um = 0.0;  ///< largest 6σ
+  double largest_reading_um = 0.0;    ///< largest size of a single reading
+  std::vector<RigTarget> targets;
+};
+[[nodiscard]] RigBand band_of(const laser::MeasurementSet& set);
+
+/// Minus the means, at the targets. @pre the targets are `plan`'s
+[[nodiscard]] RigTables tables_of(const RigBand& band, const RigPlan& plan);
 
 }  // namespace ecs::emulator

@@ -1,5 +1,7 @@
 #include "ecs_emulator/settings/emulator.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -7,6 +9,222 @@
 #include "ecs_emulator/settings/reader.hpp"
 
 namespace ecs::emulator {
+namespace {
+
+/// One of several words; `value` stays as it is where the key is absent or wrong.
+template <class Value, std::size_t N>
+void word_into(TomlReader& reader, const toml::table& table, std::string_view key,
+               const std::array<std::pair<std::string_view, Value>, N>& words, Value& value) {
+  const auto word = reader.word(table, key);
+  if (!word) return;
+  std::string expected;
+  for (const auto& [name, meaning] : words) {
+    if (*word == name) {
+      value = meaning;
+      return;
+    }
+    expected += fmt::format("{}{}", expected.empty() ? "" : " or ", name);
+  }
+  reader.complain(*table.get(key), fmt::format("{}: expected {}, got \"{}\"", key, expected, *word));
+}
+
+/// A number of a table, and what it may be.
+struct Field {
+  const char* key;
+  double* value;
+  double low;
+  double high;
+};
+
+void fields_into(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields) {
+  for (const Field& field : fields) {
+    const auto found = reader.number(table, field.key);
+    if (!found) continue;
+    if (*found >= field.low && *found <= field.high)
+      *field.value = *found;
+    else
+      reader.complain(*table.get(field.key),
+                      fmt::format("{}: expected {} to {}, got {}", field.key, field.low, field.high, *found));
+  }
+}
+
+void only(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields,
+          std::vector<std::string> others, std::string_view what) {
+  for (const Field& field : fields) others.emplace_back(field.key);
+  reader.only(table, others, what);
+}
+
+TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
+  TransducerSettings transducer;
+  double counts = 0.0;
+  const std::vector<Field> fields{{"period_mm", &transducer.period_mm, 1e-4, 1000.0},
+                                  {"offset", &transducer.offset, -0.5, 0.5},
+                                  {"imbalance", &transducer.imbalance, -1.0, 1.0},
+                                  {"quadrature_mrad", &transducer.quadrature_mrad, -500.0, 500.0},
+                                  {"carrier_Hz", &transducer.carrier_Hz, 50.0, 1e6},
+                                  {"noise_um", &transducer.noise_um, 0.0, 1000.0},
+                                  {"fastest_mm_min", &transducer.fastest_mm_min, 1.0, 1e6},
+                                  {"dirt_mm", &transducer.dirt_mm, -1e6, 1e6},
+                                  {"dirt_counts", &counts, 0.0, 1e6}};
+  only(reader, table, fields, {"excitation"}, "emulator.axis.transducer");
+  fields_into(reader, table, fields);
+  const bool uneven = transducer.offset != 0.0 || transducer.imbalance != 0.0 || transducer.quadrature_mrad != 0.0;
+  if (uneven && transducer.period_mm == 0.0)
+    reader.complain(table, "transducer: expected period_mm beside offset, imbalance or quadrature_mrad");
+  transducer.dirt_counts = static_cast<std::int64_t>(counts);
+  word_into<Excitation, 2>(reader, table, "excitation",
+                           {{{"rotor", Excitation::rotor}, {"stator", Excitation::stator}}}, transducer.excitation);
+  return transducer;
+}
+
+}  // namespace
+
+AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
+  AxisSettings axis;
+  const std::vector<Field> fields{{"kv_per_s", &axis.kv_per_s, 1.0, 300.0},
+                                  {"dac_um_per_count", &axis.dac_um_per_count, -100.0, 100.0},
+                                  {"acceleration_mm_s2", &axis.acceleration_mm_s2, 1.0, 1e5},
+                                  {"rapid_mm_min", &axis.rapid_mm_min, 10.0, 120'000.0},
+                                  {"servo_lag_um_per_m_min", &axis.servo_lag_um_per_m_min, -1e5, 1e5},
+                                  {"friction_Nm", &axis.friction_Nm, 0.0, 20.0},
+                                  {"breakaway_Nm", &axis.breakaway_Nm, 0.0, 20.0},
+                                  {"slip_mm_s", &axis.slip_mm_s, 1e-3, 1000.0},
+                                  {"lost_motion_um", &axis.slide.lost_motion_um, 0.0, 1e4},
+                                  {"wind_up_um", &axis.slide.wind_up_um, 0.0, 1e4},
+                                  {"wind_up_length_mm", &axis.slide.wind_up_length_mm, 1e-3, 1000.0},
+                                  {"reference_speed_mm_min", &axis.reference_speed_mm_min, 1.0, 60'000.0},
+                                  {"creep_speed_mm_min", &axis.creep_speed_mm_min, 1.0, 60'000.0},
+                                  {"marker_pitch_mm", &axis.marker_pitch_mm, 0.1, 100.0},
+                                  {"null_offset_mm", &axis.null_offset_mm, -1000.0, 1000.0},
+                                  {"switch_width_mm", &axis.switch_width_mm, 0.1, 100.0}};
+  only(
+      reader, table, fields,
+      {"drive", "feedback", "transducer", "count_polarity", "reference_kind", "reference_direction", "switch_polarity"},
+      "emulator.axis");
+  fields_into(reader, table, fields);
+  if (axis.dac_um_per_count == 0.0) reader.complain(*table.get("dac_um_per_count"), "dac_um_per_count: expected not 0");
+  sign_into(reader, table, "count_polarity", axis.count_polarity);
+  sign_into(reader, table, "switch_polarity", axis.switch_polarity);
+  int direction = 1;
+  sign_into(reader, table, "reference_direction", direction);
+  axis.reference_direction = static_cast<Approach>(direction);
+  word_into<DatumKind, 3>(
+      reader, table, "reference_kind",
+      {{{"fanuc", DatumKind::fanuc}, {"allen_bradley", DatumKind::allen_bradley}, {"siemens", DatumKind::siemens}}},
+      axis.reference_kind);
+  word_into<DriveKind, 2>(reader, table, "drive", {{{"servo", DriveKind::servo}, {"ideal", DriveKind::ideal}}},
+                          axis.drive);
+  word_into<Feedback, 2>(reader, table, "feedback", {{{"scale", Feedback::scale}, {"motor", Feedback::motor}}},
+                         axis.feedback);
+  if (const auto* transducer = reader.child(table, "transducer")) axis.transducer = transducer_of(reader, *transducer);
+  return axis;
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kCompensations{"off", "manual", "automatic"};
+
+std::vector<NumberField> fields_of(LaserSettings& s) {
+  using enum Sign;
+  return {{"linear_noise_um", &s.linear_noise_um, not_negative},
+          {"straightness_noise_um", &s.straightness_noise_um, not_negative},
+          {"angular_noise_um_per_m", &s.angular_noise_um_per_m, not_negative},
+          {"level_noise_um_per_m", &s.level_noise_um_per_m, not_negative},
+          {"indicator_noise_um", &s.indicator_noise_um, not_negative},
+          {"linear_resolution_um", &s.linear_resolution_um, not_negative},
+          {"straightness_resolution_um", &s.straightness_resolution_um, not_negative},
+          {"angular_resolution_um_per_m", &s.angular_resolution_um_per_m, not_negative},
+          {"level_resolution_um_per_m", &s.level_resolution_um_per_m, not_negative},
+          {"indicator_resolution_um", &s.indicator_resolution_um, not_negative},
+          {"setup_slope_um_per_m", &s.setup_slope_um_per_m, not_negative},
+          {"setup_offset_um", &s.setup_offset_um, not_negative},
+          {"wavelength_nm", &s.wavelength_nm, positive},
+          {"fringe_parts", &s.fringe_parts, not_negative},
+          {"dead_path_m", &s.dead_path_m, not_negative},
+          {"misalignment_mrad", &s.misalignment_mrad, any},
+          {"head_drift_um_per_h", &s.head_drift_um_per_h, any},
+          {"turbulence_um_per_sqrt_m", &s.turbulence_um_per_sqrt_m, not_negative},
+          {"turbulence_time_s", &s.turbulence_time_s, positive},
+          {"nonlinearity_nm", &s.nonlinearity_nm, not_negative},
+          {"nonlinearity_cycles", &s.nonlinearity_cycles, positive},
+          {"air_sensor_error_degC", &s.air_sensor_error_degC, any},
+          {"pressure_sensor_error_hPa", &s.pressure_sensor_error_hPa, any},
+          {"humidity_sensor_error_pct", &s.humidity_sensor_error_pct, any},
+          {"material_sensor_error_degC", &s.material_sensor_error_degC, any},
+          {"material_degC", &s.material_degC, any},
+          {"expansion_um_per_m_degC", &s.expansion_um_per_m_degC, any},
+          {"trigger_latency_s", &s.trigger_latency_s, not_negative},
+          {"trigger_rate_Hz", &s.trigger_rate_Hz, not_negative},
+          {"straightness_noise_um_per_m", &s.straightness_noise_um_per_m, not_negative},
+          {"straightness_turbulence_um_per_m", &s.straightness_turbulence_um_per_m, not_negative},
+          {"air_gradient_degC_per_m", &s.air_gradient_degC_per_m, any},
+          {"angular_scale_error_pct", &s.angular_scale_error_pct, any},
+          {"angular_drift_um_per_m_h", &s.angular_drift_um_per_m_h, any},
+          {"level_settling_s", &s.level_settling_s, not_negative},
+          {"level_hysteresis_um_per_m", &s.level_hysteresis_um_per_m, not_negative},
+          {"level_zero_um_per_m", &s.level_zero_um_per_m, any},
+          {"square_error_um_per_m", &s.square_error_um_per_m, any},
+          {"indicator_hysteresis_um", &s.indicator_hysteresis_um, not_negative}};
+}
+
+void compensation_into(TomlReader& reader, const toml::table& table, const char* key, Compensation& value) {
+  const auto word = reader.word(table, key);
+  if (!word) return;
+  if (const auto named = compensation_named(*word))
+    value = *named;
+  else
+    reader.complain(*table.get(key), fmt::format("{}: expected off, manual or automatic, got \"{}\"", key, *word));
+}
+
+void flag_into(TomlReader& reader, const toml::table& table, const char* key, bool& value) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  if (!node->is_boolean()) return reader.complain(*node, fmt::format("{}: expected true or false", key));
+  value = node->value_or(false);
+}
+
+/// What no single value shows.
+void judge(TomlReader& reader, const toml::table& table, const LaserSettings& laser) {
+  if (laser.wavelength_nm < 300.0 || laser.wavelength_nm > 1700.0)
+    reader.complain(*table.get("wavelength_nm"),
+                    fmt::format("wavelength_nm: expected 300 to 1700, got {}", laser.wavelength_nm));
+  if (laser.nonlinearity_cycles != 1.0 && laser.nonlinearity_cycles != 2.0)
+    reader.complain(*table.get("nonlinearity_cycles"),
+                    fmt::format("nonlinearity_cycles: expected 1 or 2, got {}", laser.nonlinearity_cycles));
+}
+
+}  // namespace
+
+std::string_view name_of(Compensation compensation) { return kCompensations[static_cast<std::size_t>(compensation)]; }
+
+std::optional<Compensation> compensation_named(std::string_view name) {
+  for (std::size_t i = 0; i < kCompensations.size(); ++i)
+    if (kCompensations[i] == name) return static_cast<Compensation>(i);
+  return std::nullopt;
+}
+
+LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
+  settings.air_compensation = setting.air.value_or(settings.air_compensation);
+  settings.material_compensation = setting.material.value_or(settings.material_compensation);
+  settings.material_degC = setting.material_degC.value_or(settings.material_degC);
+  settings.dead_path_m = setting.dead_path_m.value_or(settings.dead_path_m);
+  settings.misalignment_mrad = setting.misalignment_mrad.value_or(settings.misalignment_mrad);
+  settings.trigger_latency_s = setting.trigger_latency_s.value_or(settings.trigger_latency_s);
+  if (setting.reversed.value_or(false)) settings.square_error_um_per_m = -settings.square_error_um_per_m;
+  return settings;
+}
+
+LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) {
+  LaserSettings laser;
+  numbers_into(reader, table, "emulator.laser", fields_of(laser),
+               {"air_compensation", "material_compensation", "dead_path_compensation"});
+  compensation_into(reader, table, "air_compensation", laser.air_compensation);
+  compensation_into(reader, table, "material_compensation", laser.material_compensation);
+  flag_into(reader, table, "dead_path_compensation", laser.dead_path_compensation);
+  judge(reader, table, laser);
+  return laser;
+}
+
 namespace {
 
 void serial_number_into(TomlReader& reader, const toml::table& table, std::string& serial_number) {

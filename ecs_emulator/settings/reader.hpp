@@ -1,5 +1,5 @@
 // The tables of `[emulator]` in a machine file, each value checked where it stands; what is wrong stays in the reader.
-// Does not live here: what the values mean (axis.hpp, laser.hpp), the file (emulator.hpp).
+// Does not live here: what the values mean and the file (emulator.hpp).
 #pragma once
 
 #include <limits>
@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "base/toml_reader.hpp"
-#include "ecs_emulator/settings/axis.hpp"
-#include "ecs_emulator/settings/laser.hpp"
+#include "ecs_emulator/settings/emulator.hpp"
 
 namespace ecs::emulator {
 

@@ -1,10 +1,111 @@
 #include "ecs_emulator/thermal/heat.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
+namespace {
+
+constexpr double kDay_s = 86'400.0;
+constexpr double kHour_s = 3'600.0;
+constexpr double kShortest_s = 1'800.0;
+constexpr double kLongest_s = 21'600.0;
+constexpr std::uint64_t kTemperature = 2000, kPressure = 2001, kHumidity = 2002;  ///< streams of random numbers
+
+}  // namespace
+
+/// Waves of equal size, one in each third of the range of periods: their mean square is the square of the deviation.
+Day::Waves Day::wander(double deviation, std::uint64_t seed) {
+  Random random(seed);
+  Waves waves{};
+  double longer = 0.0;
+  for (Wave& wave : waves) {
+    const double place = (longer + random.uniform()) / static_cast<double>(kWander);
+    const double period_s = kShortest_s * std::pow(kLongest_s / kShortest_s, place);
+    wave = {deviation * std::sqrt(2.0 / static_cast<double>(kWander)), kTurn / period_s, kTurn * random.uniform()};
+    longer += 1.0;
+  }
+  return waves;
+}
+
+double Day::sum(const Waves& waves, double time_s) {
+  double value = 0.0;
+  for (const Wave& wave : waves) value += wave.size * std::cos(wave.rad_per_s * time_s + wave.phase_rad);
+  return value;
+}
+
+Day::Day(const DaySettings& settings, std::uint64_t seed) : settings_(settings) {
+  temperature_[0] = {settings.swing_degC, kTurn / kDay_s,
+                     kTurn * (settings.start_h - settings.warmest_h) * kHour_s / kDay_s};
+  const Waves slow = wander(settings.wander_degC, seed_of(seed, kTemperature, 0));
+  std::copy(slow.begin(), slow.end(), temperature_.begin() + 1);
+  pressure_ = wander(settings.pressure_wander_hPa, seed_of(seed, kPressure, 0));
+  humidity_ = wander(settings.humidity_wander_pct, seed_of(seed, kHumidity, 0));
+}
+
+double Day::following_degC(double time_s, double body_lag_s, double sensor_lag_s) const {
+  double value = settings_.mean_degC;
+  for (const Wave& wave : temperature_) {
+    if (wave.size == 0.0) continue;
+    double size = wave.size;
+    double phase_rad = wave.phase_rad;
+    for (const double lag_s : {body_lag_s, sensor_lag_s}) {
+      size /= std::hypot(1.0, wave.rad_per_s * lag_s);
+      phase_rad -= std::atan(wave.rad_per_s * lag_s);
+    }
+    value += size * std::cos(wave.rad_per_s * time_s + phase_rad);
+  }
+  return value;
+}
+
+Air Day::air(double time_s) const {
+  return {air_degC(time_s), settings_.pressure_hPa + sum(pressure_, time_s),
+          std::clamp(settings_.humidity_pct + sum(humidity_, time_s), 0.0, 100.0)};
+}
+
+ScrewHeat::ScrewHeat(const ScrewSettings& settings, const std::array<double, 2>& travel_mm) : settings_(settings) {
+  low_mm_ = std::min(travel_mm[0], settings.fixed_bearing_mm);
+  const double length_mm = std::max(travel_mm[1], settings.fixed_bearing_mm) - low_mm_;
+  const auto cells = static_cast<std::size_t>(std::max(1.0, std::floor(length_mm / settings.cell_mm)));
+  cell_mm_ = std::max(length_mm, settings.cell_mm) / static_cast<double>(cells);
+  cells_per_mm_ = 1.0 / cell_mm_;
+  kept_ = std::exp(-1.0 / settings.loss_s);
+  const double capacity_J_degC = settings.heat_capacity_J_per_m_degC * cell_mm_ * 1e-3;
+  degC_per_J_ = -std::expm1(-1.0 / settings.loss_s) * settings.loss_s / capacity_J_degC;
+  diffusion_ = settings.diffusivity_mm2_s / (cell_mm_ * cell_mm_);
+  rise_degC_.assign(cells, 0.0);
+  work_J_.assign(cells, 0.0);
+}
+
+void ScrewHeat::step() {
+  double before = rise_degC_.front();  // of the cell below, as it was
+  for (std::size_t i = 0; i < rise_degC_.size(); ++i) {
+    const double here = rise_degC_[i];
+    const double above = i + 1 < rise_degC_.size() ? rise_degC_[i + 1] : here;
+    rise_degC_[i] = (here + diffusion_ * (before - 2.0 * here + above)) * kept_ + work_J_[i] * degC_per_J_;
+    work_J_[i] = 0.0;
+    before = here;
+  }
+}
+
+double ScrewHeat::integral_to(double at_mm) const {
+  const double place = std::clamp((at_mm - low_mm_) * cells_per_mm_, 0.0, static_cast<double>(rise_degC_.size()));
+  const auto whole = static_cast<std::size_t>(place);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < whole; ++i) sum += rise_degC_[i];
+  if (whole < rise_degC_.size()) sum += rise_degC_[whole] * (place - static_cast<double>(whole));
+  return sum * cell_mm_;
+}
+
+double ScrewHeat::growth_um(double at_mm, double common_degC) const {
+  const double warm_mm_degC = integral_to(at_mm) - integral_to(settings_.fixed_bearing_mm) +
+                              (common_degC - 20.0) * (at_mm - settings_.fixed_bearing_mm);
+  return settings_.expansion_um_per_m_degC * warm_mm_degC * 1e-3;
+}
+
 namespace {
 
 constexpr double kStep_s = 1.0;

@@ -1,4 +1,5 @@
-// The file that stands for the lithium battery: axis memory and commit records survive in it (thesis 5.2).
+// The file that stands for the lithium battery: axis memory and commit records survive in it (thesis 5.2). One battery,
+// one emulator: a lock lies beside the file, which is replaced whole at every change and cannot carry a lock itself.
 // Does not live here: the memory itself (memory.hpp).
 #pragma once
 
@@ -6,6 +7,7 @@
 
 #include "base/result.hpp"
 #include "ecs_emulator/unit/memory.hpp"
+#include "ecs_emulator/unit/workshop_socket.hpp"
 
 namespace ecs::emulator {
 
@@ -15,5 +17,20 @@ namespace ecs::emulator {
 
 /// Writes the file, whole or not at all.
 [[nodiscard]] Result<void> keep(UnitMemory& memory, const std::filesystem::path& path);
+
+class BatteryLock {
+ public:
+  /// Locks `<battery>.in-use`, whatever links lead to the battery. Waits a second for a process that is just ending;
+  /// then an `output` problem that names the process.
+  [[nodiscard]] static Result<BatteryLock> take(const std::filesystem::path& battery);
+  BatteryLock(BatteryLock&& other) noexcept : file_(std::move(other.file_)), path_(std::move(other.path_)) {}
+  BatteryLock& operator=(BatteryLock&&) = delete;
+  ~BatteryLock();  ///< removes the file
+
+ private:
+  BatteryLock(Descriptor file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  Descriptor file_;
+  std::filesystem::path path_;
+};
 
 }  // namespace ecs::emulator

@@ -11,10 +11,8 @@
 
 #include "core/tick.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
-#include "ecs_emulator/unit/datum_recorder.hpp"
 #include "ecs_emulator/unit/datum_watch.hpp"
 #include "ecs_emulator/unit/memory.hpp"
-#include "ecs_emulator/unit/self_test.hpp"
 #include "ecs_emulator/unit/user_software.hpp"
 #include "protocol/server/register_server.hpp"
 

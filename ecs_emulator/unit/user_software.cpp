@@ -1,15 +1,71 @@
+// The processor emulation Unicorn (GPL-2) is loaded when a program is to run: the emulator works without it and is no
+// work derived from it.
 #include "ecs_emulator/unit/user_software.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <type_traits>
 #include <vector>
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <unicorn/unicorn.h>
 
-#include "ecs_emulator/unit/processor_library.hpp"
-#include "ecs_emulator/unit/self_test.hpp"
+#include "ecs_emulator/unit/memory.hpp"
 
 namespace ecs::emulator {
 namespace {
+
+/// Functions of libunicorn by the names of its header, without "uc_".
+struct ProcessorLibrary {
+  decltype(&uc_open) open = nullptr;
+  decltype(&uc_close) close = nullptr;
+  decltype(&uc_ctl) ctl = nullptr;
+  decltype(&uc_strerror) strerror = nullptr;
+  decltype(&uc_reg_read) reg_read = nullptr;
+  decltype(&uc_reg_write) reg_write = nullptr;
+  decltype(&uc_mem_read) mem_read = nullptr;
+  decltype(&uc_mem_write) mem_write = nullptr;
+  decltype(&uc_mem_map) mem_map = nullptr;
+  decltype(&uc_mmio_map) mmio_map = nullptr;
+  decltype(&uc_hook_add) hook_add = nullptr;
+  decltype(&uc_emu_start) emu_start = nullptr;
+  decltype(&uc_emu_stop) emu_stop = nullptr;
+};
+
+constexpr const char* kSharedObject = "libunicorn.so.2";
+
+std::optional<ProcessorLibrary> loaded() {
+  void* const library = ::dlopen(kSharedObject, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return std::nullopt;
+  bool whole = true;
+  const auto take = [&](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
+    whole = whole && function != nullptr;
+  };
+  ProcessorLibrary functions;
+  take(functions.open, "uc_open");
+  take(functions.close, "uc_close");
+  take(functions.ctl, "uc_ctl");
+  take(functions.strerror, "uc_strerror");
+  take(functions.reg_read, "uc_reg_read");
+  take(functions.reg_write, "uc_reg_write");
+  take(functions.mem_read, "uc_mem_read");
+  take(functions.mem_write, "uc_mem_write");
+  take(functions.mem_map, "uc_mem_map");
+  take(functions.mmio_map, "uc_mmio_map");
+  take(functions.hook_add, "uc_hook_add");
+  take(functions.emu_start, "uc_emu_start");
+  take(functions.emu_stop, "uc_emu_stop");
+  if (!whole) return std::nullopt;
+  return functions;
+}
+
+/// Null where the library is not installed (Debian: libunicorn2).
+const ProcessorLibrary* processor_library() {
+  static const std::optional<ProcessorLibrary> library = loaded();
+  return library ? &*library : nullptr;
+}
 
 constexpr Address kReturnTo = 0x0007FC;  ///< in the EPROM; nothing is executed there
 constexpr std::uint16_t kSupervisor = 0x2700;

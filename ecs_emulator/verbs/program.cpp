@@ -5,7 +5,7 @@
 
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
-#include "ecs_emulator/part_programs/files.hpp"
+#include "ecs_emulator/part_programs/writer.hpp"
 #include "ecs_emulator/verbs/request_verb.hpp"
 
 namespace ecs::emulator {

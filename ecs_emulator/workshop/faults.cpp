@@ -1,11 +1,10 @@
-#include "ecs_emulator/workshop/faults.hpp"
-
 #include <array>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "ecs_emulator/instruments/arguments.hpp"
+#include "ecs_emulator/workshop/actions.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "base/random.hpp"
 #include "ecs_emulator/unit/battery.hpp"
-#include "ecs_emulator/unit/battery_lock.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "protocol/server/server.hpp"

@@ -1,13 +1,12 @@
 // Every raw format that the virtual workshop writes, read back by the host's readers: nothing of a measurement is lost
 // but what the format cannot hold.
-#include "ecs_emulator/instruments/measurement_files.hpp"
-
 #include <cmath>
 #include <filesystem>
 #include <map>
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/instruments/files.hpp"
 #include "laser/import/import.hpp"
 #include "tests/support/folder.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/instruments/capture.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/instruments/refraction.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"

@@ -1,9 +1,8 @@
-#include "ecs_emulator/instruments/plan_file.hpp"
-
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "ecs_emulator/instruments/files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 

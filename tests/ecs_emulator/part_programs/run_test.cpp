@@ -9,7 +9,6 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
-#include "ecs_emulator/part_programs/files.hpp"
 #include "ecs_emulator/part_programs/writer.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/folder.hpp"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "ecs_emulator/unit/battery_lock.hpp"
 #include "tests/support/folder.hpp"
 
 using namespace ecs;

@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "base/random.hpp"
-#include "ecs_emulator/workshop/components.hpp"
+#include "ecs_emulator/workshop/survey.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/exact_joints.hpp"
 #include "tests/support/test.hpp"
