@@ -2,16 +2,13 @@
 #include <algorithm>
 #include <functional>
 
+#include "app/screens/forms/rows.hpp"
 #include "app/screens/laser/screen.hpp"
-#include "app/screens/lengths/screen.hpp"
-#include "app/screens/logbook/screen.hpp"
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
-#include "app/screens/verbs/verb_screen.hpp"
-#include "app/screens/volume/screen.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/verbs/registry.hpp"
 
@@ -73,6 +70,7 @@ constexpr Synonyms kSynonyms[] = {
     {"monitor", "live readout dro watch"},
     {"VOLUME", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
     {"LENGTHS", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
+    {"PLAN OF LENGTHS", "tracker tracking interferometer ball bar diagonal multilateration fewest minutes"},
     {"lengths fit", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
     {"lengths plan", "tracker tracking interferometer ball bar diagonal multilateration fewest minutes"},
     {"volume", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
@@ -89,6 +87,16 @@ constexpr const char* kDoneByScreens[] = {
     "utility position", "utility output",       "utility run",        "utility ramtest",    "utility clear",
     "utility mode",     "utility datum record", "utility datum show", "utility datum test", "utility status",
     "monitor"};
+
+/// Forms with a name of their own beside the menus.
+Choices form_choices(const Connection& connection) {
+  Choices choices;
+  for (const FormEntry& entry : form_entries())
+    if (!entry.help.empty() && !entry.row.verb.starts_with("utility "))
+      choices.push_back({entry.row.title, entry.help,
+                         [title = entry.row.title, connection] { return form_titled(title, connection); }});
+  return choices;
+}
 
 MenuChoice choice_of(const VerbEntry& verb, const Connection& connection) {
   MenuChoice choice{verb.name(), verb.help, [verb, connection] { return verb_screen(verb, connection); }};
@@ -183,10 +191,7 @@ Choices all_choices(const Connection& connection) {
     choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
   choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
                                        [connection] { return monitor_screen(connection); }});
-  choices.insert(choices.end() - 1, {"VOLUME", "the error anywhere, before and after, and how certain it is",
-                                     [] { return volume_screen(); }});
-  choices.insert(choices.end() - 1, {"LENGTHS", "all 21 components from lengths; what is missing, a plan",
-                                     [] { return lengths_screen(); }});
+  for (MenuChoice& form : form_choices(connection)) choices.insert(choices.end() - 1, std::move(form));
   choices.insert(choices.end() - 1,
                  {"LOGBOOK", "what was done at a machine; verify, replay", [] { return logbook_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/forms/rows.hpp"
 #include "app/screens/laser/screen.hpp"
-#include "app/screens/lengths/screen.hpp"
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
@@ -43,8 +43,11 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
                                    data == files.end() ? std::vector<std::string>{} : data->second});
   }
   if (has(FileKind::lengths))
-    return lengths_screen(first_of(files, FileKind::lengths), first_of(files, FileKind::machine),
-                          first_of(files, FileKind::parameters));
+    return form_titled("LENGTHS", connection,
+                       {{"LENGTHS", first_of(files, FileKind::lengths)},
+                        {"--machine", first_of(files, FileKind::machine)},
+                        {"--params", first_of(files, FileKind::parameters)}},
+                       true);
   if (has(FileKind::measurements) || has(FileKind::map)) {
     auto screen = std::make_unique<LaserScreen>(connection);
     const FileKind kind = has(FileKind::measurements) ? FileKind::measurements : FileKind::map;

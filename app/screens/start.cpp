@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/screens/forms/rows.hpp"
 #include "app/screens/open_files.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "app/ui/menu_screen.hpp"

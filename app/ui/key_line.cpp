@@ -105,4 +105,25 @@ std::optional<Key> clicked_key(const Area& line, const KeyLine& keys, int column
   return std::nullopt;
 }
 
+std::vector<KeyHelp> helps_of(const std::vector<KeyRow>& rows) {
+  std::vector<KeyHelp> helps;
+  for (const KeyRow& row : rows)
+    if (!row.does.empty() && (!row.when || row.when())) helps.push_back({row.keys, row.does});
+  return helps;
+}
+
+bool act_on(const std::vector<KeyRow>& rows, const Key& key) {
+  for (const KeyRow& row : rows) {
+    if (!row.act || (row.when && !row.when())) continue;
+    std::vector<Word> words;
+    add_parts(words, row.keys, ' ', 0);
+    const bool named =
+        std::any_of(words.begin(), words.end(), [&key](const Word& word) { return key_named(word.text) == key; });
+    if (!named) continue;
+    row.act();
+    return true;
+  }
+  return false;
+}
+
 }  // namespace ecs::app

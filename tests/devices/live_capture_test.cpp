@@ -6,8 +6,9 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/screens/verbs/live_screen.hpp"
+#include "app/screens/forms/form_screen.hpp"
 #include "app/ui/screen_program.hpp"
+#include "app/verbs/registry.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
 #include "tests/support/screen_driver.hpp"
@@ -19,33 +20,26 @@ namespace {
 using namespace screen_test;
 
 /// Three runs of three targets, forward and back.
-std::vector<std::string> words(const std::string& output) {
-  return {"laser",
-          "capture",
-          "--axis",
-          "Y",
-          "--sense",
-          "EX",
-          "--from",
-          "0",
-          "--to",
-          "200",
-          "--step",
-          "100",
-          "--runs",
-          "3",
-          "--trigger",
-          "samples/devices/foot_switch.toml",
-          "--gauge",
-          "samples/devices/gauge.toml",
-          "--environment",
-          "temper",
-          "--environment-every",
-          "0.2",
-          "--min-interval",
-          "0.05",
-          "-o",
-          output};
+FormValues asked_for(const std::string& output) {
+  return {{"--axis", "Y"},
+          {"--sense", "EX"},
+          {"--from", "0"},
+          {"--to", "200"},
+          {"--step", "100"},
+          {"--runs", "3"},
+          {"--trigger", "samples/devices/foot_switch.toml"},
+          {"--gauge", "samples/devices/gauge.toml"},
+          {"--environment", "temper"},
+          {"--environment-every", "0.2"},
+          {"--min-interval", "0.05"},
+          {"--output", output}};
+}
+
+VerbEntry capture_verb() {
+  for (const MenuEntry& menu : verb_catalogue(all_verbs()))
+    for (const VerbEntry& verb : menu.verbs)
+      if (verb.name() == "laser capture") return verb;
+  return {};
 }
 
 TEST_CASE(
@@ -57,7 +51,8 @@ TEST_CASE(
   auto gauge = bus.plug(fake::gauge_spec());
   const auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
-  const auto screen_made = live_screen("laser capture", words(out));
+  const auto screen_made =
+      form_screen({.verb = "laser capture", .talks = true}, capture_verb(), no_link(), asked_for(out), true);
   Screen& screen = *screen_made;
   for (int k = 0; k < 18; ++k) {
     REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1), 30, 120));

@@ -7,9 +7,9 @@
 
 #include <doctest/doctest.h>
 
+#include "app/screens/forms/rows.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/model/screen.hpp"
-#include "app/screens/verbs/verb_screen.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"

@@ -12,7 +12,6 @@ namespace ecs::app {
 [[nodiscard]] std::unique_ptr<Screen> link_screen(std::shared_ptr<UnitConnection> connection);
 [[nodiscard]] std::unique_ptr<Screen> log_screen();
 [[nodiscard]] std::unique_ptr<Screen> commands_screen();
-/// Asks for the code that the unit shows, and arms it. Null unless the unit has refused something for want of it.
-[[nodiscard]] std::unique_ptr<Screen> arm_screen_if_wanted(const std::shared_ptr<UnitConnection>& connection);
+[[nodiscard]] std::unique_ptr<Screen> logbook_screen();
 
 }  // namespace ecs::app

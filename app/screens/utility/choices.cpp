@@ -1,3 +1,4 @@
+#include "app/screens/forms/rows.hpp"
 #include "app/screens/utility/screens.hpp"
 
 namespace ecs::app {
@@ -15,7 +16,8 @@ std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& c
        [connection] { return datum_test_screen(connection); }},
       {"DISPLAY ECS STATUS", "mode and fault; change the mode, clear, test memory",
        [connection] { return status_screen(connection); }},
-      {"RUN USER SOFTWARE", "machine code in the unit's memory", [connection] { return run_screen(connection); }},
+      {"RUN USER SOFTWARE", "machine code in the unit's memory",
+       [connection] { return form_titled("RUN USER SOFTWARE", connection); }},
   };
 }
 

@@ -23,7 +23,6 @@ namespace ecs::app {
 /// @param file  saved state of a unit, or a dump, that is shown first; empty: the unit
 [[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection,
                                                     const std::string& file = {});
-[[nodiscard]] std::unique_ptr<Screen> run_screen(std::shared_ptr<UnitConnection> connection);
 
 [[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection);
 

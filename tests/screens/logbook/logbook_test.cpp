@@ -1,5 +1,5 @@
 // The screen LOGBOOK: entries, one of them whole, verification.
-#include "app/screens/logbook/screen.hpp"
+#include "app/screens/unit/screens.hpp"
 #include "tests/support/logbook_folder.hpp"
 #include "tests/support/screen_driver.hpp"
 #include "tests/support/short_lathe.hpp"

@@ -2,11 +2,9 @@
 #include <filesystem>
 #include <thread>
 
-#include "commissioning/lengths/controller.hpp"
 #include "commissioning/model_session/controller.hpp"
 #include "commissioning/parameters/controller.hpp"
 #include "commissioning/session/commands.hpp"
-#include "commissioning/volume/controller.hpp"
 #include "tests/screens/support/laser_screen.hpp"
 #include "tests/support/model_workspace.hpp"
 #include "tests/support/verb_run.hpp"
@@ -134,43 +132,6 @@ TEST_CASE("parameters of a draft: from the file it belongs to, else as they are"
   REQUIRE(controller.save("other.toml"));
   session.replay();
   for (const char* file : {"out.toml", "other.toml"}) session.check_same(file);
-}
-
-// --- lengths
-
-void wait_for(LengthsController& controller) {
-  while (controller.running()) {
-    (void)controller.advance();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-}
-
-TEST_CASE("map and parameters from lengths, and a plan of lengths") {
-  Session session([source = fs::absolute("samples")](const Folder& folder) {
-    folder.with("lengths.csv", content_of((source / "standards/lengths.csv").string()));
-    for (const char* file : {"machine.toml", "parameters.toml"})
-      folder.with(file, content_of((source / "machining_centre" / file).string()));
-  });
-  LengthsController controller;
-  LengthsArguments arguments;
-  arguments.file = "lengths.csv", arguments.machine = "machine.toml", arguments.params = "parameters.toml";
-  arguments.knots = "200,150,150";
-  controller.fit(arguments);
-  wait_for(controller);
-  CAPTURE(controller.message().text());
-  REQUIRE(controller.no_map().empty());
-  controller.save_map("parameters.toml", "found.toml");
-  CHECK(controller.message().is_problem());
-  controller.save_map("map.csv", "found.toml");
-  LengthsPlanAsked asked;
-  asked.machine = "machine.toml", asked.volume_um = 40.0, asked.knots = "1200,600,600";
-  controller.plan(asked);
-  wait_for(controller);
-  REQUIRE(controller.planned());
-  controller.save_plan("plan.csv");
-  CHECK(noted_commands().size() == 2);
-  session.replay();
-  for (const char* file : {"map.csv", "found.toml", "plan.csv"}) session.check_same(file);
 }
 
 // --- model

@@ -1,0 +1,715 @@
+#include "app/screens/forms/form_screen.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <sstream>
+#include <streambuf>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/plot/gnuplot.hpp"
+#include "app/screens/files/prompt.hpp"
+#include "app/ui/chart.hpp"
+#include "app/ui/key_line.hpp"
+#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
+#include "app/verbs/registry.hpp"
+#include "base/interrupt.hpp"
+#include "base/overwriting.hpp"
+#include "base/text.hpp"
+#include "commissioning/files/beside.hpp"
+#include "commissioning/link/unit_commands.hpp"
+#include "commissioning/session/event_log.hpp"
+#include "commissioning/session/keyboard.hpp"
+#include "commissioning/session/task_runner.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kNext = "next: ";
+constexpr const char* kLeave = "q";
+
+/// Between the verb, which runs beside the screen, and the screen: what it says, what is typed to it.
+struct Wire {
+  std::mutex mutex;
+  std::string said;
+  std::deque<std::string> typed;
+
+  class Mouth final : public std::streambuf {
+   public:
+    explicit Mouth(Wire& wire) : wire_(&wire) {}
+
+   protected:
+    int_type overflow(int_type c) override {
+      if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+      const std::lock_guard lock(wire_->mutex);
+      wire_->said += traits_type::to_char_type(c);
+      return c;
+    }
+    std::streamsize xsputn(const char* text, std::streamsize count) override {
+      const std::lock_guard lock(wire_->mutex);
+      wire_->said.append(text, static_cast<std::size_t>(count));
+      return count;
+    }
+
+   private:
+    Wire* wire_;
+  };
+
+  class Keys final : public Keyboard {
+   public:
+    Keys(Wire& wire, JobControl& control) : wire_(&wire), control_(&control) {}
+    std::optional<std::string> line() override {
+      if (control_->cancelled) return kLeave;
+      const std::lock_guard lock(wire_->mutex);
+      if (wire_->typed.empty()) return std::nullopt;
+      std::string line = std::move(wire_->typed.front());
+      wire_->typed.pop_front();
+      return line;
+    }
+    [[nodiscard]] bool ended() const override { return false; }
+
+   private:
+    Wire* wire_;
+    JobControl* control_;
+  };
+
+  void type(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    typed.push_back(line);
+  }
+
+  /// What was said since, whole lines of it, or with `all` the rest as well.
+  std::string heard(bool all) {
+    const std::lock_guard lock(mutex);
+    const std::size_t end = all ? said.size() : said.rfind('\n') + 1;
+    std::string text = said.substr(0, end);
+    said.erase(0, end);
+    return text;
+  }
+};
+
+/// What an argument of this name holds; empty: any file.
+std::vector<FileKind> kinds_for(const std::string& argument) {
+  static const std::map<std::string, FileKind> kKinds{
+      {"MODEL", FileKind::model},       {"--from-model", FileKind::model},  {"--machine", FileKind::machine},
+      {"MACHINE", FileKind::machine},   {"DATA", FileKind::measurements},   {"--data", FileKind::measurements},
+      {"PARAMS", FileKind::parameters}, {"--params", FileKind::parameters}, {"MAP", FileKind::map},
+      {"DUMP", FileKind::memory},       {"LENGTHS", FileKind::lengths}};
+  const auto found = kKinds.find(argument);
+  return found == kKinds.end() ? std::vector<FileKind>{} : std::vector{found->second};
+}
+
+/// How a verb ended, before its answer. @param answered  it has answered on stdout
+std::string ending_of(int exit_code, bool answered) {
+  switch (exit_code) {
+    case 0:
+      return "done";
+    case 1:
+      return answered ? "done; something does not hold, see below" : "not done: see below why";
+    case 2:
+      return "not run: see below what to change";
+    case 3:
+      return "a file cannot be used: see below";
+    case 4:
+      return "no success on the link: see below";
+    default:
+      return exit_code > 128 ? "stopped" : "not done: see below why";
+  }
+}
+
+/// What a verb answered.
+struct FormAnswer {
+  std::vector<std::string> lines;
+  int exit_code = 0;
+  bool answered = false;  ///< on stdout
+};
+
+std::string in_quotes(const std::string& path) { return path.find(' ') == std::string::npos ? path : '"' + path + '"'; }
+
+bool takes(const VerbEntry& verb, std::string_view option) {
+  return std::any_of(verb.options.begin(), verb.options.end(),
+                     [option](const VerbOption& one) { return one.name == option; });
+}
+
+/// Without the option that a question answers, those that the row names first.
+VerbEntry in_order_of(VerbEntry verb, const FormRow& row) {
+  std::erase_if(verb.options, [&row](const VerbOption& option) { return option.name == row.confirmed; });
+  const auto place = [&row](const VerbOption& option) {
+    return std::find(row.fields.begin(), row.fields.end(), option.name) - row.fields.begin();
+  };
+  std::stable_sort(verb.options.begin(), verb.options.end(),
+                   [&place](const VerbOption& a, const VerbOption& b) { return place(a) < place(b); });
+  return verb;
+}
+
+class FormScreen final : public Screen {
+ public:
+  FormScreen(FormRow row, VerbEntry verb, std::shared_ptr<UnitConnection> connection, const FormValues& values,
+             bool at_once)
+      : row_(std::move(row)), verb_(in_order_of(std::move(verb), row_)), connection_(std::move(connection)) {
+    for (const VerbOption& option : verb_.options) {
+      values_.emplace_back(option.name == "--link" ? connection_->link() : option.value);
+      if (const auto preset = row_.preset.find(option.name); preset != row_.preset.end())
+        values_.back().propose(preset->second);
+      if (const auto given = values.find(option.name); given != values.end()) values_.back().set(given->second);
+    }
+    if (at_once && lacking().empty()) run();
+  }
+
+  ~FormScreen() override {
+    if (!task_.running()) return;
+    stop();
+    task_.finish();
+  }
+
+  [[nodiscard]] std::string title() const override { return row_.title.empty() ? verb_.name() : row_.title; }
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const Area inside = area.between_margins();
+    if (prompt_.choosing()) return prompt_.draw(canvas, inside, 0);
+    if (reading_) {
+      draw_answer(canvas, area);
+    } else {
+      const int row = canvas.paragraph(inside, 0, asks(), Tone::strong);
+      const int fields = field_rows(area);
+      if (values_.empty())
+        canvas.text(inside, row, 0, "Enter runs it.", Tone::faint);
+      else
+        draw_fields(canvas, {inside.row + row, inside.column, fields, inside.columns});
+      const int hint = row + std::max(1, fields);
+      canvas.paragraph({inside.row + hint, inside.column, std::min(2, inside.rows - hint), inside.columns}, 0,
+                       hint_.empty() ? help_of_field() : hint_, refused_ ? Tone::bad : Tone::faint);
+      draw_answer(canvas, {area.row + hint + 2, area.column, area.rows - hint - 2, area.columns});  // 80 columns
+    }
+    prompt_.draw(canvas, inside, inside.rows - 1);
+    draw_question(canvas, area, asking_);
+  }
+
+  [[nodiscard]] Step on_key(const Key& key) override {
+    if (key.name == Key::Name::resized || answers(asking_, key) || prompt_.on_key(key)) return stay();
+    hint_.clear();
+    refused_ = false;
+    if (key.name == Key::Name::escape) return on_escape();
+    if (row_.leaves_when_done && key.name == Key::Name::enter && answer_ && answer_->exit_code == 0) return back();
+    if (task_.running())
+      on_running_key(key);
+    else if (!act_on(keys_, key) && !on_answer_key(key))
+      on_field_key(key);
+    return stay();
+  }
+
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
+    if (prompt_.active()) return prompt_.keys();
+    return helps_of(keys_);
+  }
+
+  [[nodiscard]] std::string help() const override {
+    return (row_.about.empty() ? verb_.help + "." : row_.about) + " The fields are the options of the verb `ecs " +
+           verb_.name() +
+           "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by blanks. "
+           "Measurements, machine file and parameters in the folder of the model are filled in; typing replaces "
+           "them. " +
+           verb_.example +
+           "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
+           "headings (< and > at the edges mark where it goes on), Home is its beginning, s asks for the files that "
+           "the "
+           "verb writes and runs it again, Esc goes back to the fields." +
+           (row_.talks
+                ? " While it runs the upper row says what comes next, the rows below what it said, the newest "
+                  "first. Type a value, or a command (u takes the last reading back, s skips a target, q leaves), "
+                  "and press Enter; an empty line is a trigger where readings come from a device. Esc leaves: "
+                  "what was read is kept in a .part file, and --resume goes on with it."
+                : "");
+  }
+
+  [[nodiscard]] bool advance() override {
+    bool changed = prompt_.advance();
+    changed = task_.advance() || task_.running() || changed;
+    return drawing_.advance() || hear() || changed;
+  }
+
+  [[nodiscard]] bool typing() const override {
+    if (asking_.active()) return false;
+    return prompt_.active() || !reading_ || (task_.running() && row_.talks);
+  }
+  [[nodiscard]] CellPosition cursor(const Area& area) const override {
+    const Area inside = area.between_margins();
+    if (prompt_.active()) return prompt_.cursor(inside, prompt_.choosing() ? 0 : inside.rows - 1);
+    if (asking_.active()) return {-1, -1};
+    if (reading_ && task_.running() && row_.talks) {
+      const int rows = std::max<int>(1, static_cast<int>(wrapped(next(), inside.columns).size()));
+      return {area.row + rows, area.column + 3 + line_.cursor_column(std::max(8, inside.columns - 2))};
+    }
+    if (reading_ || values_.empty()) return {-1, -1};
+    const int names = name_columns();
+    const int heading = static_cast<int>(wrapped(asks(), inside.columns).size());
+    return {area.row + heading + field_.selected - field_.first,
+            inside.column + names + value().cursor_column(std::max(8, inside.columns - names - 1))};
+  }
+
+ private:
+  using Name = Key::Name;
+  [[nodiscard]] const std::string& asks() const { return row_.asks.empty() ? verb_.help : row_.asks; }
+  [[nodiscard]] const VerbOption& option() const { return verb_.options[static_cast<std::size_t>(field_.selected)]; }
+  [[nodiscard]] TextLine& value() { return values_[static_cast<std::size_t>(field_.selected)]; }
+  [[nodiscard]] const TextLine& value() const { return values_[static_cast<std::size_t>(field_.selected)]; }
+
+  [[nodiscard]] FormValues typed() const {
+    FormValues all;
+    for (std::size_t k = 0; k < values_.size(); ++k) all[verb_.options[k].name] = values_[k].text();
+    return all;
+  }
+
+  // --- keys
+  [[nodiscard]] std::vector<KeyRow> key_table() {
+    const auto talking = [this] { return task_.running() && row_.talks; };
+    const auto reading = [this] { return !task_.running() && reading_; };
+    const auto filling = [this] { return !task_.running() && !reading_; };
+    std::vector<KeyRow> rows{{"Enter", "take a reading, or send what is typed", {}, talking},
+                             {"u", "take the last one back", {}, talking},
+                             {"s", "skip", {}, talking},
+                             {"Esc", "leave; what was read is kept", {}, talking},
+                             {"Esc", "stop it", {}, [this] { return task_.running() && !row_.talks; }},
+                             {"Enter", "run", [this] { run(); }, filling},
+                             {"PgDn", "read the answer", {}, [this, filling] { return filling() && answer_; }},
+                             {"up/down", "field", {}, filling},
+                             {"Tab", "choose a file, complete", {}, filling},
+                             {"Space", "choose", {}, filling},
+                             {"Esc", "back", {}, filling}};
+    if (!row_.panels.empty()) rows.push_back({"1", "answer", [this] { panel_.reset(); }, reading});
+    for (std::size_t k = 0; k < row_.panels.size(); ++k)
+      rows.push_back({fmt::format("{}", k + 2), row_.panels[k].first, [this, k] { show_panel(k); }, reading});
+    const std::vector<KeyRow> of_answer{
+        {"s", "save", [this] { ask_output(0); }, [this, reading] { return reading() && writes(); }},
+        {"up/down", "read", {}, reading},
+        {"left/right", "sideways", {}, reading},
+        {"PgUp/PgDn", "page", {}, reading},
+        {"Home", "beginning", {}, reading},
+        {"Esc", "to the fields", {}, reading},
+        {"F5", "run again", [this] { run(); }, reading},
+        {"F5", "", [this] { run(); }}};
+    rows.insert(rows.end(), of_answer.begin(), of_answer.end());
+    return rows;
+  }
+
+  [[nodiscard]] Step on_escape() {
+    if (task_.running()) {
+      stop();
+      hint_ = "asked to stop";
+      return stay();
+    }
+    if (!reading_) return back();
+    reading_ = false;
+    return stay();
+  }
+
+  void stop() {
+    task_.cancel();
+    if (!row_.talks) ask_to_stop();
+  }
+
+  void on_running_key(const Key& key) {
+    if (!row_.talks) return;
+    if (key.name != Name::enter) return static_cast<void>(line_.on_key(key));
+    wire_->type(line_.text());
+    line_.set("");
+  }
+
+  /// Keys that go to the answer. @return whether it was one
+  [[nodiscard]] bool on_answer_key(const Key& key) {
+    if (!answer_) return false;
+    const bool wheel = key.name == Name::wheel_up || key.name == Name::wheel_down;
+    if (!reading_ && !wheel && key.name != Name::page_down && key.name != Name::page_up) return false;
+    if (reading_ && (key.name == Name::back_tab || key.name == Name::tab || is_letter(key, U'e'))) {
+      reading_ = false;
+      return true;
+    }
+    if (reading_) (void)scroll_.on_key(key, answer_rows_);
+    reading_ = true;  // the first key gives the answer the whole screen
+    return true;
+  }
+
+  void on_field_key(const Key& key) {
+    const int count = static_cast<int>(values_.size());
+    if (count == 0) return;
+    if (key.name == Name::up || key.name == Name::down) {
+      if (&value() == field_for(FileKind::model)) (void)fill_from_folder();
+      (void)field_.on_key(key, count);
+    } else if (key.name == Name::mouse) {
+      const int clicked = field_.first + key.row - fields_row_;
+      if (key.row >= fields_row_ && clicked < count && clicked < field_.first + seen_fields_) field_.selected = clicked;
+    } else if (key.name == Name::tab) {
+      on_tab();
+    } else if (option().flag) {
+      if (is_letter(key, U' ')) value().set(value().text().empty() ? "yes" : "");
+    } else if (!option().choices.empty() &&
+               (is_letter(key, U' ') || key.name == Name::left || key.name == Name::right)) {
+      next_of(option().choices, key.name == Name::left ? -1 : 1);
+    } else {
+      (void)value().on_key(key);
+    }
+  }
+
+  void on_tab() {
+    if (const auto offered = row_.offers.find(option().name); offered != row_.offers.end())
+      next_of(offered->second, 1);
+    else if (value().text().empty() && !option().output && option().choices.empty() && !option().flag)
+      choose_file();
+    else
+      complete();
+  }
+
+  void choose_file() {
+    const auto at = static_cast<std::size_t>(field_.selected);
+    prompt_.choose(option().help, {kinds_for(option().name), option().many}, [this, at](const std::string& path) {
+      const std::string word = verb_.options[at].many ? in_quotes(path) : path;
+      values_[at].set(values_[at].text().empty() ? word : values_[at].text() + " " + word);
+      (void)fill_from_folder();
+    });
+  }
+
+  void complete() {
+    const PathCompletion found = option().many ? completed_paths(value().text()) : completed_path(value().text());
+    value().set(found.completed);
+    hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
+  }
+
+  void next_of(const std::vector<std::string>& words, int by) {
+    const auto at = std::find(words.begin(), words.end(), value().text());
+    const auto count = static_cast<int>(words.size());
+    const int now = at == words.end() ? (by > 0 ? -1 : 0) : static_cast<int>(at - words.begin());
+    value().set(words[static_cast<std::size_t>((now + by + count) % count)]);
+  }
+
+  // --- fields
+  [[nodiscard]] int field_rows(const Area& area) const {
+    const int all = static_cast<int>(verb_.options.size());
+    const bool shares = answer_ || task_.running() || !row_.idle.empty();
+    return std::min(all, shares ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
+  }
+
+  [[nodiscard]] int name_columns() const {
+    int most = 4;
+    for (const VerbOption& option : verb_.options)
+      most = std::max(most, width_of(option.name) + (option.required ? 2 : 0));
+    return std::min(most + 3, 24);
+  }
+
+  [[nodiscard]] std::string help_of_field() const {
+    if (values_.empty()) return {};
+    std::string help = option().help;
+    if (!option().choices.empty()) help += fmt::format(" ({})", fmt::join(option().choices, ", "));
+    if (option().flag) help += " (Space: yes or no)";
+    if (row_.offers.contains(option().name)) help += " (Tab: those that are usual)";
+    return help;
+  }
+
+  [[nodiscard]] std::string lacking() const {
+    for (std::size_t k = 0; k < values_.size(); ++k)
+      if (verb_.options[k].required && values_[k].text().empty()) return verb_.options[k].name;
+    return {};
+  }
+
+  /// The field that takes a file of this kind; null: none.
+  [[nodiscard]] TextLine* field_for(FileKind kind) {
+    for (std::size_t k = 0; k < values_.size(); ++k)
+      if (const auto kinds = kinds_for(verb_.options[k].name);
+          !verb_.options[k].output && !kinds.empty() && kinds.front() == kind)
+        return &values_[k];
+    return nullptr;
+  }
+
+  /// What nobody has typed is proposed from the folder of the model. @return whether anything was
+  bool fill_from_folder() {
+    const TextLine* model = field_for(FileKind::model);
+    if (model == nullptr || model->text().empty()) return false;
+    const FilesBeside beside = files_beside(model->text());
+    bool filled = false;
+    const auto propose = [&](FileKind kind, const std::string& text) {
+      TextLine* field = field_for(kind);
+      if (field == nullptr || !field->is_untouched() || field->text() == text) return;
+      field->propose(text);
+      filled = true;
+    };
+    std::string data;
+    for (const std::string& file : beside.data) data += (data.empty() ? "" : " ") + in_quotes(file);
+    propose(FileKind::measurements, data);
+    propose(FileKind::machine, beside.machine);
+    propose(FileKind::parameters, beside.parameters);
+    return filled;
+  }
+
+  // --- running
+  void run() {
+    if (task_.running()) return;
+    if (!lacking().empty() && fill_from_folder() && lacking().empty()) {
+      hint_ = "Filled in from the folder of the model. Enter runs it.";
+      return;
+    }
+    if (const std::string name = lacking(); !name.empty()) {
+      hint_ = fmt::format("{} is needed", name);
+      refused_ = true;
+      return;
+    }
+    ask_to_overwrite(0);
+  }
+
+  /// For each file that the verb would overwrite, from the `k`-th option on; then what the row asks.
+  void ask_to_overwrite(std::size_t k) {
+    const FormValues all = typed();
+    for (; k < values_.size(); ++k) {
+      const std::string file(trimmed(values_[k].text()));
+      const bool changed_in_place =
+          std::count_if(all.begin(), all.end(), [&file](const auto& one) { return one.second == file; }) > 1;
+      if (!verb_.options[k].output || file.empty() || changed_in_place || !would_overwrite(file)) continue;
+      const auto forced = all.find("--force");
+      if (forced == all.end() || !forced->second.empty()) continue;
+      return asking_.ask(
+          {"Overwrite " + file + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
+          [this, k] {
+            force_ = true;
+            ask_to_overwrite(k + 1);
+          });
+    }
+    if (row_.question)
+      ask_first();
+    else
+      start();
+  }
+
+  void ask_first() {
+    const auto work = [question = row_.question, connection = connection_, all = typed()](JobControl& control) {
+      return question(*connection, control, all);
+    };
+    answer_.reset();
+    task_.start("looking", work, [this](Result<Question> question) {
+      stop_asking();
+      if (question) return asking_.ask(std::move(*question), [this] { start(); });
+      hint_ = to_text(question.error());
+      refused_ = true;
+    });
+  }
+
+  void start() {
+    std::vector<std::string> values;
+    for (const TextLine& value : values_) values.push_back(value.text());
+    words_ = command_line(verb_, values);
+    if (!row_.confirmed.empty()) words_.push_back(row_.confirmed);
+    if (std::exchange(force_, false)) words_.emplace_back("--force");
+    answer_.reset();
+    lines_for_ = -1;
+    panel_.reset();
+    figure_.reset();
+    said_.clear();
+    scroll_ = {};
+    reading_ = row_.talks;
+    wire_ = std::make_shared<Wire>();
+    const auto connection = takes(verb_, "--link") ? connection_ : nullptr;
+    const auto work = [row = row_, words = words_, all = typed(), wire = wire_, connection](JobControl& control) {
+      std::optional<std::string> text = row.instead ? row.instead(all) : std::nullopt;
+      if (text) return FormAnswer{owned_lines_of(*text), 0, true};
+      FormAnswer answer;
+      std::ostringstream out;
+      {
+        std::optional<UnitConnection::Lent> lent;
+        if (connection) lent.emplace(*connection);
+        Wire::Mouth mouth(*wire);
+        std::ostream messages(&mouth);
+        ConsoleOptions options;
+        if (row.talks) options.keyboard = std::make_shared<Wire::Keys>(*wire, control);
+        answer.exit_code = run_program(words, out, messages, options);
+      }
+      answer.answered = !out.str().empty();
+      std::string said = out.str();
+      if (row.more && connection) said += row.more(*connection, control, answer.exit_code);
+      answer.lines = owned_lines_of(said);
+      return answer;
+    };
+    task_.start("running", work, [this](FormAnswer answer) { take(std::move(answer)); });
+  }
+
+  void take(FormAnswer answer) {
+    stop_asking();
+    (void)hear();
+    answer.lines.insert(answer.lines.begin(), said_.begin(), said_.end());
+    answer_ = std::move(answer);
+    if (row_.done) row_.done(*connection_, typed(), answer_->exit_code);
+    if (answer_->exit_code > 1) {
+      for (const std::string& line : answer_->lines) log_event(Tone::bad, verb_.name() + ": " + line);
+      return;
+    }
+    if (row_.talks) note_remark("it asks for what is typed");
+    if (takes(verb_, "--link"))
+      note_form(*connection_, words_, answer_->exit_code);
+    else
+      note_command(words_, answer_->exit_code);
+  }
+
+  /// Takes whole lines that the verb said. @return whether there were any
+  bool hear() {
+    if (!wire_) return false;
+    const std::string text = wire_->heard(!task_.running());
+    for (std::string& line : owned_lines_of(text)) said_.push_back(std::move(line));
+    return !text.empty();
+  }
+
+  // --- files that the verb writes
+  [[nodiscard]] bool writes() const {
+    return std::any_of(verb_.options.begin(), verb_.options.end(), [](const VerbOption& one) { return one.output; });
+  }
+
+  /// One after the other from the `k`-th option on; then it is run again.
+  void ask_output(std::size_t k) {
+    while (k < values_.size() && !verb_.options[k].output) ++k;
+    if (k == values_.size()) return run();
+    prompt_.ask(verb_.options[k].name + ":", Prompt::Kind::path, values_[k].text(), [this, k](const std::string& path) {
+      values_[k].set(path);
+      ask_output(k + 1);
+    });
+  }
+
+  // --- the answer
+  [[nodiscard]] std::string next() const {
+    const auto found =
+        std::find_if(said_.rbegin(), said_.rend(), [](const std::string& line) { return line.starts_with(kNext); });
+    return found == said_.rend() ? std::string() : *found;
+  }
+
+  void show_panel(std::size_t k) {
+    panel_ = row_.panels[k].second;
+    if (figure_ || drawing_.running()) return;
+    const auto work = [figure = row_.figure, all = typed()](JobControl&) { return figure(all); };
+    drawing_.start("drawing", work, [this](Result<PlotFigure> figure) { figure_ = std::move(figure); });
+  }
+
+  void draw_fields(Canvas& canvas, const Area& area) const {
+    const int names = name_columns();
+    const int count = static_cast<int>(values_.size());
+    field_.first = std::clamp(field_.first, std::max(0, field_.selected - area.rows + 1), std::max(0, field_.selected));
+    fields_row_ = area.row;
+    seen_fields_ = area.rows;
+    for (int r = 0; r < std::min(area.rows, count - field_.first); ++r) {
+      const auto k = static_cast<std::size_t>(field_.first + r);
+      const VerbOption& option = verb_.options[k];
+      const bool here = field_.first + r == field_.selected;
+      canvas.text(area, r, 0, here ? ">" : " ", Tone::strong);
+      canvas.text({area.row, area.column, area.rows, names - 1}, r, 2, option.name + (option.required ? " *" : ""),
+                  here ? Tone::strong : Tone::plain);
+      values_[k].draw(canvas, area, r, names, std::max(8, area.columns - names - 1), here);
+    }
+    if (field_.first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
+    if (field_.first + area.rows < count)
+      canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
+  }
+
+  void draw_running(Canvas& canvas, const Area& area) const {
+    int row = 0;
+    if (row_.talks) {
+      const Area inside = area.between_margins();
+      row += std::max(1, canvas.paragraph(inside, row, next().empty() ? "running ..." : next(), Tone::strong));
+      canvas.text(inside, row, 0, ">", Tone::strong);
+      line_.draw(canvas, inside, row, 2, std::max(8, inside.columns - 2), true);
+      row += 2;
+    } else {
+      canvas.text(area, row++, 0, fmt::format("running, {} s; Esc stops it", static_cast<int>(task_.seconds())),
+                  Tone::warning);
+    }
+    for (auto line = said_.rbegin(); line != said_.rend() && row < area.rows; ++line) {
+      if (line->starts_with(kNext)) continue;
+      row += canvas.paragraph(area.between_margins(), row, *line,
+                              line->starts_with("warning:") ? Tone::warning : Tone::plain);
+    }
+  }
+
+  void draw_answer(Canvas& canvas, const Area& area) const {
+    if (task_.running()) return draw_running(canvas, area);
+    if (!answer_) {
+      for (std::size_t k = 0; k < row_.idle.size(); ++k)
+        canvas.text(area, static_cast<int>(k), 1, row_.idle[k], k == 0 ? Tone::faint : Tone::plain);
+      return;
+    }
+    if (reading_ && panel_) return draw_panel(canvas, area);
+    const Tone tone = answer_->exit_code == 0 ? Tone::good : (answer_->exit_code == 1 ? Tone::warning : Tone::bad);
+    const std::string ending = row_.talks && answer_->exit_code != 0 ? "not finished: see below"
+                                                                     : ending_of(answer_->exit_code, answer_->answered);
+    canvas.text(area, 0, 0, ending, tone);
+    const Area body = area.below(1);
+    const auto& lines = answer_lines(body.columns);
+    answer_rows_ = std::max(1, body.rows);
+    const bool wide =
+        std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return width_of(line) > body.columns; });
+    draw_scrolled(canvas, body, lines, scroll_);
+    const int count = static_cast<int>(lines.size());
+    const std::string where =
+        count > body.rows ? fmt::format("{}-{} of {} lines; ", scroll_.first + 1, scroll_.first + body.rows, count)
+                          : "";
+    std::string brief, whole;
+    if (reading_) {
+      brief = where + "Esc: fields";
+      whole = where + (wide ? "up, down, left, right; Esc to the fields" : "up, down; Esc to the fields");
+    } else if (wide || count > body.rows) {
+      brief = "PgDn reads";
+      whole = wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it";
+    }
+    canvas.text_right(area, 0, width_of(whole) + width_of(ending) + 2 > area.columns ? brief : whole, Tone::strong);
+  }
+
+  void draw_panel(Canvas& canvas, const Area& area) const {
+    if (!figure_)
+      canvas.text(area, 0, 1, "drawing ...", Tone::warning);
+    else if (!*figure_ || *panel_ >= (*figure_)->panels.size())
+      canvas.paragraph(area.between_margins(), 0,
+                       *figure_ ? "There is no such picture of it." : to_text(figure_->error()), Tone::warning);
+    else
+      draw_chart(canvas, area, (*figure_)->panels[*panel_], {});
+  }
+
+  /// The answer in lines for the width it is shown in.
+  [[nodiscard]] const std::vector<std::string>& answer_lines(int columns) const {
+    if (lines_for_ == columns) return lines_;
+    lines_for_ = columns;
+    lines_ = sentences_wrapped(answer_->lines, columns);
+    return lines_;
+  }
+
+  FormRow row_;
+  VerbEntry verb_;
+  std::vector<KeyRow> keys_ = key_table();
+  std::shared_ptr<UnitConnection> connection_;
+  std::vector<TextLine> values_;
+  ListPlace field_;
+  Prompt prompt_;
+  Asking asking_;
+  mutable int fields_row_ = 0;   ///< of the canvas, as drawn last
+  mutable int seen_fields_ = 0;  ///< rows of them
+  bool reading_ = false;         ///< the keys go to the answer
+  ScrollPlace scroll_;
+  mutable int answer_rows_ = 10;  ///< that are seen of it
+  mutable int lines_for_ = -1;    ///< columns for which `lines_` were made
+  mutable std::vector<std::string> lines_;
+  std::string hint_;
+  bool refused_ = false;  ///< the hint says why
+  bool force_ = false;    ///< the question whether to overwrite was answered with yes
+  std::optional<FormAnswer> answer_;
+  std::vector<std::string> words_;    ///< that run, or ran last
+  std::vector<std::string> said_;     ///< by the verb while it runs
+  std::shared_ptr<Wire> wire_;        ///< to the verb that runs
+  TextLine line_;                     ///< typed to it
+  std::optional<std::size_t> panel_;  ///< shown in place of the answer
+  std::optional<Result<PlotFigure>> figure_;
+  TaskRunner task_;
+  TaskRunner drawing_;
+};
+
+}  // namespace
+
+std::unique_ptr<Screen> form_screen(FormRow row, VerbEntry verb, std::shared_ptr<UnitConnection> connection,
+                                    const FormValues& values, bool at_once) {
+  return std::make_unique<FormScreen>(std::move(row), std::move(verb), std::move(connection), values, at_once);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,280 @@
+#include "app/screens/forms/rows.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/verbs/registry.hpp"
+#include "base/file.hpp"
+#include "base/numbers.hpp"
+#include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
+#include "commissioning/session/measured_phases.hpp"
+#include "commissioning/session/shell_word.hpp"
+#include "commissioning/unit/utility_work.hpp"
+#include "commissioning/utility/unit_view.hpp"
+#include "commissioning/volume/figures.hpp"
+#include "commissioning/volume/work.hpp"
+#include "core/address_map.hpp"
+#include "model/lengths/length_test.hpp"
+#include "protocol/client/client.hpp"
+
+namespace ecs::app {
+namespace {
+
+// --- LENGTHS
+/// What a plan asks for, set-up by set-up; nothing: the file holds measured lengths, or is none.
+std::optional<std::string> plan_in(const FormValues& values) {
+  const std::string& file = values.at("LENGTHS");
+  const auto text = read_file(file);
+  if (!text || text->find("deviation_um") != std::string::npos) return std::nullopt;
+  const auto plan = model::parse_lengths(*text, file, true);
+  if (!plan) return std::nullopt;
+  std::string out =
+      fmt::format("{}: a plan of {} lengths{}, nothing measured yet\n", plan->source, plan->readings.size(),
+                  plan->minutes ? fmt::format(", {:.1f} minutes", *plan->minutes) : "");
+  for (std::size_t s = 0; s < plan->set_ups.size(); ++s) {
+    const model::LengthSetUp& set_up = plan->set_ups[s];
+    std::set<std::string> tools;
+    std::size_t count = 0;
+    for (const model::LengthReading& reading : plan->readings) {
+      if (reading.set_up != s) continue;
+      tools.insert(plan->tools[reading.tool].name);
+      ++count;
+    }
+    out += fmt::format("  set-up {}: {} {:.6g}, {:.6g}, {:.6g}: {} lengths, tools {}\n", set_up.name,
+                       model::word_of(set_up.instrument), set_up.place[0], set_up.place[1], set_up.place[2], count,
+                       fmt::join(tools, ", "));
+  }
+  for (const model::LengthTool& tool : plan->tools)
+    out += fmt::format("  tool {}: reflector at {:.6g}, {:.6g}, {:.6g} mm\n", tool.name, tool.offset_mm[0],
+                       tool.offset_mm[1], tool.offset_mm[2]);
+  return out + "Measure row by row and add the column deviation_um; of the emulated machine:\n  " +
+         shell_command({"ecs-emulator", "lengths", path_word(plan->source), "--machine",
+                        path_word(values.at("--machine")), "-o", "lengths.csv"});
+}
+
+// --- VOLUME
+Result<PlotFigure> figure_of_volume(const FormValues& values) {
+  const auto given = [&values](const char* option) {
+    const auto found = values.find(option);
+    return found == values.end() ? std::string() : found->second;
+  };
+  VolumeArguments arguments;
+  arguments.map = given("MAP");
+  arguments.params = given("--params");
+  arguments.errors = given("--errors");
+  arguments.model = given("--model");
+  arguments.machine = given("--machine");
+  arguments.rotary = given("--rotary");
+  arguments.other_machine = !given("--other-machine").empty();
+  arguments.plane = kLongestPlane;
+  NoMessages nobody;
+  ECS_TRY(work, volume_work(nobody, arguments));
+  return volume_figure(work);
+}
+
+// --- RUN USER SOFTWARE
+constexpr std::size_t kPeekBytes = 8;
+
+/// Where a program may lie, and what it finds there.
+struct ProgramRegion {
+  Region region;
+  const char* what;
+};
+
+std::vector<ProgramRegion> program_regions() {
+  Region programs = kSystemRam;
+  programs.first = kUserPrograms;
+  programs.size = kSystemRam.first + kSystemRam.size - kUserPrograms;
+  return {{programs, "your programs, data and stack"},
+          {kEprom, "the firmware: read only"},
+          {{kSystemRam.first, kUserRegisterBytes, false, kSystemRam.name}, "registers after a run"},
+          {kMachineInputs, "periods, positions, axes: read only"},
+          {kCommitRecords, "which bank is active: read only"},
+          {kBankA, "error map and parameters"},
+          {kBankB, "error map and parameters"}};
+}
+
+std::vector<std::string> region_rows() {
+  std::vector<std::string> rows{
+      fmt::format("{:<10}{:<10}{:<20}{}", "from", "to", "memory", "what a program finds there")};
+  for (const auto& [region, what] : program_regions())
+    rows.push_back(
+        fmt::format("0x{:06X}  0x{:06X}  {:<20}{}", region.first, region.first + region.size - 1, region.name, what));
+  rows.insert(rows.end(), {"", "A program ends with RTS and returns D0. MEMORY ACCESS writes programs and",
+                           "their data into system RAM, which forgets without power."});
+  return rows;
+}
+
+std::vector<std::string> region_addresses() {
+  std::vector<std::string> addresses;
+  for (const ProgramRegion& one : program_regions()) addresses.push_back(fmt::format("0x{:06X}", one.region.first));
+  return addresses;
+}
+
+/// Names the program's first bytes.
+Result<Question> sure_to_run(UnitConnection& connection, JobControl& control, const FormValues& values) {
+  if (const auto seen = connection.newest())
+    if (const std::string why = refusal_in(seen->mode); !why.empty()) return problem(ProblemKind::refused, why);
+  ECS_TRY(start, whole_number(values.at("ADDRESS"), "ADDRESS"));
+  const Address address = start;
+  ECS_TRY(argument, whole_number(values.at("--argument"), "--argument"));
+  ECS_TRY(bytes, connection.with_link(
+                     control, [address](UnitLink& link) { return link.client().read_memory(address, kPeekBytes); }));
+  std::string words;
+  for (std::size_t k = 0; k + 1 < bytes.size(); k += 2) words += fmt::format(" {:02X}{:02X}", bytes[k], bytes[k + 1]);
+  const bool empty = std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
+  return Question{
+      fmt::format("Run the program at 0x{:06X}?", address),
+      (empty ? std::string("NO PROGRAM lies there, only zeros: MEMORY ACCESS writes one. ")
+             : fmt::format("It begins with{}. ", words)) +
+          fmt::format("D0 is given {} (0x{:08X}). It may write to all RAM of the unit, the error map included, and is "
+                      "stopped after {} s; leaving its memory is a fault that the unit keeps.",
+                      argument, argument, values.at("--wait")),
+      "run it", "leave it"};
+}
+
+/// Of a program that failed the registers where it ended.
+std::string registers_where_it_ended(UnitConnection& connection, JobControl& control, int exit_code) {
+  if (exit_code == 0) return {};
+  const auto registers = connection.with_link(control, [](UnitLink& link) { return kept_registers(link.client()); });
+  return registers ? "it returned nothing; its registers where it ended:\n" + registers_text(*registers) : "";
+}
+
+// --- ARM THE UNIT
+constexpr const char* kArmTitle = "ARM THE UNIT";
+constexpr const char* kArmExplained =
+    "The unit is read-only for this host: it takes nothing that writes, moves an axis, closes a relay or runs code. "
+    "Type "
+    "the code that it shows, then do again what was refused. What stops and switches off needs no code.";
+
+FormEntry lengths_entry() {
+  return {"all 21 components from lengths; what is missing",
+          {.verb = "lengths fit",
+           .title = "LENGTHS",
+           .asks = "Which lengths, of which machine?",
+           .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an "
+                    "interferometer, from a tracking interferometer or the ball of a ball bar. Each component with its "
+                    "expanded uncertainty (95 %), the scatter that was found and the set-ups; what the lengths do not "
+                    "determine, and which lengths would. s saves the map, and the parameters with the squareness. Of a "
+                    "plan it says what it asks for. PLAN OF LENGTHS makes one.",
+           .fields = {"LENGTHS", "--machine", "--params", "--knots"},
+           .instead = plan_in}};
+}
+
+FormEntry plan_entry() {
+  return {"which lengths to measure for a wanted uncertainty, in the fewest minutes",
+          {.verb = "lengths plan",
+           .title = "PLAN OF LENGTHS",
+           .asks = "Which machine, and how certain is its volume to be?",
+           .about = "The set-ups and lengths with the fewest minutes for a wanted uncertainty of the volume, beside "
+                    "single set-ups; the search takes half a minute. s saves the plan. Measured, it goes to LENGTHS.",
+           .fields = {"--machine", "--volume-um", "--knots"}}};
+}
+
+FormEntry volume_entry() {
+  return {"the error anywhere, before and after, and how certain it is",
+          {.verb = "volume",
+           .title = "VOLUME",
+           .asks = "How large is the error in the working volume?",
+           .about = "The length of the error vector over the whole working volume, before compensation and after it, "
+                    "with a 95 % bound from the uncertainty of the map. Page 1 has the sizes, pages 2 and 3 the error "
+                    "along the body diagonals. s writes the wire cube, the slice with arrows and the diagonals as SVG "
+                    "or PNG. With a machine file that has rotary axes the sizes are those at every angle, slice and "
+                    "pictures those at the angles of the largest error, which page 1 names.",
+           .fields = {"MAP", "--params", "--errors", "--machine", "--rotary"},
+           .figure = figure_of_volume,
+           .panels = {{"before", 4}, {"after", 5}}}};
+}
+
+FormEntry run_entry() {
+  return {"machine code in the unit's memory",
+          {.verb = "utility run",
+           .title = "RUN USER SOFTWARE",
+           .asks = "Which program of the unit's system RAM?",
+           .about = "Runs 68000 machine code that lies in the unit's system RAM. D0 holds the argument; RTS ends the "
+                    "program and D0 is its result; the registers it left are shown. An access where nothing is, an "
+                    "illegal instruction or the end of the time limit ends it, and the unit keeps the fault "
+                    "user_software.",
+           .fields = {"ADDRESS", "--argument", "--wait"},
+           .confirmed = "--yes",
+           .preset = {{"ADDRESS", fmt::format("0x{:06X}", kUserPrograms)}, {"--argument", "0"}},
+           .offers = {{"ADDRESS", {fmt::format("0x{:06X}", kUserPrograms)}}, {"--argument", region_addresses()}},
+           .idle = region_rows(),
+           .question = sure_to_run,
+           .more = registers_where_it_ended,
+           .done = [](UnitConnection&, const FormValues& values, int exit_code) {
+             if (exit_code != 0) note_remark("the program at " + values.at("ADDRESS") + " was run and failed");
+           }}};
+}
+
+FormEntry arm_entry() {
+  return {
+      {},
+      {.verb = "unit arm",
+       .title = kArmTitle,
+       .asks = kArmExplained,
+       .about = std::string(kArmExplained) +
+                " The emulator shows its code at its start, and by `ecs-emulator workshop SOCKET arm-code`. After a "
+                "wrong code the unit waits before it looks at another one.",
+       .fields = {"--code", "--minutes"},
+       .leaves_when_done = true,
+       .done = [](UnitConnection& connection, const FormValues& values, int exit_code) {
+         if (exit_code == 0) connection.know_code(std::string(trimmed(values.at("--code"))));
+       }}};
+}
+
+FormEntry table_entry() {
+  const MeasuredPhases phases = measured_phases();
+  return {{},
+          {.verb = "laser table",
+           .preset = {{"PLAN", phases.plan}, {"--before", phases.before}, {"--after", phases.after}}}};
+}
+
+VerbEntry verb_named(const std::string& name) {
+  for (const MenuEntry& menu : verb_catalogue(all_verbs()))
+    for (const VerbEntry& verb : menu.verbs)
+      if (verb.name() == name) return verb;
+  return {};
+}
+
+}  // namespace
+
+std::vector<FormEntry> form_entries() {
+  return {volume_entry(),
+          lengths_entry(),
+          plan_entry(),
+          run_entry(),
+          arm_entry(),
+          table_entry(),
+          {{}, {.verb = "laser capture", .talks = true}},
+          {{}, {.verb = "laser devices", .talks = true}}};
+}
+
+std::unique_ptr<Screen> form_titled(const std::string& title, const std::shared_ptr<UnitConnection>& connection,
+                                    const FormValues& values, bool at_once) {
+  for (FormEntry& entry : form_entries())
+    if (entry.row.title == title) {
+      VerbEntry verb = verb_named(entry.row.verb);
+      return form_screen(std::move(entry.row), std::move(verb), connection, values, at_once);
+    }
+  return nullptr;
+}
+
+std::unique_ptr<Screen> verb_screen(const VerbEntry& verb, const std::shared_ptr<UnitConnection>& connection) {
+  FormRow row{.verb = verb.name()};
+  for (FormEntry& entry : form_entries())
+    if (entry.row.verb == row.verb && entry.row.title.empty()) row = std::move(entry.row);
+  return form_screen(std::move(row), verb, connection);
+}
+
+std::unique_ptr<Screen> arm_screen_if_wanted(const std::shared_ptr<UnitConnection>& connection) {
+  if (!connection->snapshot().wants_code) return nullptr;
+  connection->know_code({});
+  return form_titled(kArmTitle, connection);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,220 @@
+// The screens that ask and answer: what holds for every row of their table, then what is special to some.
+#include "app/screens/forms/rows.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/verbs/registry.hpp"
+#include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
+#include "tests/support/emulator.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/screen_driver.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace screen_test;
+
+constexpr const char* kMachine = "samples/machining_centre/machine.toml";
+constexpr const char* kParameters = "samples/machining_centre/parameters.toml";
+constexpr const char* kMeasured = "samples/standards/lengths.csv";
+
+VerbEntry verb_of(const std::string& name) {
+  for (const MenuEntry& menu : verb_catalogue(all_verbs()))
+    for (const VerbEntry& verb : menu.verbs)
+      if (verb.name() == name) return verb;
+  FAIL("no verb ", name);
+  return {};
+}
+
+/// A form whose verb was run at once, when it has answered.
+std::unique_ptr<Screen> answered(const std::string& title, const FormValues& values) {
+  auto screen = form_titled(title, no_link(), values, true);
+  REQUIRE(screen);
+  while (screen->advance()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return screen;
+}
+
+/// Lengths without the readings of a set-up.
+std::string lengths_without(const std::string& set_up) {
+  std::string out;
+  for (const std::string& line : owned_lines_of(content_of(kMeasured)))
+    if (!line.starts_with(set_up + ",") && !line.starts_with("# set_up: " + set_up)) out += line + "\n";
+  return out;
+}
+
+TEST_CASE("every row names a verb and fields that there are, draws in every size, asks for what it needs and lets go") {
+  const StateFolder state;
+  for (const FormEntry& entry : form_entries()) {
+    CAPTURE(entry.row.verb);
+    const VerbEntry verb = verb_of(entry.row.verb);
+    const auto has = [&verb](const std::string& name) {
+      return std::any_of(verb.options.begin(), verb.options.end(), [&](const auto& one) { return one.name == name; });
+    };
+    for (const std::string& field : entry.row.fields) CHECK_MESSAGE(has(field), field);
+    for (const auto& [field, value] : entry.row.preset) CHECK_MESSAGE(has(field), field);
+    for (const auto& [field, values] : entry.row.offers) CHECK_MESSAGE(has(field), field);
+    CHECK((entry.row.confirmed.empty() || has(entry.row.confirmed)));
+    const auto screen = form_screen(entry.row, verb, no_link());
+    CHECK(screen->title() == (entry.row.title.empty() ? entry.row.verb : entry.row.title));
+    const std::string seen = picture(*screen, 24, 200);
+    if (!entry.row.asks.empty()) CHECK(reads(seen, entry.row.asks));
+    if (!entry.row.fields.empty()) CHECK(contains(seen, "> " + entry.row.fields.front()));
+    if (!entry.row.confirmed.empty()) CHECK_FALSE(contains(seen, entry.row.confirmed + " "));
+    for (const auto& [rows, columns] : {std::pair{1, 1}, {3, 10}, {12, 40}, {60, 200}}) {
+      const std::string text = picture(*screen, rows, columns, Glyphs::ascii);
+      CHECK(std::count(text.begin(), text.end(), '\n') == rows);
+    }
+    CHECK_FALSE(screen->help().empty());
+    const bool needs = std::any_of(verb.options.begin(), verb.options.end(), [&](const VerbOption& one) {
+      return one.required && one.value.empty() && !entry.row.preset.contains(one.name);
+    });
+    if (needs) {
+      (void)press(*screen, Key::Name::enter);
+      CHECK(contains(picture(*screen), "is needed"));
+    }
+    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+  }
+}
+
+TEST_CASE("the row of a field that others come after is the first one, whatever order the verb declares") {
+  FormRow row{.verb = "volume"};
+  row.fields = {"--rotary", "MAP"};
+  const auto screen = form_screen(row, verb_of("volume"), no_link());
+  const std::string seen = picture(*screen);
+  CHECK(seen.find("--rotary") < seen.find("MAP *"));
+  CHECK(seen.find("MAP *") < seen.find("--params *"));
+}
+
+TEST_CASE(
+    "LENGTHS shows all components with their uncertainties; s saves what the verb writes, asking before it "
+    "overwrites") {
+  const Folder folder;
+  commissioning::forget_commands();
+  const auto screen = answered("LENGTHS", {{"LENGTHS", kMeasured}, {"--machine", kMachine}, {"--params", kParameters}});
+  CHECK(contains(picture(*screen), "done"));
+  (void)press(*screen, Key::Name::page_down);
+  for (const char* part : {"U (95 %)", "EXX", "ECY"}) CHECK(contains(picture(*screen), part));
+  const std::string map = folder / "found.csv", params = folder / "found.toml";
+  const auto save = [&] {
+    (void)letter(*screen, 's');
+    CHECK(contains(picture(*screen), "--output:"));
+    replace_line(*screen, map);
+    CHECK(contains(picture(*screen), "--params-out:"));
+    replace_line(*screen, params);
+  };
+  save();
+  REQUIRE(until(*screen, [&] { return std::filesystem::exists(params); }));
+  REQUIRE(shows(*screen, "done"));
+  CHECK(contains(content_of(map), "# uncertainty: EXX"));
+  CHECK(contains(content_of(params), "[compensation.squareness]"));
+  const auto noted = commissioning::noted_commands();
+  REQUIRE(noted.size() == 2);
+  CHECK(contains(commissioning::command_text(noted.back()), "ecs lengths fit "));
+  CHECK(contains(commissioning::command_text(noted.back()), " --params-out "));
+  (void)press(*screen, Key::Name::page_down);
+  save();
+  CHECK(contains(picture(*screen), "Overwrite"));
+  (void)letter(*screen, 'n');
+  CHECK(commissioning::noted_commands().size() == 2);
+  save();
+  (void)letter(*screen, 'y');
+  (void)letter(*screen, 'y');
+  REQUIRE(until(*screen, [] { return commissioning::noted_commands().size() == 3; }));
+  CHECK(contains(commissioning::command_text(commissioning::noted_commands().back()), " --force"));
+}
+
+TEST_CASE("what lengths do not determine is said with the lengths that would; a plan says what it asks for") {
+  const Folder folder;
+  const auto two =
+      answered("LENGTHS", {{"LENGTHS", folder.with("two.csv", lengths_without("S5"))}, {"--machine", kMachine}});
+  (void)press(*two, Key::Name::page_down);
+  CHECK(reads(picture(*two, 100, 160),
+              "A0Z is not determined: no length is inclined in the plane YZ: add diagonals of that face"));
+  const std::string plan = folder / "plan.csv";
+  const auto made =
+      answered("PLAN OF LENGTHS",
+               {{"--machine", kMachine}, {"--volume-um", "40"}, {"--knots", "1200,600,600"}, {"--output", plan}});
+  (void)press(*made, Key::Name::page_down);
+  CHECK(reads(picture(*made, 60, 120), "single set-ups for"));
+  CHECK(contains(content_of(plan), "# minutes:"));
+  const auto shown = answered("LENGTHS", {{"LENGTHS", plan}, {"--machine", kMachine}});
+  CHECK(reads(picture(*shown), "nothing measured yet"));
+  CHECK(reads(picture(*shown), "set-up"));
+}
+
+TEST_CASE("VOLUME shows the sizes, then the body diagonals, also of a machine with rotary axes") {
+  const Folder folder;
+  const std::string map = folder.with(
+      "map.csv",
+      "# configuration: XYTZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,600,-12\nX,EX,0,1200,-24\n");
+  const auto diagonals = [](Screen& screen) {
+    (void)press(screen, Key::Name::page_down);
+    (void)letter(screen, '2');
+    CHECK(shows(screen, "before, body diagonals"));
+    (void)letter(screen, '3');
+    CHECK(contains(picture(screen), "after, body diagonals"));
+    (void)letter(screen, '1');
+    CHECK(contains(picture(screen), "95 %"));
+    CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+    CHECK(contains(picture(screen), "How large is the error"));
+  };
+  const auto screen = answered("VOLUME", {{"MAP", map}, {"--params", kParameters}});
+  CHECK(contains(picture(*screen, 60, 100), "24.0"));
+  diagonals(*screen);
+  const auto rotary = answered("VOLUME", {{"MAP", "samples/five_axes/map.csv"},
+                                          {"--params", kParameters},
+                                          {"--machine", "samples/five_axes/machine.toml"},
+                                          {"--rotary", "samples/five_axes/rotary.csv"}});
+  CHECK(contains(picture(*rotary, 60, 100), "rotary axes A"));
+  CHECK(contains(picture(*rotary, 60, 100), "settings"));
+  diagonals(*rotary);
+  const auto absent = answered("VOLUME", {{"MAP", "none.csv"}, {"--params", kParameters}});
+  CHECK(contains(picture(*absent), "none.csv"));
+}
+
+// --- a verb that talks
+std::unique_ptr<Screen> capture(const StateFolder& folder) {
+  auto screen = form_screen({.verb = "laser capture", .talks = true}, verb_of("laser capture"), no_link(),
+                            {{"--axis", "X"},
+                             {"--sense", "EX"},
+                             {"--from", "0"},
+                             {"--to", "50"},
+                             {"--step", "50"},
+                             {"--runs", "1"},
+                             {"--min-interval", "0"},
+                             {"--output", (folder.path / "x.csv").string()}},
+                            true);
+  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
+  enter(*screen, "0.5");
+  REQUIRE(shows(*screen, "next: X forward to 50 mm (2 of 2"));
+  return screen;
+}
+
+TEST_CASE("a capture leads through its targets on the screen and ends with its file") {
+  const StateFolder folder;
+  const auto screen = capture(folder);
+  CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
+  enter(*screen, "u");
+  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
+  for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
+  REQUIRE(shows(*screen, "4 readings of 4 targets written"));
+  CHECK(std::filesystem::exists(folder.path / "x.csv"));
+  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("escape leaves a capture with what was read in its part file, and so does closing the screen") {
+  const StateFolder folder;
+  SUBCASE("escape") {
+    const auto screen = capture(folder);
+    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
+    REQUIRE(shows(*screen, "not finished: see below"));
+  }
+  SUBCASE("closed") { (void)capture(folder); }
+  CHECK(std::filesystem::exists(folder.path / "x.csv.part"));
+}
+
+}  // namespace
+}  // namespace ecs::app
