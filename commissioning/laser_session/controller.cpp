@@ -87,10 +87,7 @@ void LaserController::change(const std::string& what, const std::function<void(L
   LaserChoices next = choices_;
   how(next);
   if (next == choices_) return;
-  past_.emplace_back(what, choices_);
-  if (past_.size() > 200) past_.erase(past_.begin());
-  future_.clear();
-  choices_ = std::move(next);
+  history_.did(what, std::exchange(choices_, std::move(next)));
   keep();
   work_out(false);
 }
@@ -109,29 +106,12 @@ void LaserController::open_map(const std::string& file) {
                    : fmt::format("map opened, with the parameters {}; step 8 sends both", choices_.params_file));
 }
 
-void LaserController::undo() {
-  if (past_.empty()) {
-    message_.say("nothing to undo", Tone::warning);
-    return;
-  }
-  message_.say("taken back: " + past_.back().first);
-  step_over(past_, future_);
-}
+void LaserController::undo() { stepped("taken back: ", history_.undo(choices_), "nothing to undo"); }
+void LaserController::redo() { stepped("done again: ", history_.redo(choices_), "nothing to do again"); }
 
-void LaserController::redo() {
-  if (future_.empty()) {
-    message_.say("nothing to do again", Tone::warning);
-    return;
-  }
-  message_.say("done again: " + future_.back().first);
-  step_over(future_, past_);
-}
-
-/// The newest of `from` becomes what is chosen, what was chosen goes onto `to`.
-void LaserController::step_over(History& from, History& to) {
-  to.emplace_back(from.back().first, std::move(choices_));
-  choices_ = std::move(from.back().second);
-  from.pop_back();
+void LaserController::stepped(const char* how, const std::optional<std::string>& what, const char* nothing) {
+  if (!what) return message_.say(nothing, Tone::warning);
+  message_.say(how + *what);
   keep();
   work_out(false);
 }
@@ -148,7 +128,7 @@ void LaserController::keep() {
 void LaserController::take_up_offered() {
   if (!offered_) return;
   choices_ = choices_in(offered_->text).value_or(LaserChoices{});
-  past_.emplace_back("the work of the draft", LaserChoices{});
+  history_.did("the work of the draft", LaserChoices{});
   message_.say("taken up: work of " + offered_->kept);
   warn_of_newer_files(offered_->kept);
   offered_.reset();
@@ -257,7 +237,7 @@ LaserMark LaserController::mark(LaserStep step) const {
                                      [](const auto& result) { return !result->iso || !result->iso->notes.empty(); }));
     case LaserStep::map:
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
-      return done_unless(!w.map.complete() || !w.map.findings.empty());
+      return done_unless(!w.map.complete() || !w.map.findings().empty());
     case LaserStep::header: {
       if (!w.map.built) return LaserMark::open;
       const laser::MapHeader& h = w.map.built->map.header;

@@ -12,6 +12,7 @@
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/session/drafts.hpp"
+#include "commissioning/session/edit_history.hpp"
 #include "commissioning/session/message.hpp"
 
 namespace ecs::commissioning {
@@ -110,8 +111,7 @@ class LaserController {
   [[nodiscard]] std::string unsaved() const;
 
  private:
-  using History = std::vector<std::pair<std::string, LaserChoices>>;
-  void step_over(History& from, History& to);
+  void stepped(const char* how, const std::optional<std::string>& what, const char* nothing);
   void work_out(bool with_map);
   void keep();
   [[nodiscard]] bool idle();
@@ -134,7 +134,7 @@ class LaserController {
   struct WorkFolder;
   std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;
-  History past_, future_;  ///< what each step was, and the choices beyond it
+  EditHistory<LaserChoices> history_;
   void offer(std::optional<Draft> draft);
   std::optional<Draft> offered_;
   std::string offered_of_;

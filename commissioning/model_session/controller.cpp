@@ -147,15 +147,12 @@ void ModelController::start_adding(const std::string& effect) {
 
 void ModelController::decide(std::size_t effect) {
   if (busy() || effect >= model_.effects.size() || model_.effects[effect].is_user()) return;
-  past_.push_back({"decided for " + place_text(model_.effects[effect]), model_,
-                   commands_.decide(place_text(model_.effects[effect]))});
-  commands_.did(past_.back().words);
-  future_.clear();
+  did("decided for " + place_text(model_.effects[effect]), commands_.decide(place_text(model_.effects[effect])));
   keep_alternatives(model_.effects[effect], {});
   keep_alternatives(fit_.effects[effect].effect, {});
   changed_ = true;
   message_.say(fmt::format("decided: it is {}", place_text(model_.effects[effect])));
-  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+  keep();
 }
 
 void ModelController::start_adding(const model::AddRequest& request, const std::string& name,
@@ -195,35 +192,46 @@ void ModelController::start_removing(std::size_t effect) {
       });
 }
 
-void ModelController::step_over(Steps& from, Steps& to, const char* label) {
-  const Step step = from.back();
+void ModelController::did(const std::string& what, const std::vector<std::string>& words) {
+  history_.did(what, {model_, words});
+  commands_.did(words);
+}
+
+void ModelController::keep() {
+  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+}
+
+/// @pre there is such a step
+void ModelController::step_over(bool back) {
+  const auto& step = back ? *history_.last() : *history_.next();
+  const char* const label = back ? "taken back" : "done again";
   message_.clear();
-  const auto work = [model = step.model, work = work_, said = fmt::format("{}: {}", label, step.done)](JobControl&) {
-    return fitted(model, work->data, said);
-  };
-  task_.start(label, work, [this, &from, &to, done = step.done, words = step.words](Result<Fitted> now) {
+  const auto work = [model = step.state.model, work = work_, said = fmt::format("{}: {}", label, step.what)](
+                        JobControl&) { return fitted(model, work->data, said); };
+  task_.start(label, work, [this, back, words = step.state.words](Result<Fitted> now) {
     if (task_.cancelled()) return;
     if (!now) return message_.say(now.error());
-    &from == &past_ ? commands_.undid(words) : commands_.did_again(words);
-    from.pop_back();
-    to.push_back({done, model_, words});
+    back ? commands_.undid(words) : commands_.did_again(words);
+    Before state{model_, words};
+    (void)(back ? history_.undo(state) : history_.redo(state));
     show(std::move(*now));
   });
 }
 
 void ModelController::undo() {
   if (busy()) return;
-  if (!past_.empty()) return step_over(past_, future_, "taken back");
-  auto before = model::undo(model_);
-  if (!before) return message_.say(before.error());
-  past_.push_back({model_.history.back().effect, std::move(*before), ModelCommands::added_before()});
-  step_over(past_, future_, "taken back");
+  if (history_.last() == nullptr) {
+    auto before = model::undo(model_);
+    if (!before) return message_.say(before.error());
+    history_.did_before(model_.history.back().effect, {std::move(*before), ModelCommands::added_before()});
+  }
+  step_over(true);
 }
 
 void ModelController::redo() {
   if (busy()) return;
-  if (future_.empty()) return message_.say("nothing to do again", Tone::warning);
-  step_over(future_, past_, "done again");
+  if (history_.next() == nullptr) return message_.say("nothing to do again", Tone::warning);
+  step_over(false);
 }
 
 void ModelController::save() {
@@ -334,9 +342,7 @@ void ModelController::cancel() {
 
 void ModelController::take(Result<Fitted> fitted) {
   if (!fitted) return message_.say(fitted.error());
-  past_.push_back({fitted->done, model_, fitted->words});
-  commands_.did(fitted->words);
-  future_.clear();
+  did(fitted->done, fitted->words);
   show(std::move(*fitted));
 }
 
@@ -351,7 +357,7 @@ void ModelController::show(Fitted fitted) {
   changed_ = true;
   ++generation_;
   message_.say(fitted.said);
-  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+  keep();
 }
 
 void ModelController::take(Diagnosed found) {
@@ -366,13 +372,11 @@ void ModelController::take(Diagnosed found) {
 void ModelController::take(const model::DecidedTies& ties) {
   message_.say(fmt::format("{}", fmt::join(ties.notes, "; ")));
   if (ties.model.effects == model_.effects) return;
-  past_.push_back({"what these readings decide", model_, commands_.fit()});
-  commands_.did(past_.back().words);
-  future_.clear();
+  did("what these readings decide", commands_.fit());
   for (std::size_t i = 0; i < model_.effects.size(); ++i)
     model_.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
   changed_ = true;
-  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+  keep();
 }
 
 bool ModelController::advance() {

@@ -16,6 +16,7 @@
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/session/drafts.hpp"
+#include "commissioning/session/edit_history.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "model/diagnosis/diagnose.hpp"
@@ -140,12 +141,10 @@ class ModelController {
     std::string done{};                ///< what undo calls it
     std::vector<std::string> words{};  ///< of the command that does it; empty: there is none
   };
-  struct Step {
-    std::string done;
+  struct Before {
     model::Model model;
-    std::vector<std::string> words;  ///< as in Fitted
+    std::vector<std::string> words;  ///< of the step after it, as in Fitted
   };
-  using Steps = std::vector<Step>;
   struct Diagnosed {
     Result<model::Diagnosis> diagnosis;
     model::NextMeasurement next;
@@ -153,7 +152,10 @@ class ModelController {
   };
   using Lines = std::vector<std::string>;
   ModelController() = default;
-  void step_over(Steps& from, Steps& to, const char* label);
+  /// What was done here, as the command `words` does it.
+  void did(const std::string& what, const std::vector<std::string>& words);
+  void keep();
+  void step_over(bool back);
   void take(const model::DecidedTies& ties);
   /// @param rivals  that the data cannot tell it from: kept with it
   void start_adding(const model::AddRequest& request, const std::string& name,
@@ -178,7 +180,7 @@ class ModelController {
   std::optional<model::Diagnosis> diagnosis_;
   std::optional<model::NextMeasurement> next_;
   Lines after_;
-  Steps past_, future_;
+  EditHistory<Before> history_;
   std::shared_ptr<UnitConnection> unit_;
   std::optional<PlannedMap> planned_;
   std::string map_file_;

@@ -14,8 +14,6 @@
 namespace ecs::commissioning {
 namespace {
 
-constexpr std::size_t kMostUndo = 500;
-
 /// Every key there is, in the order of the file.
 std::vector<std::string> all_keys() {
   std::vector<std::string> keys{std::string(kMachineKey), std::string(kSerialKey)};
@@ -74,7 +72,7 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   ParameterSet received{*unit.parameters, {set_.identity.machine, unit.identity.serial_number}};
   held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
-    if (unsaved()) set_draft_aside();
+    if (unsaved()) set_draft_aside(kParametersDraft);
     edit(std::move(received), "receiving from the unit");
     settle();
   } else {
@@ -92,11 +90,6 @@ std::string ParametersController::owner_of(const Draft& draft) {
   if (!parsed) return {};
   return parsed->set.identity.machine.empty() ? parsed->file : parsed->set.identity.machine;
 }
-
-void ParametersController::drop_draft() { commissioning::drop_draft(kParametersDraft); }
-void ParametersController::set_draft_aside() { commissioning::set_draft_aside(kParametersDraft); }
-std::size_t ParametersController::drafts_aside() { return commissioning::drafts_aside(kParametersDraft); }
-void ParametersController::offer_another() { exchange_draft(kParametersDraft); }
 
 Result<void> ParametersController::take_up_draft() {
   const auto kept = draft_of(kParametersDraft);
@@ -119,36 +112,31 @@ Result<void> ParametersController::take_up_draft() {
   set_ = std::move(draft.set);
   base_ = std::move(draft.base);
   file_ = draft.file;
-  done_.clear();
-  undone_.clear();
-  if (set_ != base_) done_.push_back({base_, set_, "the work of the draft"});
+  history_.clear();
+  if (set_ != base_) history_.did("the work of the draft", base_);
   refresh();
   return {};
 }
 
 void ParametersController::load(ParameterSet set, std::string file) {
-  if (unsaved()) set_draft_aside();
+  if (unsaved()) set_draft_aside(kParametersDraft);
   loaded_ = true;
   set_ = std::move(set);
   file_ = std::move(file);
-  done_.clear();
-  undone_.clear();
+  history_.clear();
   settle();
 }
 
 /// What stands there now is safe somewhere: it counts as unchanged from here on.
 void ParametersController::settle() {
   base_ = set_;
-  drop_draft();
+  drop_draft(kParametersDraft);
   refresh();
 }
 
 void ParametersController::edit(ParameterSet after, std::string what) {
   if (after == set_) return;
-  done_.push_back({set_, after, std::move(what)});
-  if (done_.size() > kMostUndo) done_.erase(done_.begin());
-  undone_.clear();
-  set_ = std::move(after);
+  history_.did(std::move(what), std::exchange(set_, std::move(after)));
   keep_draft();
   refresh();
 }
@@ -180,29 +168,19 @@ bool ParametersController::take_from_unit(const std::string& key) {
   return change(key, value_of(key, {*unit_->parameters, {}})).has_value();
 }
 
-std::string ParametersController::undo() {
-  if (done_.empty()) return {};
-  undone_.push_back(std::move(done_.back()));
-  done_.pop_back();
-  set_ = undone_.back().before;
-  keep_draft();
-  refresh();
-  return undone_.back().what;
-}
+std::string ParametersController::undo() { return stepped(history_.undo(set_)); }
+std::string ParametersController::redo() { return stepped(history_.redo(set_)); }
 
-std::string ParametersController::redo() {
-  if (undone_.empty()) return {};
-  done_.push_back(std::move(undone_.back()));
-  undone_.pop_back();
-  set_ = done_.back().after;
+std::string ParametersController::stepped(std::optional<std::string> what) {
+  if (!what) return {};
   keep_draft();
   refresh();
-  return done_.back().what;
+  return std::move(*what);
 }
 
 void ParametersController::keep_draft() const {
   if (set_ == base_)
-    drop_draft();
+    drop_draft(kParametersDraft);
   else
     (void)commissioning::keep_draft(kParametersDraft,
                                     draft_text({absolute(file_), absolute(machine_path_), set_, base_}));

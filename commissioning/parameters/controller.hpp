@@ -9,10 +9,14 @@
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/parameters/unit.hpp"
 #include "commissioning/session/drafts.hpp"
+#include "commissioning/session/edit_history.hpp"
 #include "params/check.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {
+
+/// Work that is neither saved nor sent, by this name among the drafts (commissioning/session/drafts.hpp).
+inline constexpr const char* kParametersDraft = "parameters";
 
 /// One key that is not the same everywhere; empty values: that side is not known.
 struct ComparedKey {
@@ -33,12 +37,6 @@ class ParametersController {
   /// Of which machine it is, else of which file; empty: neither is known.
   [[nodiscard]] static std::string owner_of(const Draft& draft);
   [[nodiscard]] Result<void> take_up_draft();
-  static void drop_draft();
-  /// The draft is kept and offered again later: other parameters can be begun.
-  static void set_draft_aside();
-  [[nodiscard]] static std::size_t drafts_aside();
-  /// The next of several.
-  static void offer_another();
 
   [[nodiscard]] bool loaded() const { return loaded_; }
   [[nodiscard]] const ParameterSet& set() const { return set_; }
@@ -93,10 +91,6 @@ class ParametersController {
   void sent(const ParameterSet& what, UnitContent after);
 
  private:
-  struct Edit {
-    ParameterSet before, after;
-    std::string what;
-  };
   /// A file that the commands noted so far have, and what it holds.
   struct HeldFile {
     std::string path;     ///< empty: none
@@ -107,6 +101,7 @@ class ParametersController {
   void load(ParameterSet set, std::string file);
   void note_written(const std::string& path, const ParameterSet& what);
   void edit(ParameterSet after, std::string what);
+  std::string stepped(std::optional<std::string> what);
   void settle();
   void refresh();
   void keep_draft() const;
@@ -120,7 +115,7 @@ class ParametersController {
   std::string machine_path_, machine_name_;
   std::optional<params::Machine> machine_;
   std::optional<UnitContent> unit_;
-  std::vector<Edit> done_, undone_;
+  EditHistory<ParameterSet> history_;
   std::vector<params::Finding> findings_;
   std::vector<params::Finding> file_findings_;  ///< of the file as it was read; saving it mends them
   std::vector<ComparedKey> compared_;

@@ -7,8 +7,6 @@
 
 namespace ecs::commissioning {
 
-inline constexpr const char* kParametersDraft = "parameters";
-
 struct ParametersDraft {
   std::string file;     ///< they were opened from; empty: none
   std::string machine;  ///< file they were checked against; empty: none

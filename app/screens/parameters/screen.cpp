@@ -116,23 +116,23 @@ Step ParametersScreen::on_start_key(const Key& key) {
       asking_.ask(
           {"Drop the unsaved work?", fmt::format("What was edited at {} is lost.", draft_->kept), "drop", "keep"},
           [this] {
-            ParametersController::drop_draft();
+            drop_draft(kParametersDraft);
             draft_ = controller_.draft();
             start_ = {};
           });
     } else if (is_letter(key, U'b') || (enter && start_.selected == 2)) {
-      ParametersController::set_draft_aside();
+      set_draft_aside(kParametersDraft);
       draft_.reset();
       start_ = {};
       message_.say("The unsaved work is kept; it is offered again when there is no other.");
     } else if (is_letter(key, U'o') || (enter && start_.selected == 3)) {
-      ParametersController::offer_another();
+      exchange_draft(kParametersDraft);
       draft_ = controller_.draft();
     } else if (enter) {
       after(controller_.take_up_draft(), "the unsaved work is here again");
       if (controller_.loaded()) turn_page(0);
     } else {
-      (void)start_.on_key(key, ParametersController::drafts_aside() == 0 ? 3 : 4);
+      (void)start_.on_key(key, drafts_aside(kParametersDraft) == 0 ? 3 : 4);
     }
     return stay();
   }

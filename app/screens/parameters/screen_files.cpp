@@ -75,7 +75,7 @@ Result<void> ParametersScreen::begun_from(const std::string& machine) {
 }
 
 void ParametersScreen::open(const std::string& path, FileKind kind) {
-  if (draft_) ParametersController::set_draft_aside();
+  if (draft_) set_draft_aside(kParametersDraft);
   draft_.reset();
   if (const auto done = kind == FileKind::machine ? begun_from(path) : opened(path); !done) message_.say(done.error());
 }

@@ -83,7 +83,7 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
     std::vector<ListRow> rows{{"Enter  takes it up where it was left"},
                               {"d      drops it"},
                               {"b      begins with other parameters; it is kept and offered again later"}};
-    if (const std::size_t aside = ParametersController::drafts_aside(); aside > 0)
+    if (const std::size_t aside = drafts_aside(kParametersDraft); aside > 0)
       rows.push_back({fmt::format("o      offers another one: {} more", aside)});
     const int count = static_cast<int>(rows.size());
     draw_list(canvas, {inside.row + row + 1, inside.column, count, inside.columns}, rows, start_);

@@ -321,7 +321,7 @@ TEST_CASE("a draft stays while other parameters are begun and edited, and each i
   (void)press(screen, Key::Name::enter);
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK(drafts_aside("parameters") == 1);
-  ParametersController::drop_draft();
+  drop_draft(kParametersDraft);
   ParametersScreen last(no_link());
   (void)press(last, Key::Name::enter);
   CHECK(last.controller().set().parameters.axes[0].deadband_um == 8.5);
