@@ -239,8 +239,8 @@ LaserMark LaserController::mark(LaserStep step) const {
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
       return done_unless(!w.map.complete() || !w.map.findings().empty());
     case LaserStep::header: {
-      if (!w.map.built) return LaserMark::open;
-      const laser::MapHeader& h = w.map.built->map.header;
+      if (!w.map.made) return LaserMark::open;
+      const laser::MapHeader& h = w.map.made->map.map.header;
       return done_unless(h.customer.empty() || h.engineer.empty() || h.date.empty() || h.machine.empty() ||
                          h.serial_number.empty());
     }
@@ -281,7 +281,7 @@ bool LaserController::can_save() {
   if (!idle()) return false;
   if (working() || !work_->map_current)
     message_.say("The map is still being computed. Try again in a moment.", Tone::warning);
-  else if (!work_->map.built)
+  else if (!work_->map.made)
     message_.say("there is no map to save yet: step 6 says what is missing", Tone::bad);
   else if (choices_.map_file.empty())
     message_.say("the map needs the name of a file", Tone::bad);

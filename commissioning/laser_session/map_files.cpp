@@ -128,7 +128,7 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
   ECS_DO(write_file(files.map, work.csv));
   if (choices.opened_map.empty()) ECS_DO(write_file(files.recipe, recipe_text(recipe)));
   if (const auto written =
-          params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
+          params::write_parameters(files.parameters, work.made->map.parameters, work.parameters->identity);
       !written)
     return tl::unexpected(written.error());
   log_map(files, recipe, choices);

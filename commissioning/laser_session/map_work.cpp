@@ -23,17 +23,17 @@ LaserLineChoice choice_for_line(const LaserChoices& choices, const LaserLine& li
   return found == choices.lines.end() ? LaserLineChoice{} : found->second;
 }
 
+LaserComponentChoice choice_for_component(const LaserChoices& choices, Component component) {
+  const auto found = choices.components.find(std::string(name_of(component)));
+  return found == choices.components.end() ? LaserComponentChoice{} : found->second;
+}
+
 fs::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at, const fs::path& folder) {
   const std::string stem = fs::path(lines[at].files.front()).stem().string();
   return folder / fmt::format("{}_line{}.csv", stem, at + 1);
 }
 
 namespace {
-
-LaserComponentChoice choice_for(const LaserChoices& choices, Component component) {
-  const auto found = choices.components.find(std::string(name_of(component)));
-  return found == choices.components.end() ? LaserComponentChoice{} : found->second;
-}
 
 bool is_compensated(const LaserLine& line) { return line.group.compensated.value_or(false); }
 
@@ -98,15 +98,23 @@ void take_components(LaserMapWork& work) {
       work.components.push_back(state_of(work, static_cast<Component>(k)));
 }
 
+std::vector<laser::DeclaredZero> zeros_in(const LaserChoices& choices) {
+  std::vector<laser::DeclaredZero> zeros;
+  for (const auto& [code, choice] : choices.components)
+    if (const auto component = component_of(code); component && !choice.zero_reason.empty())
+      zeros.push_back({*component, choice.zero_reason});
+  return zeros;
+}
+
 /// What the recipe says besides files: slope, smoothing, increments, runs left out, zeros.
 laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
                              const fs::path& folder, std::vector<std::string>& refusals) {
   laser::MapRecipe recipe = work.assignment.recipe;
   std::erase_if(recipe.components, [&](const laser::ComponentRecipe& one) {
-    return !choice_for(choices, one.component).zero_reason.empty();
+    return !choice_for_component(choices, one.component).zero_reason.empty();
   });
   for (laser::ComponentRecipe& one : recipe.components) {
-    const LaserComponentChoice choice = choice_for(choices, one.component);
+    const LaserComponentChoice choice = choice_for_component(choices, one.component);
     one.slope = choice.slope;
     one.smoothing_mm = choice.smoothing_mm;
     one.increment_mm = choice.increment_mm;
@@ -125,9 +133,7 @@ laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choic
         refusals.push_back(to_text(done.error()));
     }
   }
-  for (const auto& [code, choice] : choices.components)
-    if (const auto component = component_of(code); component && !choice.zero_reason.empty())
-      recipe.declared_zero.push_back({*component, choice.zero_reason});
+  recipe.declared_zero = zeros_in(choices);
   return recipe;
 }
 
@@ -150,8 +156,9 @@ void take_refusal(LaserMapWork& work, const Problem& why) {
 
 }  // namespace
 
-bool LaserMapWork::complete() const {
-  return built && std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
+const std::vector<laser::MapFinding>& LaserMapWork::findings() const {
+  static const std::vector<laser::MapFinding> kNone;
+  return made ? made->findings : kNone;
 }
 
 std::size_t LaserMapWork::missing() const {
@@ -253,56 +260,41 @@ std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component, c
 
 namespace {
 
-/// The tables of the file, with what was declared zero since.
-void take_opened_map(LaserMapWork& work, const LaserChoices& choices) {
-  auto map = laser::read_map_csv(choices.opened_map);
-  if (!map) return take_refusal(work, map.error());
-  for (const laser::MapTable& table : map->tables)
+void take_made(LaserMapWork& work, Result<MadeMap> made) {
+  if (!made) return take_refusal(work, made.error());
+  work.csv = laser::to_map_csv(made->map.map);
+  work.made = std::move(*made);
+}
+
+/// The tables of the file stand for the components that lines would make.
+void take_opened_map(LaserMapWork& work, const LaserChoices& choices, const laser::Travels& travels) {
+  work.recipe = {};
+  work.assignment = {};
+  take_made(work, opened_map(choices.opened_map, zeros_in(choices), *work.parameters, travels));
+  if (!work.made) return;
+  const laser::ErrorMap& map = work.made->map.map;
+  for (const laser::MapTable& table : map.tables)
     work.assignment.recipe.components.push_back({table.component, {choices.opened_map}, {}, 0.0, {}, {}});
-  for (const auto& [code, choice] : choices.components)
-    if (const auto component = component_of(code); component && !choice.zero_reason.empty())
-      map->header.declared_zero.push_back({*component, choice.zero_reason});
-  work.recipe.declared_zero = map->header.declared_zero;
-  laser::BuiltMap built{std::move(*map), work.parameters->parameters, {}, {}};
-  work.findings =
-      laser::findings_for(built.map, built.parameters, travels_beside(choices.params_file, *work.parameters));
-  work.csv = laser::to_map_csv(built.map);
-  work.built = std::move(built);
+  work.recipe.declared_zero = map.header.declared_zero;
 }
 
 }  // namespace
 
 void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
                      const fs::path& folder) {
-  work.built.reset();
+  work.made.reset();
   work.refusals.clear();
-  work.findings.clear();
   work.components.clear();
   work.csv.clear();
   if (!work.parameters) return;
+  const laser::Travels travels = travels_beside(choices.params_file, *work.parameters);
   if (!choices.opened_map.empty()) {
-    work.recipe = {};
-    work.assignment = {};
-    take_opened_map(work, choices);
-    take_components(work);
-    return;
-  }
-  if (!work.assignment.problem.empty()) work.refusals.push_back(work.assignment.problem);
-  work.recipe = full_recipe(work, choices, lines, folder, work.refusals);
-  take_header(work, choices, lines);
-  if (work.refusals.empty()) {
-    auto built = laser::build_map(work.recipe, work.parameters->parameters);
-    if (!built) {
-      take_refusal(work, built.error());
-    } else {
-      laser::MapHeader& header = built->map.header;
-      if (header.machine.empty()) header.machine = work.parameters->identity.machine;
-      if (header.serial_number.empty()) header.serial_number = work.parameters->identity.serial_number;
-      work.findings =
-          laser::findings_for(built->map, built->parameters, travels_beside(choices.params_file, *work.parameters));
-      work.csv = laser::to_map_csv(built->map);
-      work.built = std::move(*built);
-    }
+    take_opened_map(work, choices, travels);
+  } else {
+    if (!work.assignment.problem.empty()) work.refusals.push_back(work.assignment.problem);
+    work.recipe = full_recipe(work, choices, lines, folder, work.refusals);
+    take_header(work, choices, lines);
+    if (work.refusals.empty()) take_made(work, made_map(work.recipe, *work.parameters, travels));
   }
   take_components(work);
 }

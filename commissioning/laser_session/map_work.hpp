@@ -9,7 +9,7 @@
 #include "commissioning/laser_session/choices.hpp"
 #include "commissioning/laser_session/curves.hpp"
 #include "commissioning/laser_session/lines.hpp"
-#include "laser/map/build.hpp"
+#include "commissioning/maps/build.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
@@ -41,13 +41,13 @@ struct LaserMapWork {
   std::optional<params::ParametersFile> parameters;  ///< scope as chosen
   std::string parameters_problem;
   LaserAssignment assignment;
-  laser::MapRecipe recipe;               ///< everything: what `ecs map build` would be given
-  std::optional<laser::BuiltMap> built;  ///< absent: refused, or nothing to build
+  laser::MapRecipe recipe;      ///< everything: what `ecs map build` would be given
+  std::optional<MadeMap> made;  ///< absent: refused, or nothing to build
   std::vector<std::string> refusals;
-  std::vector<laser::MapFinding> findings;
   std::vector<LaserComponent> components;
-  std::string csv;  ///< of the built map
-  [[nodiscard]] bool complete() const;
+  std::string csv;  ///< of the map that was made
+  [[nodiscard]] bool complete() const { return made && made->complete(); }
+  [[nodiscard]] const std::vector<laser::MapFinding>& findings() const;
   [[nodiscard]] std::size_t missing() const;
 };
 
@@ -71,6 +71,7 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
 [[nodiscard]] std::filesystem::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at,
                                                   const std::filesystem::path& folder);
 [[nodiscard]] LaserLineChoice choice_for_line(const LaserChoices& choices, const LaserLine& line);
+[[nodiscard]] LaserComponentChoice choice_for_component(const LaserChoices& choices, Component component);
 
 /// The files that belong to a map: "out/map.csv" → "out/map-parameters.toml", "out/map-recipe.toml", "out/map-files".
 struct MapFiles {
@@ -85,7 +86,7 @@ struct SavedMap {
   std::string opened{};     ///< the map that was opened, as it stood in its file before; empty: none was
 };
 /// A map that was opened has no recipe. Writes map, parameters with the squareness measured, the recipe that makes the
-/// same map with `ecs map build`, and the files that had to be prepared for it. @pre work.built
+/// same map with `ecs map build`, and the files that had to be prepared for it. @pre work.made
 [[nodiscard]] Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                               const std::filesystem::path& prepared_folder);
 /// The commands that write the same files (commissioning/session/commands.hpp).

@@ -25,15 +25,10 @@ std::vector<LaserFile> read_files(const LaserChoices& choices, const LaserWork* 
   return files;
 }
 
-LaserLineChoice choice_of(const LaserChoices& choices, const LaserLine& line) {
-  const auto found = choices.lines.find(line.key);
-  return found == choices.lines.end() ? LaserLineChoice{} : found->second;
-}
-
 LaserLineResults results_of(const LaserWork& work, const LaserWork* before) {
   LaserLineResults results;
   for (const LaserLine& line : work.lines) {
-    const LaserLineChoice choice = choice_of(work.choices, line);
+    const LaserLineChoice choice = choice_for_line(work.choices, line);
     std::shared_ptr<const LaserLineResult> known;
     if (before != nullptr)
       for (const auto& result : before->results)
@@ -69,9 +64,7 @@ bool same_lines(const LaserCurve& curve, const LaserLineResults& then, const std
 std::vector<LaserCurve> curves_of(const LaserWork& work, const LaserWork* before, const std::filesystem::path& folder) {
   std::vector<LaserCurve> curves;
   for (WantedCurve& one : wanted_curves(work, folder)) {
-    const auto chosen = work.choices.components.find(std::string(name_of(one.component)));
-    const LaserComponentChoice choice =
-        chosen == work.choices.components.end() ? LaserComponentChoice{} : chosen->second;
+    const LaserComponentChoice choice = choice_for_component(work.choices, one.component);
     const LaserCurve* known = nullptr;
     if (before != nullptr)
       for (const LaserCurve& curve : before->curves)

@@ -89,13 +89,13 @@ class HeaderPage final : public LaserPage {
 
   void draw_rest(Canvas& canvas, const Area& area) const {
     const LaserMapWork& map = controller().work().map;
-    if (!map.built || area.rows < 2) return;
+    if (!map.made || area.rows < 2) return;
     canvas.text(area, 0, 1,
                 fmt::format("added by itself: {} source files, {} steps of processing",
-                            map.built->map.header.sources.size(), map.built->map.header.processing.size()),
+                            map.made->map.map.header.sources.size(), map.made->map.map.header.processing.size()),
                 Tone::faint);
     int row = 1;
-    for (const std::string& step : map.built->map.header.processing)
+    for (const std::string& step : map.made->map.map.header.processing)
       if (row < area.rows) canvas.text(area, row++, 3, step, Tone::faint);
   }
 

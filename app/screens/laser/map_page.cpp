@@ -48,7 +48,7 @@ class MapPage final : public LaserPage {
                            : map.parameters_problem);
       return;
     }
-    canvas.text(area, 0, 1, state_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    canvas.text(area, 0, 1, state_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
     const LaserHalves halves = laser_halves(area.below(1));
     std::vector<ListRow> rows;
     for (const LaserComponent& one : map.components) rows.push_back(row_of(one));
@@ -123,7 +123,7 @@ class MapPage final : public LaserPage {
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
     if (!map.complete()) return text + ", see the findings";
     text += ", nothing is missing";
-    return map.findings.empty() ? text : text + ", " + remarks_counted(map.findings.size());
+    return map.findings().empty() ? text : text + ", " + remarks_counted(map.findings().size());
   }
 
   static ListRow row_of(const LaserComponent& one) {
@@ -133,8 +133,8 @@ class MapPage final : public LaserPage {
   }
 
   static std::optional<PlotPanel> panel_of_component(const LaserMapWork& map, Component component) {
-    if (!map.built || is_squareness(component)) return std::nullopt;
-    PlotFigure figure = figure_of(map.built->map, component, "");
+    if (!map.made || is_squareness(component)) return std::nullopt;
+    PlotFigure figure = figure_of(map.made->map.map, component, "");
     if (figure.panels.empty()) return std::nullopt;
     figure.panels.front().title = "in the map";
     figure.panels.front().x_label = fmt::format("{} [mm]", letter_of(moving_axis(component)));
@@ -154,9 +154,9 @@ class MapPage final : public LaserPage {
     if (one.state == ComponentState::zero) detail = "declared zero: " + one.detail;
     if (one.state == ComponentState::present) detail = "from " + one.detail;
     row += canvas.paragraph(area, row, detail);
-    if (map.built)
-      for (const laser::ComponentOutcome& outcome : map.built->outcomes)
-        if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), *map.built, outcome);
+    if (map.made)
+      for (const laser::ComponentOutcome& outcome : map.made->map.outcomes)
+        if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), map.made->map, outcome);
     constexpr int kLeastRows = 6;  // of a curve; none where the findings have the room
     if (const auto panel = panel_of_component(map, one.component); panel && area.rows - row >= kLeastRows)
       draw_chart(canvas, area.below(row), *panel, view_);
@@ -180,10 +180,10 @@ class MapPage final : public LaserPage {
       for (std::string& line : wrapped(text, std::max(10, columns))) lines.push_back(std::move(line));
     };
     for (const std::string& refusal : map.refusals) add("refused: " + refusal);
-    for (const laser::MapFinding& finding : map.findings)
+    for (const laser::MapFinding& finding : map.findings())
       add((finding.objection ? "objection: " : "remark: ") + finding.message);
-    if (map.built)
-      for (const std::string& note : map.built->notes) add("note: " + note);
+    if (map.made)
+      for (const std::string& note : map.made->map.notes) add("note: " + note);
     for (const std::string& unused : map.assignment.unused) add("not used: " + unused);
     return lines;
   }

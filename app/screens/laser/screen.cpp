@@ -60,7 +60,7 @@ std::string next_to_do(const LaserController& controller) {
   }
   if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what is wrong with this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
-    return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
+    return "Step 7: not stated in the header: " + not_stated(map.made->map.map.header) + ".";
   if (controller.verdict() && !controller.stale().empty())
     return "Step 9: the unit has changed since it was compared: verify again.";
   if (controller.verified()) return {};

@@ -47,10 +47,10 @@ class SendPage final : public LaserPage {
     lines.say("map file", d.choices().map_file, Tone::strong);
     lines.say("unit", unit_text(d.unit().snapshot()), d.unit().snapshot().open ? Tone::plain : Tone::bad);
     lines.skip();
-    lines.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    lines.say("map", map_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
     if (map.complete())
       for (const std::string& remark : remarks_shown(map)) lines.say("remark", remark, Tone::warning);
-    const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
+    const char* not_saved = map.made ? "not as it is now: s saves it, Enter saves and sends" : "no";
     lines.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
     lines.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) lines.say("after that", d.after_failure(), Tone::warning);
@@ -100,7 +100,7 @@ class SendPage final : public LaserPage {
     if (!controller().ready() || controller().busy() || asked_) return false;
     asked_ = true;
     host().ask(question_before_sending(*controller().ready(), controller().unit().snapshot(),
-                                       remarks_in(controller().work().map.findings)),
+                                       remarks_in(controller().work().map.findings())),
                [this] { controller().send(); });
     return true;
   }
@@ -117,9 +117,9 @@ class SendPage final : public LaserPage {
  private:
   static std::string map_text(const LaserMapWork& map) {
     if (!map.parameters) return "none yet: step 6 takes the parameters";
-    if (!map.built) return "cannot be built: step 6 says why";
-    return fmt::format("{} tables, {} declared zero, {}", map.built->map.tables.size(),
-                       map.built->map.header.declared_zero.size(), completeness(map.findings));
+    if (!map.made) return "cannot be built: step 6 says why";
+    return fmt::format("{} tables, {} declared zero, {}", map.made->map.map.tables.size(),
+                       map.made->map.map.header.declared_zero.size(), completeness(map.findings()));
   }
   static std::string lacking_of(const LaserMapWork& map) {
     std::vector<std::string> names;
@@ -131,7 +131,7 @@ class SendPage final : public LaserPage {
   /// As many as leave room for the rest of the page.
   static std::vector<std::string> remarks_shown(const LaserMapWork& map) {
     constexpr std::size_t kMost = 3;
-    std::vector<std::string> remarks = remarks_in(map.findings);
+    std::vector<std::string> remarks = remarks_in(map.findings());
     if (remarks.size() <= kMost) return remarks;
     const std::size_t more = remarks.size() - (kMost - 1);
     remarks.resize(kMost - 1);

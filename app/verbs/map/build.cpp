@@ -13,6 +13,7 @@
 #include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/maps/build.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
@@ -108,9 +109,7 @@ struct Built {
   laser::BuiltMap map;
   params::Identity identity;
   std::vector<laser::MapFinding> findings;
-  [[nodiscard]] bool complete() const {
-    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
-  }
+  bool complete = false;
 };
 
 Result<Built> built(const BuildArguments& arguments) {
@@ -118,17 +117,14 @@ Result<Built> built(const BuildArguments& arguments) {
                                                    : params::read_whole_parameters(arguments.params));
   ECS_TRY(recipe, recipe_of(arguments, parameters.parameters));
   ECS_DO(complete(recipe.recipe, arguments));
-  ECS_TRY(map, laser::build_map(recipe.recipe, parameters.parameters, arguments.reader()));
-  laser::MapHeader& header = map.map.header;
-  if (header.machine.empty()) header.machine = parameters.identity.machine;
-  if (header.serial_number.empty()) header.serial_number = parameters.identity.serial_number;
   auto travels = travels_beside(arguments.params, parameters);
   if (!arguments.machine.empty()) {
     ECS_TRY(machine, params::read_machine(arguments.machine));
     travels = travels_of(machine.machine);
   }
-  auto findings = laser::findings_for(map.map, map.parameters, travels);
-  return Built{std::move(recipe), std::move(map), parameters.identity, std::move(findings)};
+  ECS_TRY(made, made_map(recipe.recipe, parameters, travels, arguments.reader()));
+  const bool complete = made.complete();
+  return Built{std::move(recipe), std::move(made.map), parameters.identity, std::move(made.findings), complete};
 }
 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
@@ -173,7 +169,7 @@ Cell built_cell(const Built& b, const BuildArguments& arguments) {
       {{"map", written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")},
        {"params_out", written_cell("parameters", arguments.params_out)},
        {"recipe", text_cell(b.recipe.file)},
-       {"complete", yes_cell(b.complete(), "", "")},
+       {"complete", yes_cell(b.complete, "", "")},
        {"components", list_cell(
                           b.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
                           fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit",

@@ -44,7 +44,7 @@ TEST_CASE("the date of the header is a date; another text is not taken, and what
   driver.press(Key::Name::backspace, 8);
   driver.type("\n");
   REQUIRE(driver.settled());
-  CHECK(driver.controller().work().map.built->map.header.date == "2024-05-06");
+  CHECK(driver.controller().work().map.made->map.map.header.date == "2024-05-06");
 }
 
 TEST_CASE("an invalid date of the files is not preset") {

@@ -99,7 +99,7 @@ TEST_CASE("the laser screen opens a map with the parameters beside it, ready to 
   CHECK(driver.seen().find("nothing is missing") != std::string::npos);
   driver.type("u");
   REQUIRE(driver.settled());
-  CHECK_FALSE(driver.controller().work().map.built);
+  CHECK_FALSE(driver.controller().work().map.made);
 }
 
 TEST_CASE("any effect is removed, put back and done again, and one is added by its name") {
