@@ -14,8 +14,6 @@
 #include "ecs_emulator/unit/memory.hpp"
 
 namespace ecs::emulator {
-namespace {
-
 /// Functions of libunicorn by the names of its header, without "uc_".
 struct ProcessorLibrary {
   decltype(&uc_open) open = nullptr;
@@ -32,6 +30,8 @@ struct ProcessorLibrary {
   decltype(&uc_emu_start) emu_start = nullptr;
   decltype(&uc_emu_stop) emu_stop = nullptr;
 };
+
+namespace {
 
 constexpr const char* kSharedObject = "libunicorn.so.2";
 
