@@ -19,6 +19,8 @@ inline constexpr std::array<Axis, kAxes> kAllAxes{Axis::X, Axis::Y, Axis::Z};
 
 [[nodiscard]] constexpr std::size_t index_of(Axis axis) { return static_cast<std::size_t>(axis); }
 [[nodiscard]] constexpr char letter_of(Axis axis) { return static_cast<char>('X' + static_cast<char>(axis)); }
+/// x, y, z.
+[[nodiscard]] constexpr char small_letter_of(Axis a) { return static_cast<char>(letter_of(a) - 'X' + 'x'); }
 [[nodiscard]] constexpr std::optional<Axis> axis_of(char letter) {
   if (letter < 'X' || letter > 'Z') return std::nullopt;
   return static_cast<Axis>(letter - 'X');
@@ -102,6 +104,9 @@ inline constexpr std::array<std::string_view, 6> kSenseNames{"EX", "EY", "EZ", "
 [[nodiscard]] constexpr Component curve_of(Sense s, Axis moving) {
   return static_cast<Component>(index_of(moving) * 6 + static_cast<std::size_t>(s));
 }
+
+/// EXX, EYY, EZZ.
+[[nodiscard]] constexpr Component positioning_of(Axis a) { return curve_of(static_cast<Sense>(a), a); }
 
 /// "ECX" → ECX; anything but the 21 names (upper case) → nothing.
 [[nodiscard]] constexpr std::optional<Component> component_of(std::string_view name) {

@@ -240,8 +240,8 @@ bool CaptureRecord::skip() {
 }
 
 void CaptureRecord::note(const std::string& key, const std::string& value) {
-  const auto same = std::find_if(plan_.metadata.begin(), plan_.metadata.end(),
-                                 [&](const laser::MetadataEntry& entry) { return entry.key == key; });
+  const auto same =
+      std::ranges::find_if(plan_.metadata, [&](const laser::MetadataEntry& entry) { return entry.key == key; });
   if (same != plan_.metadata.end())
     same->value = value;
   else

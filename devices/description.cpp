@@ -69,8 +69,8 @@ std::optional<std::int64_t> raw_in(const ReportField& field, const Bytes& report
 
 const Bytes* reply_of(const ReportField& field, const std::vector<Bytes>& replies) {
   if (field.starts.empty()) return replies.empty() ? nullptr : &replies.front();
-  const auto found = std::find_if(replies.begin(), replies.end(),
-                                  [&](const Bytes& reply) { return starts_with(reply, field.starts); });
+  const auto found =
+      std::ranges::find_if(replies, [&](const Bytes& reply) { return starts_with(reply, field.starts); });
   return found == replies.end() ? nullptr : &*found;
 }
 
@@ -425,7 +425,7 @@ std::string udev_rules(const std::vector<DeviceDescription>& devices) {
   for (const DeviceDescription& device : devices)
     for (const DeviceMatch::Ids& ids : device.match.ids) {
       const std::string rule = udev_rule(ids.vendor_id, ids.product_id);
-      if (std::find(written.begin(), written.end(), rule) != written.end()) continue;
+      if (std::ranges::find(written, rule) != written.end()) continue;
       written.push_back(rule);
       text += fmt::format("# {}\n{}\n", device.name, rule);
     }

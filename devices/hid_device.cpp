@@ -212,13 +212,12 @@ Result<std::vector<HidIdentity>> hid_devices() {
   std::vector<HidIdentity> found;
   hid_device_info* list = hid_enumerate(0, 0);
   for (const hid_device_info* each = list; each != nullptr; each = each->next) {
-    const bool known = std::any_of(found.begin(), found.end(), [&](const HidIdentity& one) {
-      return each->path != nullptr && one.path == each->path;
-    });
+    const bool known = std::ranges::any_of(
+        found, [&](const HidIdentity& one) { return each->path != nullptr && one.path == each->path; });
     if (!known) found.push_back(identity_of(*each));
   }
   hid_free_enumeration(list);
-  std::sort(found.begin(), found.end(), [](const HidIdentity& a, const HidIdentity& b) {
+  std::ranges::sort(found, [](const HidIdentity& a, const HidIdentity& b) {
     return a.path.size() != b.path.size() ? a.path.size() < b.path.size() : a.path < b.path;
   });
   return found;

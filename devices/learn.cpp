@@ -77,7 +77,7 @@ Bits changing_bits(const std::vector<TimedReport>& reports, bool numbered) {
   Bits bits;
   for (const auto& [place, steps] : levels) {
     const bool first = steps.front().level;
-    if (std::all_of(steps.begin(), steps.end(), [&](const Step& s) { return s.level == first; })) continue;
+    if (std::ranges::all_of(steps, [&](const Step& s) { return s.level == first; })) continue;
     bits.emplace(place, behaviour_of(steps));
   }
   return bits;

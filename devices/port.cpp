@@ -10,7 +10,7 @@ namespace {
 constexpr double kLookEvery_s = 0.5;
 
 bool fits(const DeviceMatch& match, const HidIdentity& one) {
-  const bool id = std::any_of(match.ids.begin(), match.ids.end(), [&](const DeviceMatch::Ids& ids) {
+  const bool id = std::ranges::any_of(match.ids, [&](const DeviceMatch::Ids& ids) {
     return ids.vendor_id == one.vendor_id && ids.product_id == one.product_id;
   });
   return id && (!match.serial || *match.serial == one.serial) && (!match.path || *match.path == one.path) &&

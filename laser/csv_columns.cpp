@@ -106,14 +106,14 @@ std::string set_compensated(Reading& reading, std::string_view cell) {
 }
 
 const NumberColumn* number_column(std::string_view name) {
-  const auto* const found = std::find_if(kNumberColumns.begin(), kNumberColumns.end(),
-                                         [&](const NumberColumn& column) { return column.name == name; });
+  const auto* const found =
+      std::ranges::find_if(kNumberColumns, [&](const NumberColumn& column) { return column.name == name; });
   return found == kNumberColumns.end() ? nullptr : found;
 }
 
 template <class Names>
 bool is_in(const Names& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "laser/csv_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include <fmt/format.h>
@@ -126,17 +127,15 @@ std::vector<std::string> columns_in(const CsvLine& header, int line, std::span<c
   for (const CsvField& field : header.fields) {
     if (field.text.empty())
       findings.add(line, field.column, "header: expected a column name, found nothing");
-    else if (std::find(columns.begin(), columns.end(), field.text) != columns.end())
-      findings.add(line, field.column,
-                   fmt::format("header: expected each column once, found {} again", in_quotes(field.text)));
+    else if (std::ranges::find(columns, field.text) != columns.end())
+      findings.add(line, field.column, "header: expected each column once, found {} again", in_quotes(field.text));
     columns.push_back(field.text);
   }
   for (const std::string_view needed : needed_columns) {
-    if (std::find(columns.begin(), columns.end(), needed) != columns.end()) continue;
+    if (std::ranges::find(columns, needed) != columns.end()) continue;
     const std::string near = nearest_word(needed, columns);
-    findings.add(line, 1,
-                 fmt::format("header: expected a column {}, found none{}", needed,
-                             near.empty() ? "" : fmt::format("; is {} meant to be it?", in_quotes(near))));
+    findings.add(line, 1, "header: expected a column {}, found none{}", needed,
+                 near.empty() ? "" : fmt::format("; is {} meant to be it?", in_quotes(near)));
   }
   return columns;
 }
@@ -156,10 +155,9 @@ std::vector<CsvRow> rows_in(const std::vector<std::string_view>& lines, std::siz
                    "expected a row of readings, found a line beginning with #: these belong before the header");
     } else if (cut.fields.size() != width) {
       const std::size_t at = std::min(width, cut.fields.size() - 1);
-      findings.add(
-          line, cut.fields[at].column,
-          fmt::format("expected {} fields as in the header, found {}{}", width, cut.fields.size(),
-                      cut.fields.size() > width ? " (a decimal comma? write numbers with a decimal point)" : ""));
+      findings.add(line, cut.fields[at].column, "expected {} fields as in the header, found {}{}", width,
+                   cut.fields.size(),
+                   cut.fields.size() > width ? " (a decimal comma? write numbers with a decimal point)" : "");
     } else {
       rows.push_back({line, std::move(cut.fields)});
     }
@@ -195,7 +193,7 @@ Result<CsvTable> parse_csv_table(std::string_view text, const std::string& file_
 }
 
 std::optional<std::size_t> place_of(const CsvTable& table, std::string_view column) {
-  const auto found = std::find(table.columns.begin(), table.columns.end(), column);
+  const auto found = std::ranges::find(table.columns, column);
   if (found == table.columns.end()) return std::nullopt;
   return static_cast<std::size_t>(found - table.columns.begin());
 }
@@ -204,6 +202,33 @@ std::optional<std::string> metadata_value(const std::vector<MetadataEntry>& meta
   for (const MetadataEntry& entry : metadata)
     if (entry.key == key) return entry.value;
   return std::nullopt;
+}
+
+std::optional<double> TableReader::number(std::string_view column, double most) {
+  const auto value = number_in(text(column));
+  if (value && std::abs(*value) <= most) return value;
+  wrong(column, value ? fmt::format("a number within {:g}", most) : "a number");
+  return std::nullopt;
+}
+
+void TableReader::wrong(std::string_view column, std::string_view expected) {
+  refuse(column, fmt::format("{}: expected {}, found {}", column, expected, in_quotes(text(column))));
+}
+
+std::optional<double> TableReader::stated_number(std::string_view key) {
+  const auto given = stated(key);
+  if (!given) return std::nullopt;
+  const auto value = number_in(*given);
+  if (!value) findings_.add(0, 0, "{}: expected a number, found {}", key, in_quotes(*given));
+  return value;
+}
+
+std::string TableReader::stated_word(std::string_view key, std::string_view first, std::string_view second,
+                                     std::string_view usual) {
+  const auto given = stated(key);
+  if (given && (*given == first || *given == second)) return *given;
+  if (given) findings_.add(0, 0, "{}: expected {} or {}, found {}", key, first, second, in_quotes(*given));
+  return std::string(usual);
 }
 
 }  // namespace ecs::laser

@@ -2,6 +2,7 @@
 // made safe for such a row. Does not live here: what the columns mean (measurement_set.cpp, laser/standards/).
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -67,5 +68,43 @@ struct CsvTable {
 /// The first entry of that key (exact spelling); nothing if there is none.
 [[nodiscard]] std::optional<std::string> metadata_value(const std::vector<MetadataEntry>& metadata,
                                                         std::string_view key);
+
+/// What a table says, cell by cell and key by key, for the readers of files: what is wrong becomes a finding
+/// `name: expected …, found "…"` at its place.
+class TableReader {
+ public:
+  TableReader(const CsvTable& table, Findings& findings) : table_(table), findings_(findings) {}
+
+  /// The row that the calls below are about.
+  void take(const CsvRow& row) { row_ = &row; }
+  [[nodiscard]] int line() const { return row_->line; }
+  [[nodiscard]] bool has(std::string_view column) const { return place_of(table_, column).has_value(); }
+  /// @pre has(column)
+  [[nodiscard]] const std::string& text(std::string_view column) const { return cell(column).text; }
+  /// A number within ±`most`; nothing, with a finding, where the cell holds none.
+  [[nodiscard]] std::optional<double> number(std::string_view column, double most = kAnyNumber);
+  void wrong(std::string_view column, std::string_view expected);
+  /// A whole message about a cell.
+  void refuse(std::string_view column, std::string message) {
+    findings_.add(row_->line, cell(column).column, std::move(message));
+  }
+
+  /// Of `# key: value`; nothing where there is no such key.
+  [[nodiscard]] std::optional<std::string> stated(std::string_view key) const {
+    return metadata_value(table_.metadata, key);
+  }
+  [[nodiscard]] std::optional<double> stated_number(std::string_view key);
+  /// One of two words; `usual` where there is no such key, or another word, which is a finding.
+  [[nodiscard]] std::string stated_word(std::string_view key, std::string_view first, std::string_view second,
+                                        std::string_view usual);
+
+ private:
+  static constexpr double kAnyNumber = std::numeric_limits<double>::infinity();
+  [[nodiscard]] const CsvField& cell(std::string_view column) const { return row_->fields[*place_of(table_, column)]; }
+
+  const CsvTable& table_;
+  Findings& findings_;
+  const CsvRow* row_ = nullptr;
+};
 
 }  // namespace ecs::laser

@@ -34,7 +34,7 @@ struct EnvironmentSeries {
   std::vector<std::string> notes;  ///< what a reader had to assume
 
   [[nodiscard]] std::optional<double> value(std::size_t row, std::string_view column) const {
-    const auto at = std::find(columns.begin(), columns.end(), column);
+    const auto at = std::ranges::find(columns, column);
     return at == columns.end() ? std::nullopt : rows[row].values[static_cast<std::size_t>(at - columns.begin())];
   }
 };

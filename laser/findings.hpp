@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/result.hpp"
 
 namespace ecs::laser {
@@ -22,6 +24,11 @@ class Findings {
 
   /// @param line, column  1-based; 0 = the fault has no such place
   void add(int line, int column, std::string message);
+  /// The same with a form and what stands in it.
+  template <class First, class... Rest>
+  void add(int line, int column, fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
+    add(line, column, fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
 

@@ -45,8 +45,7 @@ std::vector<Group> groups_of(const MeasurementSet& set) {
   for (std::size_t i = 0; i < set.readings.size(); ++i) {
     const Reading& reading = set.readings[i];
     if (groups.empty() || !belongs(reading, groups[latest])) {
-      const auto found =
-          std::find_if(groups.begin(), groups.end(), [&](const Group& group) { return belongs(reading, group); });
+      const auto found = std::ranges::find_if(groups, [&](const Group& group) { return belongs(reading, group); });
       latest = static_cast<std::size_t>(found - groups.begin());
       if (found == groups.end())
         groups.push_back({reading.axis,
@@ -68,7 +67,7 @@ double target_tolerance_mm(const MeasurementSet& set, const Group& group) {
     passes[{set.readings[i].run, set.readings[i].approach}].push_back(target_of(set.readings[i]));
   double smallest = std::numeric_limits<double>::infinity();
   for (auto& [pass, positions] : passes) {
-    std::sort(positions.begin(), positions.end());
+    std::ranges::sort(positions);
     for (std::size_t i = 1; i < positions.size(); ++i) {
       const double step = positions[i] - positions[i - 1];
       if (step > kSamePlace_mm) smallest = std::min(smallest, step);
@@ -79,9 +78,8 @@ double target_tolerance_mm(const MeasurementSet& set, const Group& group) {
 
 std::vector<TargetReadings> targets_of(const MeasurementSet& set, const Group& group, double tolerance_mm) {
   std::vector<std::size_t> order = group.readings;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return target_of(set.readings[a]) < target_of(set.readings[b]);
-  });
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return target_of(set.readings[a]) < target_of(set.readings[b]); });
   std::vector<TargetReadings> targets;
   double first_mm = 0.0;
   double sum_mm = 0.0;
@@ -107,8 +105,8 @@ std::vector<TargetReadings> targets_of(const MeasurementSet& set, const Group& g
 }
 
 bool has_known_approach(const MeasurementSet& set, const Group& group) {
-  return std::any_of(group.readings.begin(), group.readings.end(),
-                     [&](std::size_t i) { return set.readings[i].approach != Approach::unknown; });
+  return std::ranges::any_of(group.readings,
+                             [&](std::size_t i) { return set.readings[i].approach != Approach::unknown; });
 }
 
 std::optional<double> mean_of(const std::vector<double>& values) {

@@ -54,8 +54,8 @@ struct Stop {
 
 std::vector<Stop> stops_in(const MeasurementSet& set, const std::vector<std::size_t>& readings) {
   const auto position = [&](std::size_t i) { return target_of(set.readings[i]); };
-  const auto [least, most] = std::minmax_element(
-      readings.begin(), readings.end(), [&](std::size_t a, std::size_t b) { return position(a) < position(b); });
+  const auto [least, most] =
+      std::ranges::minmax_element(readings, [&](std::size_t a, std::size_t b) { return position(a) < position(b); });
   const double same = std::max(kSame_mm, kSameStop * (position(*most) - position(*least)));
   std::vector<Stop> stops;
   for (const std::size_t i : readings) {
@@ -169,16 +169,15 @@ std::vector<std::string> notes_on(const std::vector<std::string>& columns, const
   std::vector<std::string> notes;
   for (const std::string& column : columns) {
     const std::string near = is_known_column(column) ? "" : nearest_word(column, known);
-    if (!near.empty() && std::find(columns.begin(), columns.end(), near) == columns.end())
+    if (!near.empty() && std::ranges::find(columns, near) == columns.end())
       notes.push_back(fmt::format("column {} is kept but has no meaning here: is {} meant?", column, near));
   }
   for (const bool rotary : {false, true})
     for (const Axis axis : kAllAxes) {
-      const bool moved = std::any_of(readings.begin(), readings.end(), [&](const Reading& reading) {
-        return reading.axis == axis && reading.rotary == rotary;
-      });
+      const bool moved = std::ranges::any_of(
+          readings, [&](const Reading& reading) { return reading.axis == axis && reading.rotary == rotary; });
       const std::string_view column = target_column(axis, rotary);
-      if (moved && std::find(columns.begin(), columns.end(), column) == columns.end())
+      if (moved && std::ranges::find(columns, column) == columns.end())
         notes.push_back(fmt::format("{} is moved but there is no column {}: its target is taken as 0 everywhere",
                                     letter_of(axis, rotary), column));
     }
@@ -216,7 +215,7 @@ std::string meant_for_target(Axis axis, bool rotary, const std::vector<std::stri
     const auto words = heading_words(column);
     const std::string& first = words.front();
     const bool named = lower(column) == own || first == letter || nearest_word(column, {own}) == own ||
-                       std::any_of(words.begin(), words.end(), [](const std::string& word) {
+                       std::ranges::any_of(words, [](const std::string& word) {
                          return word == "target" || word == "position" || word == "pos" || word == "nominal" ||
                                 word == "soll" || word == "sollposition" || word == "p" || word == "coordinate";
                        });
@@ -234,10 +233,9 @@ std::optional<Problem> target_misnamed(const MeasurementSet& set, const std::str
   for (const bool rotary : {false, true})
     for (const Axis axis : kAllAxes) {
       const std::string_view own = target_column(axis, rotary);
-      const bool moved = std::any_of(set.readings.begin(), set.readings.end(), [&](const Reading& reading) {
-        return reading.axis == axis && reading.rotary == rotary;
-      });
-      if (!moved || std::find(set.columns.begin(), set.columns.end(), own) != set.columns.end()) continue;
+      const bool moved = std::ranges::any_of(
+          set.readings, [&](const Reading& reading) { return reading.axis == axis && reading.rotary == rotary; });
+      if (!moved || std::ranges::find(set.columns, own) != set.columns.end()) continue;
       const std::string meant = meant_for_target(axis, rotary, set.columns, set.readings);
       if (!meant.empty())
         return Problem{ProblemKind::bad_input,
@@ -273,7 +271,7 @@ std::set<std::string, std::less<>> extra_number_columns(const std::vector<std::s
   std::set<std::string, std::less<>> numbers;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (is_known_column(columns[i])) continue;
-    const bool all = std::all_of(rows.begin(), rows.end(), [&](const CsvRow& row) {
+    const bool all = std::ranges::all_of(rows, [&](const CsvRow& row) {
       return row.fields[i].text.empty() || number_in(row.fields[i].text).has_value();
     });
     if (all) numbers.insert(columns[i]);
@@ -299,8 +297,8 @@ Reading reading_in(const CsvRow& row, const std::vector<std::string>& columns,
   const std::string_view own = target_column(reading.axis, reading.rotary);
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i] == own && trimmed(row.fields[i].text).empty())
-      findings.add(row.line, row.fields[i].column,
-                   fmt::format("{}: expected the target position of the moving axis, found nothing", own));
+      findings.add(row.line, row.fields[i].column, "{}: expected the target position of the moving axis, found nothing",
+                   own);
   return reading;
 }
 
@@ -350,7 +348,7 @@ Result<MeasurementSet> parsed(std::string_view text, const std::string& file_nam
     return problem_at(file_name, table.header_line, 0, "expected readings below the header, found none");
   if (auto misnamed = target_misnamed(set, file_name, table.header_line)) return tl::unexpected(std::move(*misnamed));
   if (auto refused = implausible(set, file_name)) return tl::unexpected(std::move(*refused));
-  if (std::find(set.columns.begin(), set.columns.end(), "approach") == set.columns.end()) {
+  if (std::ranges::find(set.columns, "approach") == set.columns.end()) {
     if (!order_gives_approach) {
       set.columns.emplace_back("approach");  // written as 0: it was said to be unknown
     } else if (const std::size_t given = take_approach_from_order(set); given > 0) {
@@ -387,8 +385,7 @@ std::string curve_name(Sense sense, Axis axis, bool rotary) {
 }
 
 std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name) {
-  const auto found =
-      std::find_if(set.readings.begin(), set.readings.end(), [](const Reading& reading) { return reading.rotary; });
+  const auto found = std::ranges::find_if(set.readings, [](const Reading& reading) { return reading.rotary; });
   if (found == set.readings.end()) return std::nullopt;
   return Problem{
       ProblemKind::bad_input,

@@ -105,7 +105,7 @@ std::optional<std::string> from_utf16(std::string_view bytes, const char* order)
 }
 
 bool is_binary(std::string_view text) {
-  return std::any_of(text.begin(), text.end(), [](char c) {
+  return std::ranges::any_of(text, [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v' && byte != 0x1A;
   });

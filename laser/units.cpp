@@ -54,7 +54,7 @@ constexpr std::array<Unit, 37> kUnits{{
 
 std::optional<Unit> unit_named(std::string_view name) {
   const auto* const found =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& unit) { return lower(unit.name) == lower(name); });
+      std::ranges::find_if(kUnits, [&](const Unit& unit) { return lower(unit.name) == lower(name); });
   return found == kUnits.end() ? std::nullopt : std::optional(*found);
 }
 

@@ -41,7 +41,7 @@ double loop_work_us(const UnitParameters& p) {
   const auto terms = terms_of(p);
   if (!terms) return 0.0;
   const ComponentSet curves = components_needed(p);
-  const auto axes = static_cast<double>(std::count(p.axis_present.begin(), p.axis_present.end(), true));
+  const auto axes = static_cast<double>(std::ranges::count(p.axis_present, true));
   const auto looked_up = static_cast<double>(std::count(curves.has.begin(), curves.has.begin() + kCurves, true));
   return kPerAxis_us * axes + kPerTerm_us * static_cast<double>(terms->count) + per_curve_us * looked_up;
 }
@@ -66,7 +66,7 @@ void check_chain(const UnitParameters& p, const Chain& chain, Findings& findings
 }
 
 void check_scope(const UnitParameters& p, Findings& findings) {
-  const auto axes = std::count(p.axis_present.begin(), p.axis_present.end(), true);
+  const auto axes = std::ranges::count(p.axis_present, true);
   const std::string present = letters_of(p.axis_present);
   if (p.scope == Scope::volumetric && axes < 3)
     findings.error({"compensation.scope", "configuration.axes"},
@@ -416,13 +416,12 @@ std::vector<Finding> check(const UnitParameters& parameters, const Machine* mach
     check_against(parameters, *machine, findings);
   else
     check_spare_letters(parameters, findings);
-  std::stable_sort(findings.list.begin(), findings.list.end(),
-                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  std::ranges::stable_sort(findings.list, [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
   return findings.list;
 }
 
 bool has_errors(const std::vector<Finding>& findings) {
-  return std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.severity == Severity::error; });
+  return std::ranges::any_of(findings, [](const Finding& f) { return f.severity == Severity::error; });
 }
 
 std::string to_text(const std::vector<Finding>& findings) {

@@ -127,7 +127,7 @@ Field plane_field() {
   for (const Plane plane : kPlanes) field.choices.push_back({letter_of(plane.first), letter_of(plane.second)});
   field.most = static_cast<double>(kPlanes.size() - 1);
   field.get = [](const UnitParameters& p) {
-    const auto found = std::find(kPlanes.begin(), kPlanes.end(), p.plane);
+    const auto found = std::ranges::find(kPlanes, p.plane);
     return found == kPlanes.end() ? -1.0 : static_cast<double>(found - kPlanes.begin());
   };
   field.put = [](UnitParameters& p, double place) { p.plane = kPlanes[static_cast<std::size_t>(place)]; };
@@ -219,7 +219,7 @@ void add_compensation(std::vector<Field>& table) {
   for (const Axis a : kAllAxes) {
     const auto i = index_of(a);
     table.push_back(number(
-        {fmt::format("compensation.tool_offset_mm.{}", static_cast<char>(letter_of(a) - 'X' + 'x')), group,
+        {fmt::format("compensation.tool_offset_mm.{}", small_letter_of(a)), group,
          fmt::format("Distance along {} from the point where the curves were measured to the tool "
                      "point; 0 if the optics stood at the tool point.",
                      letter_of(a)),
@@ -304,7 +304,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
     const auto l = index_of(lever);
     push(table, axis,
          number(
-             {fmt::format("measurement_line_mm.{}", static_cast<char>(letter_of(lever) - 'X' + 'x')), group,
+             {fmt::format("measurement_line_mm.{}", small_letter_of(lever)), group,
               fmt::format("Where {} stood while the curves of {} were measured; lever arms count from there.",
                           letter_of(lever), letter_of(axis)),
               ""},

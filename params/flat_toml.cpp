@@ -61,7 +61,7 @@ Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::strin
 }
 
 void sort_by_place(std::vector<Problem>& problems) {
-  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+  std::ranges::stable_sort(problems, [](const Problem& a, const Problem& b) {
     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
   });
 }

@@ -118,8 +118,7 @@ class MachineReader {
     warn(entry, fmt::format("not a key of a machine file{}; ignored", did_you_mean(entry.key, known_keys())));
   }
   [[nodiscard]] bool inside_unknown_table(const std::string& key) const {
-    return std::any_of(unknown_tables_.begin(), unknown_tables_.end(),
-                       [&](const std::string& table) { return key.starts_with(table); });
+    return std::ranges::any_of(unknown_tables_, [&](const std::string& table) { return key.starts_with(table); });
   }
 
   /// "axis.X…" → X.
@@ -338,7 +337,7 @@ class MachineReader {
 };
 
 Scope widest_scope(const PerAxis<bool>& present) {
-  const auto axes = std::count(present.begin(), present.end(), true);
+  const auto axes = std::ranges::count(present, true);
   return axes == 3 ? Scope::volumetric : axes == 2 ? Scope::planar : Scope::linear;
 }
 
@@ -385,7 +384,7 @@ Result<RotaryMachine> read_rotary_machine(const std::filesystem::path& path) {
 }
 
 bool has_rotary_axes(const RotaryMachine& machine) {
-  return std::any_of(machine.rotary.begin(), machine.rotary.end(), [](const auto& axis) { return axis.has_value(); });
+  return std::ranges::any_of(machine.rotary, [](const auto& axis) { return axis.has_value(); });
 }
 
 std::optional<kinematics::JointChain> joint_chain_of(const RotaryMachine& machine) {

@@ -25,7 +25,7 @@ std::vector<double> steps(const std::optional<std::array<double, 2>>& travel_mm,
 
 }  // namespace
 
-std::size_t Grid::axes() const { return static_cast<std::size_t>(std::count(exists.begin(), exists.end(), true)); }
+std::size_t Grid::axes() const { return static_cast<std::size_t>(std::ranges::count(exists, true)); }
 
 std::size_t Grid::axes_at_an_end(const GridIndex& index) const {
   std::size_t count = 0;
@@ -40,7 +40,7 @@ Grid grid_over(const Travels& travel_mm, std::size_t places, const Vector3& refe
   for (std::size_t a = 0; a < kAxes; ++a)
     if (travel_mm[a]) axes.push_back(a);
   const auto length = [&](std::size_t a) { return (*travel_mm[a])[1] - (*travel_mm[a])[0]; };
-  std::stable_sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  std::ranges::stable_sort(axes, [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
   const double root =
       std::pow(static_cast<double>(places), 1.0 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
   PerAxis<std::size_t> count{1, 1, 1};

@@ -126,8 +126,7 @@ std::array<Vector3, 2> JointVolume::orientation_at(const Angles& angles_deg) con
 Result<VolumeAnswer> evaluated_with_rotary(const CompensatedMachine& machine, std::size_t places) {
   const RotaryAxes& rotary = *machine.rotary;
   const auto axes_of = [](const auto& list) {
-    return static_cast<std::size_t>(
-        std::count_if(list.begin(), list.end(), [](const auto& one) { return one.has_value(); }));
+    return static_cast<std::size_t>(std::ranges::count_if(list, [](const auto& one) { return one.has_value(); }));
   };
   const std::size_t axes = axes_of(machine.travel_mm) + axes_of(rotary.travel_deg);
   const double root = std::pow(static_cast<double>(places), 1.0 / static_cast<double>(axes));

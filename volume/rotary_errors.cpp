@@ -50,34 +50,23 @@ std::optional<RotaryComponent> component_in(std::string_view name) {
 /// The rows of one file.
 class RotaryReader {
  public:
-  RotaryReader(const laser::CsvTable& table, const JointChain& chain, laser::Findings& findings)
-      : chain_(chain), findings_(findings) {
-    for (std::size_t k = 0; k < kRotaryColumns.size(); ++k) place_[k] = *laser::place_of(table, kRotaryColumns[k]);
-    u_ = laser::place_of(table, "u");
-  }
+  RotaryReader(laser::TableReader& row, const JointChain& chain) : row_(row), chain_(chain) {}
 
-  void take(const laser::CsvRow& row) {
-    const auto field = [&](std::size_t k) -> const laser::CsvField& { return row.fields[place_[k]]; };
-    const auto component = component_in(field(0).text);
-    if (!component)
-      return refuse(row, field(0), "component: expected an error of a rotary axis, such as EXC, EAB or XOC");
+  void take() {
+    const auto component = component_in(row_.text("component"));
+    if (!component) return row_.wrong("component", "an error of a rotary axis, such as EXC, EAB or XOC");
     if (!chain_.has(component->joint))
-      return refuse(row, field(0),
-                    fmt::format("component: expected an axis of the machine ({}), which has no {}",
-                                kinematics::iso_notation(chain_), letter_of(component->joint)));
-    const auto error = number_in(field(3).text);
-    if (!error || std::abs(*error) > kLargestError)
-      return refuse(row, field(3), "error: expected a number of um or um/m within 32000");
+      return row_.wrong("component", fmt::format("an axis of the machine ({}), which has no {}",
+                                                 kinematics::iso_notation(chain_), letter_of(component->joint)));
+    const auto error = number_in(row_.text("error"));
+    if (!error || std::abs(*error) > kLargestError) return row_.wrong("error", "a number of um or um/m within 32000");
     std::optional<double> u;
-    if (u_ && !row.fields[*u_].text.empty()) {
-      u = number_in(row.fields[*u_].text);
+    if (row_.has("u") && !row_.text("u").empty()) {
+      u = number_in(row_.text("u"));
       if (!u || *u < 0.0 || *u > kLargestError)
-        return refuse(row, row.fields[*u_], "u: expected a standard uncertainty in um or um/m, 0 or more");
+        return row_.wrong("u", "a standard uncertainty in um or um/m, 0 or more");
     }
-    if (component->is_location)
-      take_location(row, field(1), field(2), *component, *error, u);
-    else
-      take_motion(row, field(1), field(2), *component, *error, u);
+    component->is_location ? take_location(*component, *error, u) : take_motion(*component, *error, u);
   }
 
   RotaryErrors finish() {
@@ -86,44 +75,37 @@ class RotaryReader {
   }
 
  private:
-  void refuse(const laser::CsvRow& row, const laser::CsvField& field, const std::string& expected) {
-    findings_.add(row.line, field.column, fmt::format("{}, found {}", expected, laser::in_quotes(field.text)));
-  }
-
-  void take_location(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
-                     const RotaryComponent& component, double error, std::optional<double> u) {
-    if (!angle.text.empty())
-      return refuse(row, angle, "p_deg: expected nothing: a location error is a constant of the axis line");
-    if (!approach.text.empty() && approach.text != "0")
-      return refuse(row, approach, "approach: expected 0 or nothing: a location error has no approach");
+  void take_location(const RotaryComponent& component, double error, std::optional<double> u) {
+    if (!row_.text("p_deg").empty())
+      return row_.wrong("p_deg", "nothing: a location error is a constant of the axis line");
+    if (!row_.text("approach").empty() && row_.text("approach") != "0")
+      return row_.wrong("approach", "0 or nothing: a location error has no approach");
     const std::size_t rotary = index_of(component.joint) - kAxes;
-    if (const std::pair key{rotary, component.sense}; std::find(given_.begin(), given_.end(), key) == given_.end())
+    if (const std::pair key{rotary, component.sense}; std::ranges::find(given_, key) == given_.end())
       given_.push_back(key);
     else
-      return refuse(
-          row, angle,
-          fmt::format("component: {}O{} occurs twice", "XYZABC"[component.sense], letter_of(component.joint)));
+      return row_.refuse("p_deg", fmt::format("component: {}O{} occurs twice, found {}", "XYZABC"[component.sense],
+                                              letter_of(component.joint), laser::in_quotes(row_.text("p_deg"))));
     errors_.location[rotary][component.sense] = error;
     errors_.location_u[rotary][component.sense] = u;
     errors_.location_given[rotary][component.sense] = true;
   }
 
-  void take_motion(const laser::CsvRow& row, const laser::CsvField& approach, const laser::CsvField& angle,
-                   const RotaryComponent& component, double error, std::optional<double> u) {
-    const auto p_deg = number_in(angle.text);
-    if (!p_deg || std::abs(*p_deg) > kFurthestAngle_deg)
-      return refuse(row, angle, "p_deg: expected an angle within 3600 deg of 0");
-    const auto side = approach.text.empty() ? std::optional(0.0) : number_in(approach.text);
-    if (!side || (*side != 0.0 && *side != 1.0 && *side != -1.0))
-      return refuse(row, approach, "approach: expected 1, -1 or 0");
+  void take_motion(const RotaryComponent& component, double error, std::optional<double> u) {
+    const auto p_deg = number_in(row_.text("p_deg"));
+    if (!p_deg || std::abs(*p_deg) > kFurthestAngle_deg) return row_.wrong("p_deg", "an angle within 3600 deg of 0");
+    const auto side = row_.text("approach").empty() ? std::optional(0.0) : number_in(row_.text("approach"));
+    if (!side || (*side != 0.0 && *side != 1.0 && *side != -1.0)) return row_.wrong("approach", "1, -1 or 0");
     RotaryTable& table = table_for(component, static_cast<Approach>(static_cast<int>(*side)));
-    if (std::find(table.p_deg.begin(), table.p_deg.end(), *p_deg) != table.p_deg.end())
-      return refuse(row, angle, "p_deg: expected each angle once in a component and approach");
+    if (std::ranges::find(table.p_deg, *p_deg) != table.p_deg.end())
+      return row_.wrong("p_deg", "each angle once in a component and approach");
     table.p_deg.push_back(*p_deg);
     table.error.push_back(error);
     if (u ? table.u.size() + 1 != table.error.size() : !table.u.empty())
-      return refuse(row, angle,
-                    "u: expected a standard uncertainty at every angle of a component and approach or at none");
+      return row_.refuse("p_deg",
+                         "u: expected a standard uncertainty at every angle of a component and approach or at "
+                         "none, found " +
+                             laser::in_quotes(row_.text("p_deg")));
     if (u) table.u.push_back(*u);
   }
 
@@ -138,17 +120,15 @@ class RotaryReader {
     std::vector<std::tuple<double, double, double>> points;
     for (std::size_t i = 0; i < table.p_deg.size(); ++i)
       points.emplace_back(table.p_deg[i], table.error[i], table.u.empty() ? 0.0 : table.u[i]);
-    std::sort(points.begin(), points.end());
+    std::ranges::sort(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       std::tie(table.p_deg[i], table.error[i], std::ignore) = points[i];
       if (!table.u.empty()) table.u[i] = std::get<2>(points[i]);
     }
   }
 
+  laser::TableReader& row_;
   const JointChain& chain_;
-  laser::Findings& findings_;
-  std::array<std::size_t, kRotaryColumns.size()> place_{};
-  std::optional<std::size_t> u_;  ///< place of the column u
   std::vector<std::pair<std::size_t, std::size_t>> given_;
   RotaryErrors errors_;
 };
@@ -208,8 +188,12 @@ std::string location_name(std::size_t rotary, std::size_t sense) {
 Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name, const JointChain& chain) {
   laser::Findings findings(file_name);
   ECS_TRY(table, laser::parse_csv_table(text, file_name, kRotaryColumns, findings));
-  RotaryReader reader(table, chain, findings);
-  for (const laser::CsvRow& row : table.rows) reader.take(row);
+  laser::TableReader row_reader(table, findings);
+  RotaryReader reader(row_reader, chain);
+  for (const laser::CsvRow& row : table.rows) {
+    row_reader.take(row);
+    reader.take();
+  }
   RotaryErrors errors = reader.finish();
   if (table.rows.empty() && findings.empty()) findings.add(table.header_line, 0, "expected rows below the header");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

@@ -81,7 +81,7 @@ Vector3 gain_of(const kinematics::MachinePose& pose, std::size_t component, cons
 double square_of_length(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 double least_not_exceeded(std::vector<double> draws, double share) {
-  std::sort(draws.begin(), draws.end());
+  std::ranges::sort(draws);
   const double rank = std::ceil(share * (static_cast<double>(draws.size()) + 1.0)) - 1.0;
   return draws[std::min(draws.size() - 1, static_cast<std::size_t>(std::max(0.0, rank)))];
 }

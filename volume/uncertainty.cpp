@@ -35,7 +35,7 @@ double between_of(const std::vector<double>& values, double noise) {
 }
 
 bool is_known(const laser::ErrorMap& map, Component component) {
-  return std::any_of(map.tables.begin(), map.tables.end(), [&](const laser::MapTable& table) {
+  return std::ranges::any_of(map.tables, [&](const laser::MapTable& table) {
     return table.component == component && !table.position_mm.empty();
   });
 }
@@ -183,7 +183,7 @@ double square_of(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v
 
 /// The least value that `share` of the draws do not exceed.
 double quantile_of(std::vector<double> draws, double share) {
-  std::sort(draws.begin(), draws.end());
+  std::ranges::sort(draws);
   const double rank = std::ceil(share * (static_cast<double>(draws.size()) + 1.0)) - 1.0;
   return draws[std::min(draws.size() - 1, static_cast<std::size_t>(std::max(0.0, rank)))];
 }

@@ -24,7 +24,7 @@ void for_each_place(const Grid& grid, const VolumeError& error, const Each& each
   for (std::size_t side = 0; side < kSides.size(); ++side)
     for (std::size_t x = 0; x < grid.mm[0].size(); ++x)
       for (std::size_t y = 0; y < grid.mm[1].size(); ++y) {
-        std::fill(row.begin(), row.end(), Vector3{});
+        std::ranges::fill(row, Vector3{});
         if (error.field) error.field->row(side, x, y, row);
         if (!error.vectors.empty()) {
           const std::size_t first = side * grid.places() + place_number(grid, {x, y, 0});

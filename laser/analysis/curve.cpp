@@ -56,8 +56,8 @@ std::optional<double> mean_std_error(const CurvePoint& point, bool approach_know
 }
 
 std::vector<MeanPoint> mean_points(const Curve& curve) {
-  const auto both = std::count_if(curve.points.begin(), curve.points.end(),
-                                  [](const CurvePoint& point) { return point.forward && point.reverse; });
+  const auto both =
+      std::ranges::count_if(curve.points, [](const CurvePoint& point) { return point.forward && point.reverse; });
   std::vector<MeanPoint> means;
   for (const CurvePoint& point : curve.points)
     if (const auto mean = mean_of(point); mean && (both < 2 || (point.forward && point.reverse)))

@@ -23,9 +23,7 @@ using Stretch = std::vector<const Reading*>;
 struct Samples {
   std::vector<double> time_s, error;
   std::vector<bool> begins;  ///< the first of its stretch
-  [[nodiscard]] std::size_t stretches() const {
-    return static_cast<std::size_t>(std::count(begins.begin(), begins.end(), true));
-  }
+  [[nodiscard]] std::size_t stretches() const { return static_cast<std::size_t>(std::ranges::count(begins, true)); }
 };
 
 double first_s(const Stretch& stretch) { return *stretch.front()->time_s; }
@@ -41,7 +39,7 @@ std::vector<Stretch> stretches_of_run(Stretch run) {
     stretches.back().push_back(reading);
   }
   if (kLeastRows * stretches.size() <= run.size()) return stretches;
-  std::stable_sort(run.begin(), run.end(), [](const Reading* a, const Reading* b) { return *a->time_s < *b->time_s; });
+  std::ranges::stable_sort(run, [](const Reading* a, const Reading* b) { return *a->time_s < *b->time_s; });
   return {std::move(run)};
 }
 
@@ -52,7 +50,7 @@ std::vector<Stretch> stretches_of(const MeasurementSet& set, const Group& group)
   std::vector<Stretch> all;
   for (auto& [number, run] : runs)
     for (Stretch& stretch : stretches_of_run(std::move(run))) all.push_back(std::move(stretch));
-  std::stable_sort(all.begin(), all.end(), [](const Stretch& a, const Stretch& b) { return first_s(a) < first_s(b); });
+  std::ranges::stable_sort(all, [](const Stretch& a, const Stretch& b) { return first_s(a) < first_s(b); });
   for (std::size_t s = 1; s < all.size(); ++s)
     if (first_s(all[s]) < last_s(all[s - 1])) return all;
   Stretch whole;
@@ -142,7 +140,7 @@ double range_of_last_hour(const std::vector<Stretch>& stretches) {
 
 std::optional<Growth> growth_of(const MeasurementSet& set, const Group& group) {
   const auto is_timed = [&](std::size_t i) { return set.readings[i].time_s.has_value(); };
-  if (group.readings.size() < kLeastReadings || !std::all_of(group.readings.begin(), group.readings.end(), is_timed) ||
+  if (group.readings.size() < kLeastReadings || !std::ranges::all_of(group.readings, is_timed) ||
       targets_of(set, group, target_tolerance_mm(set, group)).size() != 1)
     return std::nullopt;
   const auto stretches = stretches_of(set, group);
@@ -153,7 +151,7 @@ std::optional<Growth> growth_of(const MeasurementSet& set, const Group& group) {
     for (const Reading* reading : stretch) errors.push_back(reading->error);
   }
   if (!(span_s > kLeast_s)) return std::nullopt;
-  const auto [least, most] = std::minmax_element(errors.begin(), errors.end());
+  const auto [least, most] = std::ranges::minmax_element(errors);
   Growth growth{span_s / kHour_s, *most - *least, range_of_last_hour(stretches), stretches.size(), {}};
   for (const std::string& sensor : sensor_names_of(set)) {
     Samples measured;
@@ -171,8 +169,8 @@ std::optional<Growth> growth_of(const MeasurementSet& set, const Group& group) {
     }
     if (temperature.size() >= kLeastReadings) growth.sensors.push_back(growth_with(sensor, measured, temperature));
   }
-  std::stable_sort(growth.sensors.begin(), growth.sensors.end(),
-                   [](const SensorGrowth& a, const SensorGrowth& b) { return a.explained > b.explained; });
+  std::ranges::stable_sort(growth.sensors,
+                           [](const SensorGrowth& a, const SensorGrowth& b) { return a.explained > b.explained; });
   return growth;
 }
 

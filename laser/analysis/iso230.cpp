@@ -74,8 +74,8 @@ void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
 
 void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
   const auto side = [&](const char* name, int Iso230Target::*count) {
-    const auto [fewest, most] = std::minmax_element(axis.targets.begin(), axis.targets.end(),
-                                                    [&](const auto& a, const auto& b) { return a.*count < b.*count; });
+    const auto [fewest, most] =
+        std::ranges::minmax_element(axis.targets, [&](const auto& a, const auto& b) { return a.*count < b.*count; });
     const int low = (*fewest).*count;
     const int high = (*most).*count;
     if (high == 0) return false;
@@ -93,15 +93,15 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
 
 void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const auto lacks = [&](auto mean, auto s) {
-    return std::count_if(axis.targets.begin(), axis.targets.end(),
-                         [&](const Iso230Target& target) { return target.*mean && !(target.*s); });
+    return std::ranges::count_if(axis.targets,
+                                 [&](const Iso230Target& target) { return target.*mean && !(target.*s); });
   };
   const auto single = lacks(&Iso230Target::mean_forward, &Iso230Target::s_forward) +
                       lacks(&Iso230Target::mean_reverse, &Iso230Target::s_reverse);
   if (single > 0)
     notes.push_back(fmt::format(
         "{} single readings give no standard deviation: they take no part in R, A and the 3 sigma band", single));
-  const auto one_sided = std::count_if(axis.targets.begin(), axis.targets.end(), [](const Iso230Target& target) {
+  const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
@@ -117,8 +117,8 @@ std::vector<std::string> iso230_notes(const MeasurementSet& set, const Group& gr
   if (axis.sense != static_cast<Sense>(index_of(axis.axis) + (axis.rotary ? kAxes : 0)))
     notes.emplace_back(
         "not a positioning error: the formulas of ISO 230-2 are used, the standard does not ask for them");
-  const auto undirected = std::count_if(group.readings.begin(), group.readings.end(),
-                                        [&](std::size_t i) { return set.readings[i].approach == Approach::unknown; });
+  const auto undirected = std::ranges::count_if(
+      group.readings, [&](std::size_t i) { return set.readings[i].approach == Approach::unknown; });
   if (undirected > 0 && has_known_approach(set, group))
     notes.push_back(fmt::format("{} readings of unknown approach are left out", undirected));
   return notes;

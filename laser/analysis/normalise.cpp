@@ -132,8 +132,8 @@ bool is_positioning(const Reading& reading) {
 }
 
 bool is_normalised(const MeasurementSet& set) {
-  return std::any_of(set.readings.begin(), set.readings.end(),
-                     [](const Reading& reading) { return reading.extras.contains(kBeforeNormalisation); });
+  return std::ranges::any_of(set.readings,
+                             [](const Reading& reading) { return reading.extras.contains(kBeforeNormalisation); });
 }
 
 std::string place_of(const Reading& reading) {

@@ -24,7 +24,7 @@ using Cell = std::vector<std::size_t>;
 std::vector<Cell> cells_of(const MeasurementSet& set, const Group& group) {
   std::vector<std::size_t> order = group.readings;
   const auto at = [&](std::size_t i) { return target_of(set.readings[i]); };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
   const double tolerance_mm = target_tolerance_mm(set, group);
   std::vector<Cell> cells;
   std::map<Approach, Cell> here;
@@ -68,20 +68,20 @@ std::vector<std::size_t> outliers_of(const MeasurementSet& set, const Group& gro
   if (far <= 0.0) return outliers;
   for (const Cell& cell : cells) {
     if (cell.size() < kLeast) continue;
-    const auto farthest = *std::max_element(cell.begin(), cell.end(), [&](std::size_t a, std::size_t b) {
+    const auto farthest = *std::ranges::max_element(cell, [&](std::size_t a, std::size_t b) {
       return std::abs(distance_in(set, cell, a)) < std::abs(distance_in(set, cell, b));
     });
     if (std::abs(distance_in(set, cell, farthest)) > far) outliers.push_back(farthest);
   }
-  std::sort(outliers.begin(), outliers.end());
+  std::ranges::sort(outliers);
   return outliers;
 }
 
 namespace {
 
 double range_of(const MeasurementSet& set) {
-  const auto [least, most] = std::minmax_element(set.readings.begin(), set.readings.end(),
-                                                 [](const Reading& a, const Reading& b) { return a.error < b.error; });
+  const auto [least, most] =
+      std::ranges::minmax_element(set.readings, [](const Reading& a, const Reading& b) { return a.error < b.error; });
   return most->error - least->error;
 }
 

@@ -32,9 +32,8 @@ struct Layout {
 Layout layout_of(const MeasurementSet& set, const Group& group) {
   const double tolerance_mm = target_tolerance_mm(set, group);
   std::vector<std::size_t> order = group.readings;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return target_of(set.readings[a]) < target_of(set.readings[b]);
-  });
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return target_of(set.readings[a]) < target_of(set.readings[b]); });
   Layout layout;
   std::map<int, std::size_t> runs;
   for (const std::size_t i : order) runs.emplace(set.readings[i].run, 0);

@@ -31,8 +31,7 @@ std::vector<PassDeviations> passes_of(const MeasurementSet& set, const Group& gr
   for (const std::size_t i : group.readings)
     if (const Reading& reading = set.readings[i]; reading.approach == approach)
       stops.push_back({target_of(reading), reading.run, reading.error});
-  std::stable_sort(stops.begin(), stops.end(),
-                   [](const Stop& a, const Stop& b) { return a.position_mm < b.position_mm; });
+  std::ranges::stable_sort(stops, [](const Stop& a, const Stop& b) { return a.position_mm < b.position_mm; });
   std::map<int, PassDeviations> passes;
   for (std::size_t first = 0; first < stops.size();) {
     std::size_t last = first;
@@ -148,7 +147,7 @@ double shrink(std::vector<double>& values, double variance, double freedom) {
     kept += factor * size;
     first = end;
   }
-  std::fill(values.begin(), values.end(), 0.0);
+  std::ranges::fill(values, 0.0);
   for (std::size_t k = 0; k < count; ++k)
     for (std::size_t i = 0; i < count; ++i) values[i] += cosine(k, i, count) * part[k];
   return kept / static_cast<double>(count);
@@ -214,8 +213,8 @@ Shrunk shrunk(const Curve& curve, const Repeatability& repeatability) {
   const double variance = repeatability.reading * repeatability.reading / std::max(1.0, repeatability.repeats);
   const double freedom = repeatability.reading_freedom;
   Shrunk out{curve, 0.0, 1.0};
-  const bool both = std::all_of(curve.points.begin(), curve.points.end(),
-                                [](const CurvePoint& point) { return point.forward && point.reverse; });
+  const bool both =
+      std::ranges::all_of(curve.points, [](const CurvePoint& point) { return point.forward && point.reverse; });
   if (both && curve.approach_known) {
     out.kept = shrink_both(out.curve, variance, freedom);
   } else {

@@ -45,7 +45,7 @@ TurnReadings readings_in_turn(const MeasurementSet& set, const Group& group) {
 std::vector<double> angles_of(const TurnReadings& line) {
   std::vector<double> angles;
   for (const double deg : line.angle_deg) angles.push_back(deg - kWholeTurn_deg * std::floor(deg / kWholeTurn_deg));
-  std::sort(angles.begin(), angles.end());
+  std::ranges::sort(angles);
   angles.erase(
       std::unique(angles.begin(), angles.end(), [](double a, double b) { return std::abs(a - b) < kSameAngle_deg; }),
       angles.end());
@@ -54,7 +54,7 @@ std::vector<double> angles_of(const TurnReadings& line) {
 
 /// The fewest waves a turn of which one fits into what was measured.
 int least_order(const TurnReadings& line, std::size_t angles) {
-  const auto [least, most] = std::minmax_element(line.angle_deg.begin(), line.angle_deg.end());
+  const auto [least, most] = std::ranges::minmax_element(line.angle_deg);
   const double span_deg = *most - *least;
   const double step_deg = span_deg / static_cast<double>(std::max<std::size_t>(1, angles - 1));
   return std::max(1, static_cast<int>(std::ceil(kWholeTurn_deg / (span_deg + step_deg) - 0.01)));
@@ -104,7 +104,7 @@ std::vector<int> orders_found(const TurnReadings& line, int least, int most) {
     int best = 0;
     TurnFit after = now;
     for (int order = least; order <= most; ++order) {
-      if (std::find(chosen.begin(), chosen.end(), order) != chosen.end()) continue;
+      if (std::ranges::find(chosen, order) != chosen.end()) continue;
       std::vector<int> with = chosen;
       with.push_back(order);
       if (TurnFit tried = waves_fitted(line, with); tried.squares < after.squares) {
@@ -157,8 +157,7 @@ std::optional<TurnModel> turn_of(const MeasurementSet& set, const Group& group) 
   turn.offset = fit.values(0);
   if (line.both_ways) turn.reversal = fit.values(1);
   for (std::size_t j = 0; j < orders.size(); ++j) turn.waves.push_back(wave_of(line, orders, j, fit, covariance));
-  std::sort(turn.waves.begin(), turn.waves.end(),
-            [](const TurnWave& a, const TurnWave& b) { return a.amplitude > b.amplitude; });
+  std::ranges::sort(turn.waves, [](const TurnWave& a, const TurnWave& b) { return a.amplitude > b.amplitude; });
   const double mean = *mean_of(line.error);
   double squares = 0.0;
   for (const double error : line.error) squares += (error - mean) * (error - mean);

@@ -29,7 +29,7 @@ std::optional<Approach> approach_of_block(const std::string& block) {
 }
 
 bool has_approach(const std::vector<Reading>& readings, Approach approach) {
-  return std::any_of(readings.begin(), readings.end(), [&](const Reading& r) { return r.approach == approach; });
+  return std::ranges::any_of(readings, [&](const Reading& r) { return r.approach == approach; });
 }
 
 /// Both directions each say more than their mean, which would count the same readings again.

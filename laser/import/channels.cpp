@@ -149,8 +149,8 @@ std::string channels_text(const ChannelLog& log) {
 
 Result<MeasurementSet> read_channels(ChannelLog log, const std::string& file_name, const ImportOptions& options) {
   for (auto& [name, samples] : log.channels)
-    std::stable_sort(samples.begin(), samples.end(),
-                     [](const ChannelSample& a, const ChannelSample& b) { return a.time_s < b.time_s; });
+    std::ranges::stable_sort(samples,
+                             [](const ChannelSample& a, const ChannelSample& b) { return a.time_s < b.time_s; });
   std::vector<ColumnRule> rules(1);
   rules.front().field = "time_s";
   rules.insert(rules.end(), options.channels->rules.begin(), options.channels->rules.end());

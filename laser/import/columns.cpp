@@ -137,7 +137,7 @@ Result<std::vector<ColumnRule>> column_rules(std::string_view text) {
     if (part.empty()) continue;
     ColumnRule rule;
     std::string fault = rule_fault(rule, part);
-    const auto same = std::find_if(rules.begin(), rules.end(), [&](const auto& r) { return r.field == rule.field; });
+    const auto same = std::ranges::find_if(rules, [&](const auto& r) { return r.field == rule.field; });
     if (fault.empty() && same != rules.end()) fault = "expected each field once, found it again";
     if (!fault.empty())
       problems.push_back({ProblemKind::usage,
@@ -182,13 +182,11 @@ void find_headings(std::vector<Field>& fields, const std::vector<std::string_vie
                    Findings& findings) {
   for (Field& field : fields) {
     if (field.rule.column > 0) continue;
-    const auto found = std::find_if(headings.begin(), headings.end(), [&](std::string_view heading) {
-      return lower(heading) == lower(trimmed(field.rule.heading));
-    });
+    const auto found = std::ranges::find_if(
+        headings, [&](std::string_view heading) { return lower(heading) == lower(trimmed(field.rule.heading)); });
     if (found == headings.end())
-      findings.add(line, 1,
-                   fmt::format("{}: expected a heading {}, found none{}", field.rule.field,
-                               in_quotes(field.rule.heading), near_heading(field.rule.heading, headings)));
+      findings.add(line, 1, "{}: expected a heading {}, found none{}", field.rule.field, in_quotes(field.rule.heading),
+                   near_heading(field.rule.heading, headings));
     else
       field.index = static_cast<std::size_t>(found - headings.begin());
   }
@@ -196,7 +194,7 @@ void find_headings(std::vector<Field>& fields, const std::vector<std::string_vie
 
 /// A line whose mapped cells hold no number at all is a heading, above the rows or among them.
 bool is_heading(const Plan& plan, const std::vector<std::string_view>& cells) {
-  return std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& field) {
+  return std::ranges::none_of(plan.fields, [&](const Field& field) {
     return field.index < cells.size() && cell_number(plan, cells[field.index]).has_value();
   });
 }
@@ -217,7 +215,7 @@ struct TableLines {
 
 /// Every mapped value and position of the line is there, and a number.
 bool is_data(const Plan& plan, const std::vector<std::string_view>& cells, std::size_t width) {
-  return cells.size() == width && std::all_of(plan.fields.begin(), plan.fields.end(), [&](const Field& field) {
+  return cells.size() == width && std::ranges::all_of(plan.fields, [&](const Field& field) {
            if (!is_value(field.role) && field.role != Role::position) return true;
            return field.last() < cells.size() && cell_number(plan, cells[field.index]).has_value();
          });
@@ -231,8 +229,7 @@ class LineTaker {
         options_(options),
         mapping_(*options.mapping),
         delimiter_(delimiter),
-        by_heading_(
-            std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; })),
+        by_heading_(std::ranges::any_of(plan.fields, [](const Field& f) { return f.rule.column == 0; })),
         findings_(findings) {}
 
   void take(std::string_view line, int number) {
@@ -267,7 +264,7 @@ class LineTaker {
   /// How many of these lines look as the rows do.
   [[nodiscard]] int like_rows(std::span<const std::string_view> lines) const {
     if (table_.rows.empty()) return 0;
-    return static_cast<int>(std::count_if(lines.begin(), lines.end(), [&](std::string_view line) {
+    return static_cast<int>(std::ranges::count_if(lines, [&](std::string_view line) {
       return !is_comment(line) && is_data(plan_, cells_of(line, delimiter_), table_.rows.front().cells.size());
     }));
   }
@@ -365,14 +362,13 @@ void refuse_other_units(const Plan& plan, const std::vector<std::string>& headin
     const auto taken = unit_taken(plan, field);
     if (!stated || !taken || is_same(*stated, *taken)) continue;
     const bool could_be = stated->kind == taken->kind || is_value(field.role);
-    findings.add(
-        line, 1,
-        fmt::format("{}: the heading of column {}, {}, says {}, and the mapping takes {}: {}{}={}[{}]*1 if the "
-                    "heading is wrong",
-                    field.rule.field, field.index + 1, in_quotes(headings[field.index]), stated->name, taken->name,
-                    could_be ? fmt::format("give {}={}[{}], or ", field.rule.field, column_text(field), stated->name)
-                             : "give another column, or ",
-                    field.rule.field, column_text(field), taken->name));
+    findings.add(line, 1,
+                 "{}: the heading of column {}, {}, says {}, and the mapping takes {}: {}{}={}[{}]*1 if the "
+                 "heading is wrong",
+                 field.rule.field, field.index + 1, in_quotes(headings[field.index]), stated->name, taken->name,
+                 could_be ? fmt::format("give {}={}[{}], or ", field.rule.field, column_text(field), stated->name)
+                          : "give another column, or ",
+                 field.rule.field, column_text(field), taken->name);
   }
 }
 
@@ -394,9 +390,9 @@ void refuse_tiny(const MeasurementSet& set, const Plan& plan, const std::vector<
     const bool stated = field.index < headings.size() && unit_in_heading(headings[field.index]);
     if (field.rule.is_scaled || stated || !taken || !is_same(*taken, *um)) return;
     findings.add(line, 1,
-                 fmt::format("{0}: all readings are below {1:g} um, the largest is {2:.3g}: are they in mm? Give "
-                             "{0}={3}[mm], or {0}={3}[um]*1 if they are um",
-                             field.rule.field, kLeastLargest_um, largest, column_text(field)));
+                 "{0}: all readings are below {1:g} um, the largest is {2:.3g}: are they in mm? Give "
+                 "{0}={3}[mm], or {0}={3}[um]*1 if they are um",
+                 field.rule.field, kLeastLargest_um, largest, column_text(field));
     return;
   }
 }
@@ -410,7 +406,7 @@ ChannelLog channels_in(const Plan& plan, const ColumnMapping& mapping, const Tab
     std::optional<double> value;
     for (const Field& field : plan.fields) {
       if (std::max(field.last(), named) >= row.cells.size()) {
-        findings.add(row.number, 1, fmt::format("expected {} columns, found {}", field.last() + 1, row.cells.size()));
+        findings.add(row.number, 1, "expected {} columns, found {}", field.last() + 1, row.cells.size());
         return log;
       }
       if (is_value(field.role))

@@ -64,8 +64,8 @@ Result<std::vector<double>> times_of(MeasurementSet& set, const EnvironmentSerie
                                      std::optional<double> every_s) {
   const auto span = span_of(set);
   const auto count = static_cast<double>(series.rows.size());
-  const bool has_times = std::all_of(series.rows.begin(), series.rows.end(),
-                                     [](const EnvironmentRow& row) { return row.time_s.has_value(); });
+  const bool has_times =
+      std::ranges::all_of(series.rows, [](const EnvironmentRow& row) { return row.time_s.has_value(); });
   if (!span && (has_times || every_s))
     return tl::unexpected(usage(set.source,
                                 "environment: the readings have no time (time_s, or date_time in --columns), "
@@ -128,9 +128,9 @@ Result<void> join_environment(MeasurementSet& set, const EnvironmentSeries& seri
       ++given;
     }
     if (given == 0) continue;
-    const auto [least, most] = std::minmax_element(condition.values.begin(), condition.values.end());
+    const auto [least, most] = std::ranges::minmax_element(condition.values);
     joined.push_back(fmt::format("{} {:.6g} ... {:.6g}", condition.name, *least, *most));
-    if (!set.columns.empty() && std::find(set.columns.begin(), set.columns.end(), condition.name) == set.columns.end())
+    if (!set.columns.empty() && std::ranges::find(set.columns, condition.name) == set.columns.end())
       set.columns.push_back(condition.name);
   }
   if (!joined.empty()) set.notes.push_back(fmt::format("environment: {}", fmt::join(joined, ", ")));
@@ -191,18 +191,18 @@ std::vector<EnvironmentColumn> columns_named(const std::vector<std::string_view>
     const std::string plain = lower(headings[i]);
     const auto unit = unit_in(headings[i]);
     std::string name = is_known_column(headings[i]) ? std::string(headings[i]) : name_in(plain, unit);
-    const bool again = std::any_of(columns.begin(), columns.end(),
-                                   [&](const EnvironmentColumn& column) { return column.name == name; });
+    const bool again =
+        std::ranges::any_of(columns, [&](const EnvironmentColumn& column) { return column.name == name; });
     if (!name.empty() && !again) columns.push_back({i, std::move(name), unit});
   }
   return columns;
 }
 
 bool is_environment(const std::vector<EnvironmentColumn>& columns) {
-  const auto count = std::count_if(columns.begin(), columns.end(), [](const EnvironmentColumn& column) {
+  const auto count = std::ranges::count_if(columns, [](const EnvironmentColumn& column) {
     return is_sensor_column(column.name) || column.name == "pressure_hPa" || column.name == "humidity_pct";
   });
-  const bool has_place = std::any_of(columns.begin(), columns.end(), [](const EnvironmentColumn& column) {
+  const bool has_place = std::ranges::any_of(columns, [](const EnvironmentColumn& column) {
     return column.name == "reading" || column.name == "axis" || column.name == "x_mm";
   });
   return count >= 2 && !has_place;
@@ -251,8 +251,7 @@ class EnvironmentTableReader {
 
   void take_row(std::string_view line, const std::vector<std::string_view>& cells, int number) {
     if (cells.size() < width_)
-      return findings_.add(number, 1,
-                           fmt::format("expected {} cells as in the heading, found {}", width_, cells.size()));
+      return findings_.add(number, 1, "expected {} cells as in the heading, found {}", width_, cells.size());
     EnvironmentRow row;
     for (const EnvironmentColumn& column : columns_) {
       const std::string_view cell = cells[column.index];
@@ -267,9 +266,8 @@ class EnvironmentTableReader {
         value = pressure_hPa(*value);
       }
       if (!value && !cell.empty())
-        findings_.add(number, column_of(line, cell),
-                      fmt::format("{}: expected a number{}, found {}", column.name,
-                                  is_time ? " or a date and time" : "", in_quotes(cell)));
+        findings_.add(number, column_of(line, cell), "{}: expected a number{}, found {}", column.name,
+                      is_time ? " or a date and time" : "", in_quotes(cell));
       if (is_time)
         row.time_s = value;
       else

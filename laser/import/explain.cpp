@@ -50,8 +50,8 @@ struct TableColumn {
   std::vector<std::string_view> cells;
   std::vector<double> values;  ///< as many as cells where each is a number, else none
   [[nodiscard]] bool is_number() const { return !values.empty(); }
-  [[nodiscard]] double least() const { return *std::min_element(values.begin(), values.end()); }
-  [[nodiscard]] double most() const { return *std::max_element(values.begin(), values.end()); }
+  [[nodiscard]] double least() const { return *std::ranges::min_element(values); }
+  [[nodiscard]] double most() const { return *std::ranges::max_element(values); }
   [[nodiscard]] double span() const { return most() - least(); }
   [[nodiscard]] bool turns() const { return unit && unit->kind == UnitKind::angle; }
   /// One of the cells in mm, or deg.
@@ -78,19 +78,18 @@ Rows rows_of(const TableShape& shape) {
 }
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
+  return std::ranges::find(words, word) != words.end();
 }
 
 /// By words of English, German and French headings.
 Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) {
   const std::string text = lower(heading);
   const auto has = [&](std::initializer_list<std::string_view> parts) {
-    return std::any_of(parts.begin(), parts.end(),
-                       [&](std::string_view part) { return text.find(part) != std::string::npos; });
+    return std::ranges::any_of(parts, [&](std::string_view part) { return text.find(part) != std::string::npos; });
   };
   const auto words = heading_words(heading);
   const auto is_word = [&](std::initializer_list<std::string_view> any) {
-    return std::any_of(words.begin(), words.end(), [&](const std::string& word) { return is_one_of(word, any); });
+    return std::ranges::any_of(words, [&](const std::string& word) { return is_one_of(word, any); });
   };
   if (has({"std", "standard", "sigma", "uncertainty", "unsicherheit", "incertitude", "streuung"}))
     return Meaning::other;
@@ -160,9 +159,9 @@ bool counts_rows(const TableColumn& column) {
 
 /// Whole numbers, fewer than rows: a number of each row is no run.
 bool are_runs(const TableColumn& column) {
-  return column.is_number() && !counts_rows(column) &&
-         std::all_of(column.values.begin(), column.values.end(),
-                     [](double value) { return value == std::floor(value) && std::abs(value) < 1e6; });
+  return column.is_number() && !counts_rows(column) && std::ranges::all_of(column.values, [](double value) {
+           return value == std::floor(value) && std::abs(value) < 1e6;
+         });
 }
 
 bool are_positions(const TableColumn& column) {
@@ -215,9 +214,9 @@ std::string row_options(const TableShape& shape) {
 bool could_be_targets(const TableColumn& column, const Columns& columns) {
   if (!column.is_number() || (column.meaning != Meaning::position && column.meaning != Meaning::none)) return false;
   if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
-  const auto numbers = std::count_if(columns.begin(), columns.end(), [](const auto& one) { return one.is_number(); });
-  const bool is_first = std::none_of(columns.begin(), columns.end(),
-                                     [&](const auto& one) { return one.is_number() && one.number < column.number; });
+  const auto numbers = std::ranges::count_if(columns, [](const auto& one) { return one.is_number(); });
+  const bool is_first =
+      std::ranges::none_of(columns, [&](const auto& one) { return one.is_number() && one.number < column.number; });
   if (std::max(std::abs(column.least()), std::abs(column.most())) * column.as_target() > kFarthest_mm) return false;
   return are_positions(column) &&
          (column.meaning == Meaning::position || numbers < 3 || !is_first || !counts_rows(column));
@@ -225,9 +224,8 @@ bool could_be_targets(const TableColumn& column, const Columns& columns) {
 
 /// Whether the headings allow it: a column named so where there is one, no count of runs.
 bool could_be_readings(const TableColumn& column, const Columns& columns) {
-  const bool named = std::any_of(columns.begin(), columns.end(), [](const TableColumn& one) {
-    return one.is_number() && one.meaning == Meaning::reading;
-  });
+  const bool named = std::ranges::any_of(
+      columns, [](const TableColumn& one) { return one.is_number() && one.meaning == Meaning::reading; });
   if (!column.is_number()) return false;
   if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
   return named ? column.meaning == Meaning::reading
@@ -240,8 +238,7 @@ std::string pass_rules(const Columns& columns, bool moves) {
   for (const TableColumn& column : columns) {
     if (column.meaning == Meaning::run && run.empty() && are_runs(column)) run = fmt::format(",run={}", column.number);
     if (column.meaning == Meaning::approach && moves && approach == ",approach=motion" &&
-        std::all_of(column.cells.begin(), column.cells.end(),
-                    [](auto cell) { return approach_named(cell).has_value(); }))
+        std::ranges::all_of(column.cells, [](auto cell) { return approach_named(cell).has_value(); }))
       approach = fmt::format(",approach={}", column.number);
   }
   return approach + run;
@@ -250,8 +247,8 @@ std::string pass_rules(const Columns& columns, bool moves) {
 bool go_both_ways(const TableColumn& targets) {
   const auto falls = [](double a, double b) { return b < a; };
   const auto rises = [](double a, double b) { return b > a; };
-  return std::adjacent_find(targets.values.begin(), targets.values.end(), falls) != targets.values.end() &&
-         std::adjacent_find(targets.values.begin(), targets.values.end(), rises) != targets.values.end();
+  return std::ranges::adjacent_find(targets.values, falls) != targets.values.end() &&
+         std::ranges::adjacent_find(targets.values, rises) != targets.values.end();
 }
 
 /// The name of a temperature: "t_air_degC" of "T Luft [°C]".
@@ -343,7 +340,7 @@ std::string pass_columns(const Columns& columns, const TableColumn& targets, boo
                       !field.empty() && column.meaning != Meaning::temperature &&
                       (actual ? are_actual(column, targets) : are_errors(column, targets));
     if (!fits) continue;
-    if (std::find(fields.begin(), fields.end(), field) != fields.end()) return {};
+    if (std::ranges::find(fields, field) != fields.end()) return {};
     fields.push_back(field);
     rules.push_back(field + reading_rule(column, targets, actual).substr(std::string_view("reading").size()));
   }
@@ -434,7 +431,7 @@ std::string column_advice(std::string_view text, const TableShape& shape, bool k
     if (const auto advice = pair_advice(columns, shape)) return *advice;
     if (const auto advice = growth_advice(columns, shape)) return *advice;
   }
-  if (std::none_of(columns.begin(), columns.end(), [](const auto& column) { return column.is_number(); }))
+  if (std::ranges::none_of(columns, [](const auto& column) { return column.is_number(); }))
     return "expected columns with a number in every row, found none: fill the empty cells";
   return fmt::format(
       "expected targets and errors beside them, found the columns {}; if two of them are targets and errors, say "

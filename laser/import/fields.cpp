@@ -54,7 +54,7 @@ std::string measured_fault(const std::vector<Field>& fields) {
     const auto axis = measured_direction(field.rule.field);
     if (!axis) continue;
     const std::string_view nominal = kPositionColumns[index_of(*axis)];
-    if (std::none_of(fields.begin(), fields.end(), [&](const Field& other) { return other.rule.field == nominal; }))
+    if (std::ranges::none_of(fields, [&](const Field& other) { return other.rule.field == nominal; }))
       return fmt::format("columns: {} needs {}, the nominal position, found none", field.rule.field, nominal);
   }
   return {};
@@ -83,9 +83,8 @@ std::optional<Axis> measured_direction(std::string_view field) {
 }
 
 Role role_of(std::string_view name) {
-  if (std::find(kPositionColumns.begin(), kPositionColumns.end(), name) != kPositionColumns.end())
-    return Role::position;
-  if (std::find(kAngleColumns.begin(), kAngleColumns.end(), name) != kAngleColumns.end()) return Role::angle;
+  if (std::ranges::find(kPositionColumns, name) != kPositionColumns.end()) return Role::position;
+  if (std::ranges::find(kAngleColumns, name) != kAngleColumns.end()) return Role::angle;
   if (measured_direction(name)) return Role::measured;
   if (name == "reading") return Role::error;
   if (sense_named(name)) return Role::own_sense;
@@ -101,7 +100,7 @@ bool is_value(Role role) {
 }
 
 bool has_role(const std::vector<Field>& fields, Role role) {
-  return std::any_of(fields.begin(), fields.end(), [&](const Field& field) { return field.role == role; });
+  return std::ranges::any_of(fields, [&](const Field& field) { return field.role == role; });
 }
 
 std::optional<double> cell_number(const Plan& plan, std::string_view cell) {
@@ -209,7 +208,7 @@ std::string take_units(Plan& plan, const ImportOptions& options) {
 }
 
 std::string plan_fault(const Plan& plan) {
-  if (std::none_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return is_value(f.role); }))
+  if (std::ranges::none_of(plan.fields, [](const Field& f) { return is_value(f.role); }))
     return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN, reverseN or measured_x_mm, found none";
   if (std::string fault = measured_fault(plan.fields); !fault.empty()) return fault;
   if (has_role(plan.fields, Role::measured)) return units_fault(plan);
@@ -217,8 +216,7 @@ std::string plan_fault(const Plan& plan) {
     return "columns: the table does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C, or "
            "map its column";
   if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
-      !plan.parked_stated[index_of(*plan.axis)] &&
-      std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& f) {
+      !plan.parked_stated[index_of(*plan.axis)] && std::ranges::none_of(plan.fields, [&](const Field& f) {
         return f.rule.field == target_column(*plan.axis, plan.rotary) || f.rule.field == "time_s";
       }))
     return fmt::format(
@@ -282,7 +280,7 @@ std::string with_plain_micro(std::string text) {
 std::optional<Unit> spelt(std::string_view word) {
   const std::string plain = with_plain_micro(lower(trimmed(word)));
   const auto* const found =
-      std::find_if(kSpellings.begin(), kSpellings.end(), [&](const auto& spelling) { return spelling.first == plain; });
+      std::ranges::find_if(kSpellings, [&](const auto& spelling) { return spelling.first == plain; });
   return unit_named(found == kSpellings.end() ? std::string_view(plain) : found->second);
 }
 
@@ -311,7 +309,7 @@ std::optional<Unit> at_end(std::string_view heading) {
     if (word.size() == heading.size()) continue;  // the whole heading: a name
     const auto unit = spelt(word);
     const bool is_word = lower(trimmed(word)) == "in";  // "lead in"
-    if (unit && !is_word && std::find(kPlain.begin(), kPlain.end(), unit->name) != kPlain.end()) return unit;
+    if (unit && !is_word && std::ranges::find(kPlain, unit->name) != kPlain.end()) return unit;
   }
   return std::nullopt;
 }

@@ -102,8 +102,8 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
 }
 
 bool gives_measured_positions(const ImportOptions& options) {
-  return options.mapping && std::any_of(options.mapping->rules.begin(), options.mapping->rules.end(),
-                                        [](const ColumnRule& rule) { return measured_direction(rule.field); });
+  return options.mapping && std::ranges::any_of(options.mapping->rules,
+                                                [](const ColumnRule& rule) { return measured_direction(rule.field); });
 }
 
 }  // namespace
@@ -243,7 +243,7 @@ std::span<const FileFormat* const> file_formats() {
 
 const FileFormat* file_format(std::string_view id) {
   const auto formats = file_formats();
-  const auto at = std::find_if(formats.begin(), formats.end(), [&](const auto* format) { return format->id == id; });
+  const auto at = std::ranges::find_if(formats, [&](const auto* format) { return format->id == id; });
   return at == formats.end() ? nullptr : *at;
 }
 
@@ -261,7 +261,7 @@ const FileFormat* recognised_format(std::string_view text, const std::string& fi
 const FileFormat& format_written_as(std::string_view extension) {
   for (const FileFormat* format : file_formats()) {
     const auto& own = format->written_extensions;
-    if (std::find(own.begin(), own.end(), lower(extension)) != own.end()) return *format;
+    if (std::ranges::find(own, lower(extension)) != own.end()) return *format;
   }
   return kMeasurementCsv;
 }

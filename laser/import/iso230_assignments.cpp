@@ -67,9 +67,8 @@ void take_number(Contents& contents, const Assignment& found, int line, Findings
   const auto value = number_or_comma(unquoted(found.value));
   const std::size_t expected = found.name == "TGT_DATA" ? 1 : 2;
   if (!value || found.indices.size() != expected) {
-    findings.add(line, 1,
-                 fmt::format("{}: expected {} and a number, found {}", found.name,
-                             expected == 1 ? "one index" : "target and cycle index", in_quotes(found.value)));
+    findings.add(line, 1, "{}: expected {} and a number, found {}", found.name,
+                 expected == 1 ? "one index" : "target and cycle index", in_quotes(found.value));
     return;
   }
   const bool fresh = found.name == "TGT_DATA"
@@ -77,7 +76,7 @@ void take_number(Contents& contents, const Assignment& found, int line, Findings
                          : (found.name == "REF_DATA_FWD" ? contents.forward : contents.reverse)
                                .emplace(Key{found.indices[1], found.indices[0]}, Stop{*value, line})
                                .second;
-  if (!fresh) findings.add(line, 1, fmt::format("{}: expected each index once, found it again", found.name));
+  if (!fresh) findings.add(line, 1, "{}: expected each index once, found it again", found.name);
 }
 
 Contents contents_of(std::string_view text, Findings& findings) {
@@ -128,15 +127,15 @@ void check(const Contents& contents, bool accept_truncated, Findings& findings) 
   for (const auto* const stops : {&contents.forward, &contents.reverse}) {
     for (const auto& [key, stop] : *stops)
       if (!contents.targets_mm.contains(key.second))
-        findings.add(stop.line, 1, fmt::format("expected an index with a target TGT_DATA, found {}", key.second));
+        findings.add(stop.line, 1, "expected an index with a target TGT_DATA, found {}", key.second);
     const auto targets = count_of(contents, "POSITIONS").value_or(static_cast<long long>(contents.targets_mm.size()));
     const auto cycles = count_of(contents, "CYCLES");
     const bool plausible = targets > 0 && targets <= 1'000'000 && cycles && *cycles > 0 && *cycles <= 1'000'000;
     if (!accept_truncated && plausible && !stops->empty() && static_cast<long long>(stops->size()) != targets * *cycles)
       findings.add(0, 0,
-                   fmt::format("expected {} positions in a direction (POSITIONS times CYCLES), found {}: the file "
-                               "is cut short; --accept-truncated reads the rest",
-                               targets * *cycles, stops->size()));
+                   "expected {} positions in a direction (POSITIONS times CYCLES), found {}: the file "
+                   "is cut short; --accept-truncated reads the rest",
+                   targets * *cycles, stops->size());
   }
 }
 

@@ -73,9 +73,8 @@ void take_line(ChannelLog& log, std::string_view line, int number, Findings& fin
   }
   const auto time = object.is_object() ? time_in(object) : std::nullopt;
   if (!time)
-    return findings.add(number, 1,
-                        fmt::format("expected a JSON object with its time ({}: a number of seconds or a date)",
-                                    fmt::join(kTimeKeys, ", ")));
+    return findings.add(number, 1, "expected a JSON object with its time ({}: a number of seconds or a date)",
+                        fmt::join(kTimeKeys, ", "));
   object.erase(time->key);
   take_numbers(log, object, {}, {time->seconds, 0.0, number}, 0);
 }
@@ -93,8 +92,7 @@ ColumnMapping by_name(const ChannelLog& log) {
 }
 
 bool has_value(const ColumnMapping& mapping) {
-  return std::any_of(mapping.rules.begin(), mapping.rules.end(),
-                     [](const ColumnRule& rule) { return is_value(role_of(rule.field)); });
+  return std::ranges::any_of(mapping.rules, [](const ColumnRule& rule) { return is_value(role_of(rule.field)); });
 }
 
 Result<MeasurementSet> read_json_lines(std::string_view text, const std::string& file_name,
@@ -122,9 +120,8 @@ Result<MeasurementSet> read_json_lines(std::string_view text, const std::string&
 Recognition recognises_json_lines(const FileStart& file) {
   const std::string first = lower(file.first_line);
   const bool is_object = first.starts_with('{') && first.ends_with('}');
-  const bool has_time = std::any_of(kTimeKeys.begin(), kTimeKeys.end(), [&](std::string_view key) {
-    return first.find(fmt::format("\"{}\"", key)) != std::string::npos;
-  });
+  const bool has_time = std::ranges::any_of(
+      kTimeKeys, [&](std::string_view key) { return first.find(fmt::format("\"{}\"", key)) != std::string::npos; });
   return is_object && has_time ? Recognition::certain : Recognition::no;
 }
 

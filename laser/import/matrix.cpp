@@ -74,8 +74,7 @@ class MatrixLines {
       return;
     }
     const auto cells = matrix_cells(line, layout_.delimiter);
-    const bool has_number =
-        std::any_of(cells.begin(), cells.end(), [](auto cell) { return number_in(cell).has_value(); });
+    const bool has_number = std::ranges::any_of(cells, [](auto cell) { return number_in(cell).has_value(); });
     if (!has_number && contents_.rows.empty()) {
       keep_as_comment();
       heading_ = line;
@@ -118,7 +117,7 @@ struct Places {
 std::optional<Places> places_of(const MatrixContents& contents, const MatrixAxis& axis, std::size_t present,
                                 Findings& findings) {
   const auto wanted = [&](std::string_view what, const std::string& name) {
-    findings.add(0, 0, fmt::format("{}: expected {} ({}), found none", letter_of(axis.axis), what, name));
+    findings.add(0, 0, "{}: expected {} ({}), found none", letter_of(axis.axis), what, name);
     return std::nullopt;
   };
   const auto first_mm = stated(contents, axis.first_mm);
@@ -158,15 +157,13 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
   const auto rows = places_of(contents, along_rows, contents.rows.size(), findings);
   if (!cells || !rows) return tl::unexpected(findings.as_problem());
   if (contents.rows.size() < rows->count)
-    findings.add(0, 0,
-                 fmt::format("expected {} rows ({}), found {}: the file is cut short", rows->count, along_rows.count,
-                             contents.rows.size()));
+    findings.add(0, 0, "expected {} rows ({}), found {}: the file is cut short", rows->count, along_rows.count,
+                 contents.rows.size());
   const double factor = options.reading_unit ? options.reading_unit->factor * kUmPerMm : 1.0;
   for (std::size_t r = 0; r < std::min(rows->count, contents.rows.size()); ++r) {
     const MatrixRow& row = contents.rows[r];
     if (row.cells.size() != cells->count) {
-      findings.add(row.text_line, 1,
-                   fmt::format("expected {} values in the row, found {}", cells->count, row.cells.size()));
+      findings.add(row.text_line, 1, "expected {} values in the row, found {}", cells->count, row.cells.size());
       continue;
     }
     for (std::size_t c = 0; c < cells->count; ++c) {

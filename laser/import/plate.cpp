@@ -48,8 +48,7 @@ Result<MeasurementSet> read_plate(std::string_view text, const std::string& file
     } else if (in_table) {
       const auto row = numbers_alone(line);
       if (row.size() != kColumns) {
-        findings.add(number, 1,
-                     fmt::format("expected nine numbers as the heading names them, found {}", in_quotes(line)));
+        findings.add(number, 1, "expected nine numbers as the heading names them, found {}", in_quotes(line));
         continue;
       }
       if (std::abs(row[0] - row[2] - row[4]) > kPrinted_mm || std::abs(row[1] - row[3] - row[5]) > kPrinted_mm)

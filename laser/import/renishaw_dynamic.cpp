@@ -198,13 +198,13 @@ void check_announced(const MeasurementSet& set, Findings& findings) {
       start && end && std::abs(first - *end) < kSamePosition_mm && std::abs(last - *start) < kSamePosition_mm;
   if (reversed) return;
   if (start && std::abs(first - *start) > kSamePosition_mm)
-    findings.add(set.readings.front().line, 1,
-                 fmt::format("expected the first position at {} (Compensation start), found {}", *start, first));
+    findings.add(set.readings.front().line, 1, "expected the first position at {} (Compensation start), found {}",
+                 *start, first);
   if (end && std::abs(last - *end) > kSamePosition_mm)
     findings.add(set.readings.back().line, 1,
-                 fmt::format("expected the last position at {} (Compensation end), found {}: the file is cut short; "
-                             "--accept-truncated reads the rest",
-                             *end, last));
+                 "expected the last position at {} (Compensation end), found {}: the file is cut short; "
+                 "--accept-truncated reads the rest",
+                 *end, last);
 }
 
 bool is_table_heading(std::string_view line) {

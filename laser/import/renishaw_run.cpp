@@ -103,8 +103,7 @@ class SectionReader {
   std::optional<long long> count_in(const MetadataEntry& entry, int number) {
     const auto count = integer_in(entry.value);
     if (!count || *count < 1)
-      findings_.add(number, 1,
-                    fmt::format("{}: expected a whole number above 0, found {}", entry.key, in_quotes(entry.value)));
+      findings_.add(number, 1, "{}: expected a whole number above 0, found {}", entry.key, in_quotes(entry.value));
     return count;
   }
 
@@ -138,37 +137,31 @@ void check_points(const RunFile& file, Findings& findings) {
   std::set<std::pair<int, int>> seen;
   for (const RunPoint& point : file.points) {
     if (static_cast<std::size_t>(point.target) > file.targets.size())
-      findings.add(
-          point.line, 0,
-          fmt::format("DEVIATIONS: expected a target number up to {}, found {}", file.targets.size(), point.target));
+      findings.add(point.line, 0, "DEVIATIONS: expected a target number up to {}, found {}", file.targets.size(),
+                   point.target);
     if (file.run_count && point.run > *file.run_count)
-      findings.add(
-          point.line, 0,
-          fmt::format("DEVIATIONS: expected a run number up to {} (Run-count), found {}", *file.run_count, point.run));
+      findings.add(point.line, 0, "DEVIATIONS: expected a run number up to {} (Run-count), found {}", *file.run_count,
+                   point.run);
     if (!seen.emplace(point.run, point.target).second)
-      findings.add(
-          point.line, 0,
-          fmt::format("DEVIATIONS: expected each point once, found run {} target {} again", point.run, point.target));
+      findings.add(point.line, 0, "DEVIATIONS: expected each point once, found run {} target {} again", point.run,
+                   point.target);
   }
 }
 
 void check_whole(const RunFile& file, Findings& findings) {
   constexpr std::string_view kCutShort = ": the file is cut short; --accept-truncated reads the rest";
   if (file.target_count && static_cast<std::size_t>(*file.target_count) != file.targets.size())
-    findings.add(0, 0,
-                 fmt::format("Targets: expected {} (Target-count), found {}", *file.target_count, file.targets.size()));
+    findings.add(0, 0, "Targets: expected {} (Target-count), found {}", *file.target_count, file.targets.size());
   int passes = 0;
   for (const RunPoint& point : file.points) passes = std::max(passes, point.run);
   if (file.run_count && *file.run_count != passes)
-    findings.add(
-        0, 0, fmt::format("DEVIATIONS: expected {} runs (Run-count), found {}{}", *file.run_count, passes, kCutShort));
+    findings.add(0, 0, "DEVIATIONS: expected {} runs (Run-count), found {}{}", *file.run_count, passes, kCutShort);
   std::set<int> present;
   for (const RunPoint& point : file.points) present.insert(point.run);
   const std::size_t expected = present.size() * file.targets.size();
   if (file.points.size() != expected)
-    findings.add(0, 0,
-                 fmt::format("DEVIATIONS: expected {} points ({} runs of {} targets), found {}{}", expected,
-                             present.size(), file.targets.size(), file.points.size(), kCutShort));
+    findings.add(0, 0, "DEVIATIONS: expected {} points ({} runs of {} targets), found {}{}", expected, present.size(),
+                 file.targets.size(), file.points.size(), kCutShort);
 }
 
 }  // namespace
@@ -283,9 +276,9 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
 bool has_filled_passes(const RunFile& file) {
   const bool unidirectional = file.flags.size() > 1 && file.flags[1] == 1;
   const auto backward = [](const RunPoint& point) { return point.run % 2 == 0; };
-  return unidirectional && std::any_of(file.points.begin(), file.points.end(), backward) &&
-         std::all_of(file.points.begin(), file.points.end(),
-                     [&](const RunPoint& point) { return !backward(point) || point.deviation == 0.0; });
+  return unidirectional && std::ranges::any_of(file.points, backward) &&
+         std::ranges::all_of(file.points,
+                             [&](const RunPoint& point) { return !backward(point) || point.deviation == 0.0; });
 }
 
 struct StartAndEnd {

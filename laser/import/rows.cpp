@@ -47,8 +47,7 @@ bool is_kind(CellKind kind, std::string_view cell) {
 Result<std::vector<CellKind>> cell_kinds(std::string_view text) {
   std::vector<CellKind> kinds;
   for (const std::string_view word : cells_of(text, ' ')) {
-    const auto* const known =
-        std::find_if(kCellKinds.begin(), kCellKinds.end(), [&](const auto& kind) { return kind.first == word; });
+    const auto* const known = std::ranges::find_if(kCellKinds, [&](const auto& kind) { return kind.first == word; });
     if (known == kCellKinds.end())
       return problem(ProblemKind::usage,
                      "row_begins: expected any, word, number, date or time for each cell, found " + in_quotes(word));
@@ -63,9 +62,8 @@ bool begins_as(const std::vector<CellKind>& kinds, const std::vector<std::string
 
 std::size_t rows_begun(std::string_view text, const ColumnMapping& mapping) {
   const auto lines = lines_of(text);
-  return static_cast<std::size_t>(std::count_if(lines.begin(), lines.end(), [&](std::string_view line) {
-    return begins_as(mapping.row_begins, cells_of(line, mapping.delimiter));
-  }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      lines, [&](std::string_view line) { return begins_as(mapping.row_begins, cells_of(line, mapping.delimiter)); }));
 }
 
 std::optional<StatedTarget> target_stated(std::string_view line, const ImportOptions& options) {
@@ -120,7 +118,7 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
 /// Readings of the same line, target and approach are runs one after the other. Where the axis never moves, readings
 /// one after the other are no runs.
 void number_runs(MeasurementSet& set) {
-  const auto elsewhere = std::find_if(set.readings.begin(), set.readings.end(), [&](const Reading& reading) {
+  const auto elsewhere = std::ranges::find_if(set.readings, [&](const Reading& reading) {
     return reading.position_mm != set.readings.front().position_mm ||
            reading.angle_deg != set.readings.front().angle_deg;
   });
@@ -152,8 +150,8 @@ void take_mapped_axis(Plan& plan) {
   for (const bool rotary : {true, false}) {
     std::vector<Axis> found;
     for (const Axis axis : kAllAxes)
-      if (std::any_of(plan.fields.begin(), plan.fields.end(),
-                      [&](const Field& field) { return field.rule.field == target_column(axis, rotary); }))
+      if (std::ranges::any_of(plan.fields,
+                              [&](const Field& field) { return field.rule.field == target_column(axis, rotary); }))
         found.push_back(axis);
     if (plan.axis || found.size() != 1) continue;
     plan.axis = found.front();
@@ -185,8 +183,7 @@ int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run
       bad(field, fault);
   }
   if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
-  const bool has_sense =
-      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) { return field.role == Role::sense; });
+  const bool has_sense = std::ranges::any_of(plan.fields, [](const Field& field) { return field.role == Role::sense; });
   if (!has_sense)
     common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis) + (common.rotary ? kAxes : 0)));
   if (!whole) return 0;
@@ -237,7 +234,7 @@ void begin_at_zero(MeasurementSet& set) {
 }
 
 void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan) {
-  const bool has_run = std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) {
+  const bool has_run = std::ranges::any_of(plan.fields, [](const Field& field) {
     return field.rule.field == "run" || field.role == Role::pass || field.rule.field == "time_s" ||
            field.role == Role::date_time;
   });

@@ -236,7 +236,7 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
     for (const char* const column : {"readings_averaged", "scatter"})
       if (!set.columns.empty()) set.columns.emplace_back(column);
   } else {
-    std::stable_sort(kept.begin(), kept.end(), [](const Reading& a, const Reading& b) { return a.row < b.row; });
+    std::ranges::stable_sort(kept, [](const Reading& a, const Reading& b) { return a.row < b.row; });
   }
   set.readings = std::move(kept);
   number_rows(set);

@@ -17,7 +17,7 @@ namespace {
 bool is_number(std::string_view cell) { return number_or_comma(cell).has_value(); }
 
 std::size_t numbers_among(const std::vector<std::string_view>& cells) {
-  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_number));
+  return static_cast<std::size_t>(std::ranges::count_if(cells, is_number));
 }
 
 /// A row of a table: two cells or more, at least half of them numbers.
@@ -145,10 +145,9 @@ std::vector<std::string> headings_above(const std::vector<std::string_view>& lin
     if (is_comment(line)) line.remove_prefix(std::min(line.find_first_not_of("#!%"), line.size()));
     const auto cells = cells_of(line, delimiter);
     const bool fits = cells.size() == columns && numbers_among(cells) == 0;
-    const bool is_units = fits && std::any_of(cells.begin(), cells.end(), [](auto cell) { return !cell.empty(); }) &&
-                          std::all_of(cells.begin(), cells.end(), [](auto cell) {
-                            return cell.empty() || cell == "-" || !bare_unit(cell).empty();
-                          });
+    const bool is_units =
+        fits && std::ranges::any_of(cells, [](auto cell) { return !cell.empty(); }) &&
+        std::ranges::all_of(cells, [](auto cell) { return cell.empty() || cell == "-" || !bare_unit(cell).empty(); });
     if (units.empty() && is_units) {
       units = cells;
       continue;

@@ -56,7 +56,7 @@ class Builder {
       if (auto done = add(one); !done) problems.push_back(std::move(done.error()));
     if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
     ECS_DO(fill_header());
-    std::stable_sort(built_.map.tables.begin(), built_.map.tables.end(), [](const MapTable& a, const MapTable& b) {
+    std::ranges::stable_sort(built_.map.tables, [](const MapTable& a, const MapTable& b) {
       if (a.component != b.component) return a.component < b.component;
       return static_cast<int>(a.approach) > static_cast<int>(b.approach);
     });
@@ -223,8 +223,8 @@ class Builder {
   void put_tables(const Curve& curve, Component component) {
     MapTable forward{component, Approach::forward, {}, {}};
     MapTable reverse{component, Approach::reverse, {}, {}};
-    const bool both = curve.approach_known && std::any_of(curve.points.begin(), curve.points.end(),
-                                                          [](const CurvePoint& p) { return p.forward && p.reverse; });
+    const bool both = curve.approach_known &&
+                      std::ranges::any_of(curve.points, [](const CurvePoint& p) { return p.forward && p.reverse; });
     const double sign = unit_sign(component);
     for (const CurvePoint& p : curve.points) {
       if (both) {

@@ -180,7 +180,7 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
   place.fill(row.fields.size());
   for (std::size_t i = 0; i < row.fields.size(); ++i) {
     const CsvField& field = row.fields[i];
-    const auto known = std::find(kColumns.begin(), kColumns.end(), field.text);
+    const auto known = std::ranges::find(kColumns, field.text);
     if (field.text == "p_deg") {
       findings.add(line, field.column,
                    "header: expected p_mm, found p_deg: a table of rotary axes; the unit compensates X, Y, Z (`ecs "
@@ -188,17 +188,16 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
       return std::nullopt;
     }
     if (known == kColumns.end()) {
-      findings.add(
-          line, field.column,
-          fmt::format("header: expected axis, sense, approach, p_mm, value_um, found {}", in_quotes(field.text)));
+      findings.add(line, field.column, "header: expected axis, sense, approach, p_mm, value_um, found {}",
+                   in_quotes(field.text));
     } else if (place[static_cast<std::size_t>(known - kColumns.begin())] != row.fields.size()) {
-      findings.add(line, field.column, fmt::format("header: column {} occurs twice", field.text));
+      findings.add(line, field.column, "header: column {} occurs twice", field.text);
     } else {
       place[static_cast<std::size_t>(known - kColumns.begin())] = i;
     }
   }
   for (std::size_t k = 0; k < kColumns.size(); ++k)
-    if (place[k] == row.fields.size()) findings.add(line, 0, fmt::format("header: column {} is missing", kColumns[k]));
+    if (place[k] == row.fields.size()) findings.add(line, 0, "header: column {} is missing", kColumns[k]);
   if (!findings.empty()) return std::nullopt;
   return place;
 }
@@ -208,8 +207,7 @@ void take_row(const CsvLine& row, const std::array<std::size_t, 5>& place, int l
               Findings& findings) {
   const auto wrong = [&](std::size_t k, std::string_view expected) {
     const CsvField& field = row.fields[place[k]];
-    findings.add(line, field.column,
-                 fmt::format("{}: expected {}, found {}", kColumns[k], expected, in_quotes(field.text)));
+    findings.add(line, field.column, "{}: expected {}, found {}", kColumns[k], expected, in_quotes(field.text));
   };
   const auto text = [&](std::size_t k) -> const std::string& { return row.fields[place[k]].text; };
   const auto axis = text(0).size() == 1 ? axis_of(text(0)[0]) : std::nullopt;
@@ -229,14 +227,12 @@ void take_row(const CsvLine& row, const std::array<std::size_t, 5>& place, int l
 }
 
 MapTable table_from(const TableKey& key, std::vector<Point> points, Findings& findings) {
-  std::stable_sort(points.begin(), points.end(),
-                   [](const Point& a, const Point& b) { return a.position_mm < b.position_mm; });
+  std::ranges::stable_sort(points, [](const Point& a, const Point& b) { return a.position_mm < b.position_mm; });
   MapTable table{key.first, key.second, {}, {}};
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0 && points[i].position_mm == points[i - 1].position_mm)
-      findings.add(points[i].line, 0,
-                   fmt::format("{} has position {} mm twice (also in line {})", name_of(key.first),
-                               points[i].position_mm, points[i - 1].line));
+      findings.add(points[i].line, 0, "{} has position {} mm twice (also in line {})", name_of(key.first),
+                   points[i].position_mm, points[i - 1].line);
     table.position_mm.push_back(points[i].position_mm);
     table.compensation.push_back(points[i].compensation);
   }
@@ -249,9 +245,8 @@ void refuse_mixed_approaches(const Points& points, Findings& findings) {
     const bool also_one =
         points.contains({key.first, Approach::forward}) || points.contains({key.first, Approach::reverse});
     if (also_one)
-      findings.add(
-          rows.front().line, 0,
-          fmt::format("{} has rows for approach 0 (both) beside rows for 1 or -1: keep one kind", name_of(key.first)));
+      findings.add(rows.front().line, 0, "{} has rows for approach 0 (both) beside rows for 1 or -1: keep one kind",
+                   name_of(key.first));
   }
 }
 
@@ -265,16 +260,16 @@ std::optional<long long> rows_stated(std::string_view header_line) {
 void refuse_cut_file(long long stated, long long found, bool whole_line, Findings& findings) {
   if (stated != found)
     findings.add(0, 0,
-                 fmt::format("the header says {} rows, the file has {}: was it cut short? If you added or removed rows "
-                             "yourself, correct or delete the line \"# rows\"",
-                             stated, found));
+                 "the header says {} rows, the file has {}: was it cut short? If you added or removed rows "
+                 "yourself, correct or delete the line \"# rows\"",
+                 stated, found);
   else if (!whole_line)
     findings.add(0, 0, "the last row does not end with a line end: the file was cut short");
 }
 
 /// The text of a map from whatever editor saved it. What is not text is left to the readers of lines, but for a NUL.
 Result<std::string> as_utf8(std::string_view bytes, const std::string& file_name) {
-  const bool plain = std::none_of(bytes.begin(), bytes.end(), [](char c) { return c == '\0' || (c & 0x80) != 0; });
+  const bool plain = std::ranges::none_of(bytes, [](char c) { return c == '\0' || (c & 0x80) != 0; });
   if (plain) return std::string(bytes);
   auto text = decoded(bytes, file_name);
   if (text) return std::move(text->text);
@@ -329,7 +324,7 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
         place = columns_in(fields, line, findings);
         if (!place) return tl::unexpected(findings.as_problem());
       } else if (fields.fields.size() != kColumns.size()) {
-        findings.add(line, 1, fmt::format("expected {} fields, found {}", kColumns.size(), fields.fields.size()));
+        findings.add(line, 1, "expected {} fields, found {}", kColumns.size(), fields.fields.size());
       } else {
         ++rows_found;
         take_row(fields, *place, line, points, findings);

@@ -193,8 +193,7 @@ std::vector<std::string> missing_in(const MapHeader& header) {
 namespace {
 
 bool is_declared_zero(const ErrorMap& map, Component c) {
-  return std::any_of(map.header.declared_zero.begin(), map.header.declared_zero.end(),
-                     [&](const DeclaredZero& z) { return z.component == c; });
+  return std::ranges::any_of(map.header.declared_zero, [&](const DeclaredZero& z) { return z.component == c; });
 }
 
 bool has_both_approaches(const ErrorMap& map, Component c) {
@@ -227,8 +226,8 @@ void find_squareness(const ErrorMap& map, const UnitParameters& parameters, std:
   const ComponentSet needed = components_needed(parameters);
   for (std::size_t i = kCurves; i < kComponents; ++i) {
     const auto c = static_cast<Component>(i);
-    const bool measured = std::any_of(map.header.sources.begin(), map.header.sources.end(),
-                                      [&](const SourceFile& s) { return s.component == name_of(c); });
+    const bool measured =
+        std::ranges::any_of(map.header.sources, [&](const SourceFile& s) { return s.component == name_of(c); });
     if (!needed.contains(c) || measured || is_declared_zero(map, c) || squareness_um_per_m(parameters, c) != 0.0)
       continue;
     findings.push_back({true, fmt::format("{} ({}) is needed: the parameters hold 0 and no file says it was measured; "
@@ -297,7 +296,7 @@ void find_spike(const MapTable& table, std::vector<MapFinding>& findings) {
   for (std::size_t i = 1; i < table.compensation.size(); ++i)
     steps.push_back(std::abs(table.compensation[i] - table.compensation[i - 1]));
   if (steps.size() < 8) return;
-  const auto largest = std::max_element(steps.begin(), steps.end());
+  const auto largest = std::ranges::max_element(steps);
   const auto at = static_cast<std::size_t>(largest - steps.begin());
   const double peak = *largest;
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());

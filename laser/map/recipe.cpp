@@ -53,10 +53,9 @@ class RecipeReader {
                                           in_quotes(code.value_or(""))));
       return std::nullopt;
     }
-    const bool taken = std::any_of(recipe.components.begin(), recipe.components.end(),
-                                   [&](const ComponentRecipe& c) { return c.component == *component; }) ||
-                       std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(),
-                                   [&](const DeclaredZero& z) { return z.component == *component; });
+    const bool taken =
+        std::ranges::any_of(recipe.components, [&](const ComponentRecipe& c) { return c.component == *component; }) ||
+        std::ranges::any_of(recipe.declared_zero, [&](const DeclaredZero& z) { return z.component == *component; });
     if (taken) reader_.complain(table, fmt::format("{} occurs twice in the recipe: keep one", *code));
     return component;
   }
@@ -150,7 +149,7 @@ class RecipeReader {
 std::string_view name_of(SlopeMethod method) { return kSlopeNames[static_cast<std::size_t>(method)]; }
 
 std::optional<SlopeMethod> slope_method_named(std::string_view word) {
-  const auto known = std::find(kSlopeNames.begin(), kSlopeNames.end(), word);
+  const auto known = std::ranges::find(kSlopeNames, word);
   if (known == kSlopeNames.end()) return std::nullopt;
   return static_cast<SlopeMethod>(known - kSlopeNames.begin());
 }

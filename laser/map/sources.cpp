@@ -200,8 +200,8 @@ class Suggestion {
 
  private:
   [[nodiscard]] bool wanted(Component c) const {
-    return needed_.contains(c) && std::none_of(recipe_.components.begin(), recipe_.components.end(),
-                                               [&](const ComponentRecipe& made) { return made.component == c; });
+    return needed_.contains(c) &&
+           std::ranges::none_of(recipe_.components, [&](const ComponentRecipe& made) { return made.component == c; });
   }
 
   /// Why a line serves nothing.

@@ -34,7 +34,7 @@ std::optional<DiagonalDirection> diagonal_named(std::string_view name) {
     if (name[i] != 'P' && name[i] != 'N' && name[i] != '0') return std::nullopt;
     direction[i] = name[i] == 'P' ? 1 : name[i] == 'N' ? -1 : 0;
   }
-  return std::count(direction.begin(), direction.end(), 0) > 1 ? std::nullopt : std::optional(direction);
+  return std::ranges::count(direction, 0) > 1 ? std::nullopt : std::optional(direction);
 }
 
 /// The same line from its other end.
@@ -45,7 +45,7 @@ DiagonalDirection turned(DiagonalDirection direction) {
 
 /// The first of the two ends' directions that runs with its first axis.
 DiagonalDirection as_line(const DiagonalDirection& direction) {
-  const auto first = std::find_if(direction.begin(), direction.end(), [](int sign) { return sign != 0; });
+  const auto first = std::ranges::find_if(direction, [](int sign) { return sign != 0; });
   return *first > 0 ? direction : turned(direction);
 }
 
@@ -63,7 +63,7 @@ std::vector<DiagonalDirection> family_of(const DiagonalDirection& direction) {
       for (const int z : {1, -1}) {
         const DiagonalDirection one =
             as_line({direction[0] == 0 ? 0 : x, direction[1] == 0 ? 0 : y, direction[2] == 0 ? 0 : z});
-        if (std::find(family.begin(), family.end(), one) == family.end()) family.push_back(one);
+        if (std::ranges::find(family, one) == family.end()) family.push_back(one);
       }
   return family;
 }
@@ -77,102 +77,84 @@ double length_of(const DiagonalDirection& direction, const std::array<double, kA
 class DiagonalReader {
  public:
   DiagonalReader(const CsvTable& table, Findings& findings, DiagonalTest& test)
-      : table_(table), findings_(findings), test_(test) {}
+      : table_(table), findings_(findings), test_(test), row_(table, findings) {}
 
   void read() {
     read_head();
-    for (const CsvRow& row : table_.rows) take(row);
+    for (const CsvRow& row : table_.rows) {
+      row_.take(row);
+      take();
+    }
     if (findings_.empty()) check();
   }
 
  private:
   void read_head() {
-    const std::string kind = metadata_value(table_.metadata, "kind").value_or("diagonal");
-    test_.steps = kind == "step";
-    if (kind != "step" && kind != "diagonal")
-      findings_.add(0, 0, fmt::format("kind: expected diagonal or step, found {}", in_quotes(kind)));
-    if (test_.steps && !place_of(table_, "moved"))
+    test_.steps = row_.stated_word("kind", "diagonal", "step", "diagonal") == "step";
+    if (test_.steps && !row_.has("moved"))
       findings_.add(table_.header_line, 1, "header: expected a column moved, the axis that moved last, found none");
     for (const Axis axis : kAllAxes) {
-      const std::string key = fmt::format("{}_mm", static_cast<char>(std::tolower(letter_of(axis))));
-      const auto text = metadata_value(table_.metadata, key);
+      const std::string key = fmt::format("{}_mm", small_letter_of(axis));
+      const auto text = row_.stated(key);
       if (!text) continue;
       const auto span_mm = number_in(*text);
       if (!span_mm || *span_mm <= 0.0 || *span_mm > kLongestEdge_mm)
-        findings_.add(0, 0,
-                      fmt::format("{}: expected a length above 0, at most {:g}, found {}", key, kLongestEdge_mm,
-                                  in_quotes(*text)));
+        findings_.add(0, 0, "{}: expected a length above 0, at most {:g}, found {}", key, kLongestEdge_mm,
+                      in_quotes(*text));
       test_.span_mm[index_of(axis)] = span_mm.value_or(0.0);
     }
   }
 
-  std::optional<double> number(const CsvRow& row, std::string_view column, double most) {
-    const auto place = place_of(table_, column);
-    if (!place) return std::nullopt;
-    const CsvField& field = row.fields[*place];
-    const auto value = number_in(field.text);
-    if (value && std::abs(*value) <= most) return value;
-    findings_.add(row.line, field.column,
-                  fmt::format("{}: expected a number{}, found {}", column,
-                              value ? fmt::format(" within {:g}", most) : "", in_quotes(field.text)));
-    return std::nullopt;
+  /// Of a column that may be missing.
+  std::optional<double> number(std::string_view column, double most) {
+    return row_.has(column) ? row_.number(column, most) : std::nullopt;
   }
 
-  DiagonalReadings* diagonal_of(const CsvRow& row) {
-    const CsvField& field = row.fields[*place_of(table_, "diagonal")];
-    const auto direction = diagonal_named(field.text);
+  DiagonalReadings* diagonal_of_row() {
+    const std::string& name = row_.text("diagonal");
+    const auto direction = diagonal_named(name);
     if (!direction) {
-      findings_.add(row.line, field.column,
-                    fmt::format("diagonal: expected P, N or 0 for each of X, Y and Z, such as PPN or PN0, found {}",
-                                in_quotes(field.text)));
+      row_.wrong("diagonal", "P, N or 0 for each of X, Y and Z, such as PPN or PN0");
       return nullptr;
     }
     for (DiagonalReadings& diagonal : test_.diagonals) {
-      if (diagonal.name == field.text) return &diagonal;
+      if (diagonal.name == name) return &diagonal;
       if (diagonal.direction != turned(*direction)) continue;
-      findings_.add(row.line, field.column,
-                    fmt::format("diagonal: {} is {} from its other end; expected each diagonal from one end",
-                                field.text, diagonal.name));
+      row_.refuse("diagonal", fmt::format("diagonal: {} is {} from its other end; expected each diagonal from one end",
+                                          name, diagonal.name));
       return nullptr;
     }
-    test_.diagonals.push_back({field.text, *direction, {}, {}});
+    test_.diagonals.push_back({name, *direction, {}, {}});
     test_.diagonals.back().readings.source = test_.source;
     return &test_.diagonals.back();
   }
 
-  void take(const CsvRow& row) {
-    DiagonalReadings* const diagonal = diagonal_of(row);
-    const auto position_mm = number(row, "position_mm", kLongestEdge_mm),
-               deviation_um = number(row, "deviation_um", kLargestDeviation_um);
-    const double approach = number(row, "approach", 1.0).value_or(0.0),
-                 run = number(row, "run", kMostDiagonalRuns).value_or(1.0);
+  void take() {
+    DiagonalReadings* const diagonal = diagonal_of_row();
+    const auto position_mm = number("position_mm", kLongestEdge_mm),
+               deviation_um = number("deviation_um", kLargestDeviation_um);
+    const double approach = number("approach", 1.0).value_or(0.0), run = number("run", kMostDiagonalRuns).value_or(1.0);
     if (diagonal == nullptr || !position_mm || !deviation_um) return;
     Reading reading;
-    reading.line = row.line;
+    reading.line = row_.line();
     reading.position_mm[0] = *position_mm;
     reading.error = *deviation_um;
     reading.approach = approach > 0.0 ? Approach::forward : approach < 0.0 ? Approach::reverse : Approach::unknown;
     reading.run = static_cast<int>(run);
     if (test_.steps)
-      take_step(row, *diagonal, reading);
+      take_step(*diagonal, reading);
     else
       diagonal->readings.readings.push_back(reading);
   }
 
   /// Of a step diagonal the readings at the end of each step, when every axis has moved, are those of the diagonal.
-  void take_step(const CsvRow& row, DiagonalReadings& diagonal, const Reading& reading) {
-    const auto column = place_of(table_, "moved");
-    if (!column) return;
-    const CsvField& field = row.fields[*column];
-    const auto axis = field.text.size() == 1 ? std::find_if(kAllAxes.begin(), kAllAxes.end(),
-                                                            [&](Axis a) { return letter_of(a) == field.text[0]; })
-                                             : kAllAxes.end();
-    if (axis == kAllAxes.end() || diagonal.direction[index_of(*axis)] == 0) {
-      findings_.add(
-          row.line, field.column,
-          fmt::format("moved: expected an axis of the diagonal {}, found {}", diagonal.name, in_quotes(field.text)));
-      return;
-    }
+  void take_step(DiagonalReadings& diagonal, const Reading& reading) {
+    if (!row_.has("moved")) return;
+    const std::string& moved = row_.text("moved");
+    const auto axis =
+        std::ranges::find_if(kAllAxes, [&](Axis a) { return moved.size() == 1 && letter_of(a) == moved.front(); });
+    if (axis == kAllAxes.end() || diagonal.direction[index_of(*axis)] == 0)
+      return row_.wrong("moved", fmt::format("an axis of the diagonal {}", diagonal.name));
     StepState& state = steps_[diagonal.name];
     const double along = reading.approach == Approach::reverse ? -1.0 : 1.0;
     if (state.run != reading.run || state.approach != reading.approach || state.passes == 0)
@@ -182,7 +164,7 @@ class DiagonalReader {
     for (std::size_t i = 0; i < kAxes; ++i)
       if (diagonal.direction[i] != 0) diagonal.while_moving_um[i] = state.moving_um[i] / state.passes;
     state.last_um = reading.error;
-    const auto still = static_cast<int>(std::count(diagonal.direction.begin(), diagonal.direction.end(), 0));
+    const auto still = static_cast<int>(std::ranges::count(diagonal.direction, 0));
     const int axes = std::max(1, static_cast<int>(kAxes) - still);
     if (state.count++ % axes == 0) diagonal.readings.readings.push_back(reading);
   }
@@ -198,33 +180,29 @@ class DiagonalReader {
   void check_edges(const DiagonalReadings& diagonal) {
     for (const Axis axis : kAllAxes)
       if (diagonal.direction[index_of(axis)] != 0 && test_.span_mm[index_of(axis)] <= 0.0)
-        findings_.add(0, 0,
-                      fmt::format("diagonal {}: expected `# {}_mm: ` with the edge of the volume along {}, found none",
-                                  diagonal.name, static_cast<char>(std::tolower(letter_of(axis))), letter_of(axis)));
+        findings_.add(0, 0, "diagonal {}: expected `# {}_mm: ` with the edge of the volume along {}, found none",
+                      diagonal.name, small_letter_of(axis), letter_of(axis));
     const double length_mm = length_of(diagonal.direction, test_.span_mm);
     for (const Reading& reading : diagonal.readings.readings)
       if (length_mm > 0.0 && (reading.position_mm[0] < length_mm - kBeyondCorner * length_mm ||
                               reading.position_mm[0] > kBeyondCorner * length_mm))
-        findings_.add(reading.line, 0,
-                      fmt::format("position_mm: expected 0 to {:.6g}, the length of {}, found {:g}", length_mm,
-                                  diagonal.name, reading.position_mm[0]));
+        findings_.add(reading.line, 0, "position_mm: expected 0 to {:.6g}, the length of {}, found {:g}", length_mm,
+                      diagonal.name, reading.position_mm[0]);
   }
 
   void check_family(const DiagonalReadings& diagonal) {
     const auto family = family_of(diagonal.direction);
     std::vector<std::string> missing;
     for (const DiagonalDirection& one : family)
-      if (std::none_of(test_.diagonals.begin(), test_.diagonals.end(),
-                       [&](const DiagonalReadings& other) { return as_line(other.direction) == one; }))
+      if (std::ranges::none_of(test_.diagonals,
+                               [&](const DiagonalReadings& other) { return as_line(other.direction) == one; }))
         missing.push_back(diagonal_name(one));
-    const bool first = std::none_of(test_.diagonals.begin(), test_.diagonals.end(), [&](const DiagonalReadings& other) {
+    const bool first = std::ranges::none_of(test_.diagonals, [&](const DiagonalReadings& other) {
       return &other < &diagonal && family_of(other.direction) == family;
     });
     if (missing.empty() || !first) return;
-    findings_.add(
-        0, 0,
-        fmt::format("expected the {} diagonals of the {}, found {}; missing: {}", family.size(),
-                    family.size() == 4 ? "body" : "face", family.size() - missing.size(), fmt::join(missing, ", ")));
+    findings_.add(0, 0, "expected the {} diagonals of the {}, found {}; missing: {}", family.size(),
+                  family.size() == 4 ? "body" : "face", family.size() - missing.size(), fmt::join(missing, ", "));
   }
 
   struct StepState {
@@ -239,6 +217,7 @@ class DiagonalReader {
   const CsvTable& table_;
   Findings& findings_;
   DiagonalTest& test_;
+  TableReader row_;
   std::map<std::string, StepState> steps_;
 };
 
@@ -323,7 +302,7 @@ void summarise_body(DiagonalResults& results) {
   double least = 0.0, greatest = 0.0;
   bool any = false;
   for (const DiagonalValues& values : results.diagonals) {
-    if (std::count(values.direction.begin(), values.direction.end(), 0) > 0) continue;
+    if (std::ranges::count(values.direction, 0) > 0) continue;
     const double growth_um = values.growth_um_per_m * values.length_mm / kMmPerM;
     least = any ? std::min(least, growth_um) : growth_um;
     greatest = any ? std::max(greatest, growth_um) : growth_um;

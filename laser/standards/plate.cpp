@@ -86,7 +86,7 @@ Flatness flatness_of(const PlateReadings& plate) {
   flatness.width_mm = plate.step_mm * static_cast<double>(plate.slopes_um_per_m[kNeNw].size());
   flatness.depth_mm = plate.step_mm * static_cast<double>(plate.slopes_um_per_m[kNeSe].size());
   double lowest = 0.0;
-  for (const Heights& line : lines) lowest = std::min(lowest, *std::min_element(line.begin(), line.end()));
+  for (const Heights& line : lines) lowest = std::min(lowest, *std::ranges::min_element(line));
   std::vector<ZonePoint> points;
   for (std::size_t i = 0; i < kPlateLines; ++i)
     for (std::size_t k = 0; k < lines[i].size(); ++k) {
@@ -125,56 +125,34 @@ struct PlateHead {
   double um_per_m = 1.0;  ///< of a reading of 1
 };
 
-PlateHead plate_head(const CsvTable& table, Findings& findings) {
+PlateHead plate_head(TableReader& table, Findings& findings) {
   PlateHead head;
-  const auto step = metadata_value(table.metadata, "step_mm");
-  const auto step_mm = step ? number_in(*step) : std::nullopt;
-  if (!step_mm || *step_mm <= 0.0)
-    findings.add(
-        0, 0,
-        fmt::format("expected `# step_mm: ` with the distance of the feet, found {}", in_quotes(step.value_or(""))));
-  head.step_mm = step_mm.value_or(0.0);
-  const std::string unit = metadata_value(table.metadata, "unit").value_or("um/m");
-  if (unit == "arcsec")
-    head.um_per_m = kUm_per_m_arcsec;
-  else if (unit != "um/m")
-    findings.add(0, 0, fmt::format("unit: expected arcsec or um/m, found {}", in_quotes(unit)));
-  const std::string positive = metadata_value(table.metadata, "positive").value_or("rises");
-  if (positive == "falls")
-    head.um_per_m = -head.um_per_m;
-  else if (positive != "rises")
-    findings.add(0, 0, fmt::format("positive: expected rises or falls, found {}", in_quotes(positive)));
+  const std::string step = table.stated("step_mm").value_or("");
+  head.step_mm = number_in(step).value_or(0.0);
+  if (head.step_mm <= 0.0)
+    findings.add(0, 0, "expected `# step_mm: ` with the distance of the feet, found {}", in_quotes(step));
+  if (table.stated_word("unit", "arcsec", "um/m", "um/m") == "arcsec") head.um_per_m = kUm_per_m_arcsec;
+  if (table.stated_word("positive", "rises", "falls", "rises") == "falls") head.um_per_m = -head.um_per_m;
   return head;
 }
 
 /// Rows become the lines of a plate, one after the other.
 class PlateLines {
  public:
-  PlateLines(const CsvTable& table, const PlateHead& head, Findings& findings)
-      : line_(*place_of(table, "line")),
-        station_(*place_of(table, "station_mm")),
-        reading_(*place_of(table, "reading")),
-        head_(head),
-        findings_(findings) {}
+  PlateLines(TableReader& row, const PlateHead& head) : row_(row), head_(head) {}
 
-  void take(const CsvRow& row) {
-    const CsvField& name = row.fields[line_];
-    if (name.text != last_name_ && !begins(row.line, name)) return;
-    last_name_ = name.text;
-    const auto station_mm = number_in(row.fields[station_].text), reading = number_in(row.fields[reading_].text);
-    if (!station_mm)
-      findings_.add(row.line, row.fields[station_].column,
-                    fmt::format("station_mm: expected a number, found {}", in_quotes(row.fields[station_].text)));
-    if (!reading)
-      findings_.add(row.line, row.fields[reading_].column,
-                    fmt::format("reading: expected a number, found {}", in_quotes(row.fields[reading_].text)));
+  void take() {
+    const std::string& name = row_.text("line");
+    if (name != last_name_ && !begins(name)) return;
+    last_name_ = name;
+    const auto station_mm = row_.number("station_mm"), reading = row_.number("reading");
     if (!station_mm || !reading) return;
     std::vector<double>& slopes = lines[at_];
     if (!slopes.empty() && std::abs(*station_mm - last_mm_ - head_.step_mm) > kUnequal * head_.step_mm)
-      findings_.add(row.line, row.fields[station_].column,
-                    fmt::format("station_mm: expected {:.6g}, a step of {:.6g} mm from {:.6g}, found {:.6g}: the steps "
-                                "must be equal",
-                                last_mm_ + head_.step_mm, head_.step_mm, last_mm_, *station_mm));
+      row_.refuse("station_mm",
+                  fmt::format("station_mm: expected {:.6g}, a step of {:.6g} mm from {:.6g}, found {:.6g}: the steps "
+                              "must be equal",
+                              last_mm_ + head_.step_mm, head_.step_mm, last_mm_, *station_mm));
     last_mm_ = *station_mm;
     slopes.push_back(head_.um_per_m * *reading);
   }
@@ -183,37 +161,33 @@ class PlateLines {
 
  private:
   /// A line begins. @return whether it is the one expected here
-  bool begins(int row, const CsvField& name) {
+  bool begins(const std::string& name) {
     const std::size_t expected = begun_ ? at_ + 1 : 0;
-    const auto known = std::find(kPlateLineNames.begin(), kPlateLineNames.end(), name.text);
-    if (expected < kPlateLines && name.text == kPlateLineNames[expected]) {
+    const auto known = [](std::string_view one) {
+      return std::ranges::find(kPlateLineNames, one) != kPlateLineNames.end();
+    };
+    if (expected < kPlateLines && name == kPlateLineNames[expected]) {
       at_ = expected;
       begun_ = true;
       return true;
     }
-    if (std::exchange(faulty_, name.text) == name.text) return false;  // said once for each line
-    if (const std::string turned = reversed_name(name.text);
-        known == kPlateLineNames.end() &&
-        std::find(kPlateLineNames.begin(), kPlateLineNames.end(), turned) != kPlateLineNames.end())
-      findings_.add(row, name.column,
-                    fmt::format("line: expected {} from its first station, found {}: reverse the order of its readings "
-                                "and change their sign",
-                                turned, name.text));
-    else if (known == kPlateLineNames.end())
-      findings_.add(row, name.column,
-                    fmt::format("line: expected {}, found {}", fmt::join(kPlateLineNames, ", "), in_quotes(name.text)));
+    if (std::exchange(faulty_, name) == name) return false;  // said once for each line
+    const auto refuse = [&](std::string_view wanted, std::string_view why) {
+      row_.refuse("line", fmt::format("line: expected {}, found {}: {}", wanted, name, why));
+    };
+    if (const std::string turned = reversed_name(name); !known(name) && known(turned))
+      refuse(turned + " from its first station", "reverse the order of its readings and change their sign");
+    else if (!known(name))
+      row_.wrong("line", fmt::format("{}", fmt::join(kPlateLineNames, ", ")));
+    else if (expected < kPlateLines)
+      refuse(fmt::format("{} here", kPlateLineNames[expected]), order_text());
     else
-      findings_.add(row, name.column,
-                    expected < kPlateLines ? fmt::format("line: expected {} here, found {}: {}",
-                                                         kPlateLineNames[expected], name.text, order_text())
-                                           : fmt::format("line: expected no line after {}, found {}: {}",
-                                                         kPlateLineNames.back(), name.text, order_text()));
+      refuse(fmt::format("no line after {}", kPlateLineNames.back()), order_text());
     return false;
   }
 
-  std::size_t line_, station_, reading_;  ///< columns
+  TableReader& row_;
   const PlateHead& head_;
-  Findings& findings_;
   std::size_t at_ = 0;
   bool begun_ = false;
   std::string last_name_, faulty_;
@@ -224,26 +198,22 @@ void check_plate(const PlateReadings& plate, Findings& findings) {
   const auto& lines = plate.slopes_um_per_m;
   for (std::size_t i = 0; i < kPlateLines; ++i) {
     if (lines[i].empty())
-      findings.add(0, 0, fmt::format("the line {} is missing; {}", kPlateLineNames[i], order_text()));
+      findings.add(0, 0, "the line {} is missing; {}", kPlateLineNames[i], order_text());
     else if (lines[i].size() % 2 != 0)
-      findings.add(
-          0, 0,
-          fmt::format("line {}: expected an even number of steps, so that a station is at its middle, found {}",
-                      kPlateLineNames[i], lines[i].size()));
+      findings.add(0, 0, "line {}: expected an even number of steps, so that a station is at its middle, found {}",
+                   kPlateLineNames[i], lines[i].size());
   }
   if (!findings.empty()) return;
   constexpr std::array<std::array<std::size_t, 2>, 5> kEqual{{{0, 1}, {2, 4}, {2, 6}, {3, 5}, {3, 7}}};
   for (const auto& [a, b] : kEqual)
     if (lines[a].size() != lines[b].size())
-      findings.add(0, 0,
-                   fmt::format("expected as many steps along {} as along {}, found {} and {}", kPlateLineNames[b],
-                               kPlateLineNames[a], lines[b].size(), lines[a].size()));
+      findings.add(0, 0, "expected as many steps along {} as along {}, found {} and {}", kPlateLineNames[b],
+                   kPlateLineNames[a], lines[b].size(), lines[a].size());
   const double sides = std::hypot(static_cast<double>(lines[2].size()), static_cast<double>(lines[3].size()));
   const double diagonal = static_cast<double>(lines[0].size());
   if (std::abs(diagonal / sides - 1.0) > kOblique)
-    findings.add(0, 0,
-                 fmt::format("expected diagonals of about {:.1f} steps, as the sides make them, found {}", sides,
-                             lines[0].size()));
+    findings.add(0, 0, "expected diagonals of about {:.1f} steps, as the sides make them, found {}", sides,
+                 lines[0].size());
 }
 
 }  // namespace
@@ -252,11 +222,15 @@ Result<PlateReadings> parse_plate_readings(std::string_view text, const std::str
   Findings findings(file_name);
   ECS_TRY(table, parse_csv_table(text, file_name, kPlateColumns, findings));
   PlateReadings plate{file_name, table.metadata, 0.0, {}};
-  const PlateHead head = plate_head(table, findings);
+  TableReader reader(table, findings);
+  const PlateHead head = plate_head(reader, findings);
   plate.step_mm = head.step_mm;
-  PlateLines lines(table, head, findings);
+  PlateLines lines(reader, head);
   if (findings.empty())
-    for (const CsvRow& row : table.rows) lines.take(row);
+    for (const CsvRow& row : table.rows) {
+      reader.take(row);
+      lines.take();
+    }
   plate.slopes_um_per_m = std::move(lines.lines);
   if (findings.empty()) check_plate(plate, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

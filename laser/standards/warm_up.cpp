@@ -20,7 +20,7 @@
 namespace ecs::laser {
 
 WindowRanges window_ranges(std::span<const double> time_h, std::span<const double> value, double window_h) {
-  const auto [least, most] = std::minmax_element(value.begin(), value.end());
+  const auto [least, most] = std::ranges::minmax_element(value);
   WindowRanges ranges{.whole = *most - *least};
   std::deque<std::size_t> rising, falling;  // candidates for the smallest and the largest
   std::size_t begin = 0;
@@ -50,8 +50,7 @@ struct TimedValue {
 };
 
 Drift drift_of(Sense sense, std::vector<TimedValue> values, double window_h) {
-  std::stable_sort(values.begin(), values.end(),
-                   [](const TimedValue& a, const TimedValue& b) { return a.time_h < b.time_h; });
+  std::ranges::stable_sort(values, [](const TimedValue& a, const TimedValue& b) { return a.time_h < b.time_h; });
   Drift drift;
   drift.sense = sense;
   for (const TimedValue& one : values) {
@@ -89,21 +88,18 @@ Result<DriftTest> drift_test_of(const MeasurementSet& set, double window_h) {
     std::vector<TimedValue> values;
     for (const std::size_t i : group.readings) values.push_back({hours(set.readings[i]), set.readings[i].error});
     const std::string name(name_of(group.sense));
-    const bool twice = std::any_of(test.senses.begin(), test.senses.end(),
-                                   [&](const Drift& drift) { return drift.sense == group.sense; });
+    const bool twice = std::ranges::any_of(test.senses, [&](const Drift& drift) { return drift.sense == group.sense; });
     if (places != 1 || twice)
-      findings.add(0, 0, fmt::format("{}: expected readings at one place over time, found several places", name));
+      findings.add(0, 0, "{}: expected readings at one place over time, found several places", name);
     else if (values.size() < kLeastDriftReadings)
-      findings.add(0, 0,
-                   fmt::format("{}: expected {} readings or more, found {}", name, kLeastDriftReadings, values.size()));
+      findings.add(0, 0, "{}: expected {} readings or more, found {}", name, kLeastDriftReadings, values.size());
     else
       test.senses.push_back(drift_of(group.sense, std::move(values), window_h));
   }
   for (const Drift& drift : test.senses)
     if (drift.hours < 2.0 * window_h)
-      findings.add(0, 0,
-                   fmt::format("{}: expected a test of {:.2f} h or more, twice the window, found {:.2f} h",
-                               name_of(drift.sense), 2.0 * window_h, drift.hours));
+      findings.add(0, 0, "{}: expected a test of {:.2f} h or more, twice the window, found {:.2f} h",
+                   name_of(drift.sense), 2.0 * window_h, drift.hours);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   for (const std::string& name : sensor_names_of(set)) {
     DriftSensor sensor{name, {}, {}};
@@ -206,7 +202,7 @@ std::optional<WarmUpDifference> difference_of(const WarmUpCurve& from, const War
   difference.to_mm = to.position_mm;
   std::vector<double> times_h = from.time_h;
   times_h.insert(times_h.end(), to.time_h.begin(), to.time_h.end());
-  std::sort(times_h.begin(), times_h.end());
+  std::ranges::sort(times_h);
   times_h.erase(std::unique(times_h.begin(), times_h.end()), times_h.end());
   for (const double time_h : times_h) {
     const auto near = value_at(from, time_h), far = value_at(to, time_h);
@@ -227,11 +223,10 @@ void check_times_and_axis(const MeasurementSet& set, Findings& findings) {
     if (!reading.time_s)
       findings.add(reading.line, 0, "time_s: expected the time of each reading, found none");
     else if (reading.rotary)
-      findings.add(reading.line, 0, fmt::format("expected a linear axis, found {}", letter_of(reading.axis, true)));
+      findings.add(reading.line, 0, "expected a linear axis, found {}", letter_of(reading.axis, true));
     else if (reading.axis != set.readings.front().axis)
-      findings.add(reading.line, 0,
-                   fmt::format("expected readings of one moving axis, found {} and {}",
-                               letter_of(set.readings.front().axis, false), letter_of(reading.axis, false)));
+      findings.add(reading.line, 0, "expected readings of one moving axis, found {} and {}",
+                   letter_of(set.readings.front().axis, false), letter_of(reading.axis, false));
     else
       continue;
     return;
@@ -244,12 +239,11 @@ void add_curves(const MeasurementSet& set, const Group& group, double start_s, W
   const auto targets = targets_of(set, group, tolerance_mm);
   const std::string name(name_of(group.sense));
   if (targets.size() < 2)
-    return findings.add(0, 0,
-                        fmt::format("{}: expected two places or more, found one (`ecs test drift` takes it)", name));
+    return findings.add(0, 0, "{}: expected two places or more, found one (`ecs test drift` takes it)", name);
   std::map<std::pair<std::size_t, Approach>, WarmUpCurve> curves;
   for (const std::size_t i : group.readings) {
     const Reading& reading = set.readings[i];
-    const auto nearest = std::min_element(targets.begin(), targets.end(), [&](const auto& a, const auto& b) {
+    const auto nearest = std::ranges::min_element(targets, [&](const auto& a, const auto& b) {
       return std::abs(a.position_mm - target_mm(reading)) < std::abs(b.position_mm - target_mm(reading));
     });
     WarmUpCurve& curve = curves[{static_cast<std::size_t>(nearest - targets.begin()), reading.approach}];
@@ -260,21 +254,17 @@ void add_curves(const MeasurementSet& set, const Group& group, double start_s, W
     curve.value.push_back(reading.error);
   }
   for (auto& [place, curve] : curves) {
-    if (!std::is_sorted(curve.time_h.begin(), curve.time_h.end(), std::less_equal<>())) {
-      findings.add(
-          0, 0,
-          fmt::format("{} at {:g} mm: expected rising times, found one that does not rise", name, curve.position_mm));
+    if (!std::ranges::is_sorted(curve.time_h, std::less_equal<>())) {
+      findings.add(0, 0, "{} at {:g} mm: expected rising times, found one that does not rise", name, curve.position_mm);
       continue;
     }
     const double hours = curve.time_h.back() - curve.time_h.front();
     if (curve.value.size() < kLeastWarmUpReadings) {
-      findings.add(0, 0,
-                   fmt::format("{} at {:g} mm: expected {} readings or more, found {}", name, curve.position_mm,
-                               kLeastWarmUpReadings, curve.value.size()));
+      findings.add(0, 0, "{} at {:g} mm: expected {} readings or more, found {}", name, curve.position_mm,
+                   kLeastWarmUpReadings, curve.value.size());
     } else if (hours < 2.0 * test.window_h) {
-      findings.add(0, 0,
-                   fmt::format("{} at {:g} mm: expected a test of {:.2f} h or more, twice the window, found {:.2f} h",
-                               name, curve.position_mm, 2.0 * test.window_h, hours));
+      findings.add(0, 0, "{} at {:g} mm: expected a test of {:.2f} h or more, twice the window, found {:.2f} h", name,
+                   curve.position_mm, 2.0 * test.window_h, hours);
     } else {
       evaluate_warm_up(curve, test.window_h);
       test.curves.push_back(curve);
@@ -302,9 +292,8 @@ Result<WarmUpTest> warm_up_test_of(const MeasurementSet& set, double window_h) {
   Findings findings(set.source);
   check_times_and_axis(set, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  const auto [first, last] =
-      std::minmax_element(set.readings.begin(), set.readings.end(),
-                          [](const Reading& a, const Reading& b) { return *a.time_s < *b.time_s; });
+  const auto [first, last] = std::ranges::minmax_element(
+      set.readings, [](const Reading& a, const Reading& b) { return *a.time_s < *b.time_s; });
   WarmUpTest test;
   test.axis = first->axis;
   test.window_h = window_h;

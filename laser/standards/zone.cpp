@@ -65,10 +65,8 @@ Zone minimum_zone(const std::vector<ZonePoint>& points) {
   const Zone start = least_squares_zone(points);
   double half_u = 0.0, half_v = 0.0;
   {  // A slope further from least squares than this widens the zone more than it can ever narrow it.
-    const auto [least_u, most_u] =
-        std::minmax_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.u < b.u; });
-    const auto [least_v, most_v] =
-        std::minmax_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.v < b.v; });
+    const auto [least_u, most_u] = std::ranges::minmax_element(points, [](auto& a, auto& b) { return a.u < b.u; });
+    const auto [least_v, most_v] = std::ranges::minmax_element(points, [](auto& a, auto& b) { return a.v < b.v; });
     half_u = 4.0 * start.width() / (most_u->u - least_u->u);
     half_v = 4.0 * start.width() / (most_v->v - least_v->v);
   }

@@ -23,7 +23,7 @@ std::string one_line(std::string text) {
 
 template <class Has>
 bool any(const MeasurementSet& set, const Has& has) {
-  return std::any_of(set.readings.begin(), set.readings.end(), has);
+  return std::ranges::any_of(set.readings, has);
 }
 
 /// Every column that some reading needs, in the usual order.
@@ -58,7 +58,7 @@ bool says_nothing(const MeasurementSet& set, std::string_view column) {
 std::vector<std::string> columns_of(const MeasurementSet& set) {
   std::vector<std::string> columns = set.columns;
   for (std::string& used : columns_used(set)) {
-    if (std::find(columns.begin(), columns.end(), used) != columns.end()) continue;
+    if (std::ranges::find(columns, used) != columns.end()) continue;
     if (!set.columns.empty() && says_nothing(set, used)) continue;
     columns.push_back(std::move(used));
   }
@@ -128,8 +128,7 @@ std::string to_csv(const CircleTest& test) {
   if (test.start_angle_deg) own += metadata_line("start_angle_deg", shortest(*test.start_angle_deg));
   for (std::size_t i = 0; i < test.plane.size(); ++i)
     if (test.centre_mm[i])
-      own += metadata_line(fmt::format("centre_{}_mm", static_cast<char>(std::tolower(letter_of(test.plane[i])))),
-                           shortest(*test.centre_mm[i]));
+      own += metadata_line(fmt::format("centre_{}_mm", small_letter_of(test.plane[i])), shortest(*test.centre_mm[i]));
   std::string text;
   for (const MetadataEntry& entry : test.metadata)
     if (const std::string line = metadata_line(entry.key, entry.value);

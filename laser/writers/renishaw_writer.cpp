@@ -57,10 +57,10 @@ Result<Passes> passes_of(const MeasurementSet& set) {
   passes.one_way = approaches.size() == 1;
   const Approach odd = passes.one_way ? *approaches.begin() : Approach::forward;
   passes.targets_mm.assign(targets.begin(), targets.end());
-  if (odd == Approach::reverse) std::reverse(passes.targets_mm.begin(), passes.targets_mm.end());
+  if (odd == Approach::reverse) std::ranges::reverse(passes.targets_mm);
   passes.count = 2 * runs;
   for (const Reading& reading : set.readings) {
-    const auto place = std::find(passes.targets_mm.begin(), passes.targets_mm.end(), target_mm(reading));
+    const auto place = std::ranges::find(passes.targets_mm, target_mm(reading));
     const auto target = static_cast<std::size_t>(place - passes.targets_mm.begin());
     const int pass = 2 * reading.run - (reading.approach == odd ? 1 : 0);
     if (!passes.errors.emplace(std::pair{pass, target}, reading.error).second)
