@@ -111,15 +111,14 @@ class AerotechReader {
     for (std::size_t i = 0; i < (table.two_axes ? 4U : 1U); ++i) {
       const auto axis = axis_number_in(numbers[i]);
       if (!axis)
-        return findings.add(
-            line, 1, fmt::format("expected an axis number from 0 to {}, found {}", kLargestAxisNumber, numbers[i]));
+        return findings.add(line, 1, "expected an axis number from 0 to {}, found {}", kLargestAxisNumber, numbers[i]);
       table.words.push_back(*axis);
     }
     if (!table.two_axes) return;
     table.step[0] = numbers[4];
     table.step[1] = numbers[5];
     if (!(numbers[6] >= 1.0 && numbers[6] <= kMostColumns))
-      return findings.add(line, 1, fmt::format("expected 1 to {} columns, found {}", kMostColumns, numbers[6]));
+      return findings.add(line, 1, "expected 1 to {} columns, found {}", kMostColumns, numbers[6]);
     table.columns = static_cast<int>(numbers[6]);
   }
 
@@ -135,9 +134,8 @@ class AerotechReader {
     }
     const std::size_t expected = static_cast<std::size_t>(table.columns) * table.outputs();
     if (table.two_axes && row.size() != expected)
-      return findings.add(number, 1,
-                          fmt::format("expected {} numbers in a row ({} columns of {} outputs), found {}", expected,
-                                      table.columns, table.outputs(), row.size()));
+      return findings.add(number, 1, "expected {} numbers in a row ({} columns of {} outputs), found {}", expected,
+                          table.columns, table.outputs(), row.size());
     table.rows.push_back(std::move(row));
   }
 
@@ -165,7 +163,7 @@ double number_of(const AerotechTable& table, std::string_view key) {
 laser::MapTable curve_at(Component component, const std::vector<double>& places_mm, const std::vector<double>& values) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < places_mm.size(); ++i) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return places_mm[a] < places_mm[b]; });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return places_mm[a] < places_mm[b]; });
   laser::MapTable table{component, Approach::unknown, {}, {}};
   for (const std::size_t i : order) {
     table.position_mm.push_back(places_mm[i]);
@@ -223,7 +221,7 @@ class AerotechMeaning {
         places.push_back(static_cast<double>(places.size()) * step);
         values.push_back(value.value * to_um_);
       }
-    add(table, curve_at(ecs::curve_of(static_cast<Sense>(*axis), *axis), places, values));
+    add(table, curve_at(positioning_of(*axis), places, values));
     if (table.keys.contains("HOMEOFFSET") || table.keys.contains("HOMEDIRECTION"))
       read.notes.push_back(
           fmt::format("line {}: positions count from home, where HOMEOFFSET and HOMEDIRECTION put it: they "
@@ -264,7 +262,7 @@ class AerotechMeaning {
         if (rows.empty() || rows.back() != r) rows.push_back(r);
         columns.push_back(c);
       }
-    std::sort(columns.begin(), columns.end());
+    std::ranges::sort(columns);
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     const std::string name = fmt::format("line {}: {} by {} and {}", table.line, letter_of(output),
                                          letter_of(along_rows), letter_of(along_columns));

@@ -5,6 +5,8 @@
 #include <limits>
 #include <queue>
 
+#include <fmt/format.h>
+
 namespace ecs::controllers {
 namespace {
 
@@ -56,7 +58,7 @@ Choice greedy(const ControlCurve& curve, std::size_t most) {
     open.push(stretch_of(curve, widest.worst, widest.last));
   }
   choice.miss = open.top().miss;
-  std::sort(choice.kept.begin(), choice.kept.end());
+  std::ranges::sort(choice.kept);
   return choice;
 }
 
@@ -96,7 +98,7 @@ std::vector<std::size_t> fewest_within(const ControlCurve& curve, double toleran
   std::vector<std::size_t> kept;
   for (std::size_t j = count - 1; j > 0; j = from[j]) kept.push_back(j);
   kept.push_back(0);
-  std::reverse(kept.begin(), kept.end());
+  std::ranges::reverse(kept);
   return kept;
 }
 
@@ -250,6 +252,25 @@ double largest_in(const ControlCurve& curve) {
   for (const auto* side : {&curve.forward, &curve.reverse})
     for (const double value : *side) largest = std::max(largest, std::abs(value));
   return largest;
+}
+
+double largest_reversal(const ControlCurve& curve) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    most = std::max(most, std::abs(curve.forward[i] - curve.reverse[i]));
+  return most;
+}
+
+ControlCurve mean_of(const ControlCurve& curve) {
+  ControlCurve mean = curve;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    mean.forward[i] = mean.reverse[i] = 0.5 * (curve.forward[i] + curve.reverse[i]);
+  return mean;
+}
+
+std::string fixed_text(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
 }
 
 }  // namespace ecs::controllers

@@ -1,10 +1,11 @@
 // A component as a control holds it: points joined by straight lines, both approaches on the same positions, few
-// enough to fit. Does not live here: the files of the controls (controller_*.hpp), what is left over
+// enough to fit. Does not live here: the files of the controls (linuxcnc.hpp and others), what is left over
 // (residual.hpp).
 #pragma once
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "laser/map/error_map.hpp"
@@ -52,5 +53,27 @@ struct EvenGrid {
 
 /// Largest value of either side, by size.
 [[nodiscard]] double largest_in(const ControlCurve& curve);
+/// Largest difference of the two approaches.
+[[nodiscard]] double largest_reversal(const ControlCurve& curve);
+
+/// Both approaches as their mean.
+[[nodiscard]] ControlCurve mean_of(const ControlCurve& curve);
+
+/// The curve as a file holds it; of points that fall together there the first. @param place, value  as written there
+template <class Place, class Value>
+[[nodiscard]] ControlCurve as_in_file(const ControlCurve& curve, Place place, Value value) {
+  ControlCurve out;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+    const double at = place(curve.position_mm[i]);
+    if (!out.position_mm.empty() && at <= out.position_mm.back()) continue;
+    out.position_mm.push_back(at);
+    out.forward.push_back(value(curve.forward[i]));
+    out.reverse.push_back(value(curve.reverse[i]));
+  }
+  return out;
+}
+
+/// With so many digits; no sign before a zero.
+[[nodiscard]] std::string fixed_text(double value, int digits);
 
 }  // namespace ecs::controllers

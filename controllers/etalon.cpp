@@ -18,14 +18,6 @@
 namespace ecs::controllers {
 namespace {
 
-/// The mean of both approaches of a component, by position [um, um/m of compensation].
-ControlCurve mean_of(const ControlCurve& curve) {
-  ControlCurve mean = curve;
-  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
-    mean.forward[i] = mean.reverse[i] = 0.5 * (curve.forward[i] + curve.reverse[i]);
-  return mean;
-}
-
 /// Terms that lever over a coordinate, of one moving axis and observed direction.
 std::vector<Term> levers_of(const TermTable& terms, Component translation) {
   std::vector<Term> rows;
@@ -72,36 +64,22 @@ constexpr int kPositionDigits = 6;  ///< of mm: one nanometre
 constexpr int kLengthDigits = 8;    ///< of mm
 constexpr int kAngleDigits = 11;    ///< of rad
 
-std::string number_text(double value, int digits) {
-  const std::string text = fmt::format("{:.{}f}", value, digits);
-  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
-}
-
-double as_written(double value, int digits) { return number_in(number_text(value, digits)).value_or(value); }
+double as_written(double value, int digits) { return number_in(fixed_text(value, digits)).value_or(value); }
 
 int digits_of(Component component) { return is_angular(component) ? kAngleDigits : kLengthDigits; }
 
-/// The curve in the digits of the file; of points that fall together the first. @param scale  of its values there
+/// The curve in the digits of the file. @param scale  of its values there
 ControlCurve in_digits(const ControlCurve& curve, Component component, double scale) {
-  const auto written = [&](double value) {
-    return scale == 0.0 ? value : as_written(value * scale, digits_of(component)) / scale;
-  };
-  ControlCurve out;
-  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
-    const double place = as_written(curve.position_mm[i], kPositionDigits);
-    if (!out.position_mm.empty() && place <= out.position_mm.back()) continue;
-    out.position_mm.push_back(place);
-    out.forward.push_back(written(curve.forward[i]));
-    out.reverse.push_back(written(curve.reverse[i]));
-  }
-  return out;
+  return as_in_file(
+      curve, [](double place_mm) { return as_written(place_mm, kPositionDigits); },
+      [&](double value) { return scale == 0.0 ? value : as_written(value * scale, digits_of(component)) / scale; });
 }
 
 std::string function_text(Component component, const ControlCurve& curve, double scale) {
   std::string text = fmt::format("[{}]\nGridpoints = {{\n", name_of(component));
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
-    text += fmt::format("{:>14} {:>16}\n", number_text(curve.position_mm[i], kPositionDigits),
-                        number_text(-curve.forward[i] * scale, digits_of(component)));
+    text += fmt::format("{:>14} {:>16}\n", fixed_text(curve.position_mm[i], kPositionDigits),
+                        fixed_text(-curve.forward[i] * scale, digits_of(component)));
   return text + fmt::format("}}  // end of {}\n", name_of(component));
 }
 
@@ -117,7 +95,7 @@ std::string head_text(const ExportSource& source, const EtalonOptions& options) 
 std::optional<ControlCurve> curve_for(const ExportSource& source, const TermTable& terms, Component component,
                                       bool levers_from_zero) {
   const UnitParameters& p = source.parameters;
-  if (!p.axis_present[index_of(moving_axis(component))]) return std::nullopt;
+  if (!has_axis(source, moving_axis(component))) return std::nullopt;
   if (is_angular(component) || !levers_from_zero) return curve_of(source.map, component);
   return moved_curve(source.map, p.measurement_lines_mm, terms, component, -1.0, p.angular_scale);
 }
@@ -156,7 +134,7 @@ void add_squareness(const UnitParameters& parameters, ControllerExport& made, st
   for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
     const double value = squareness[index_of(square)];
     if (value == 0.0) continue;
-    text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), number_text(value * kRadPerUmPerM, 11));
+    text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), fixed_text(value * kRadPerUmPerM, 11));
     made.tables.push_back({std::string(name_of(square)), "value", 1, 1, std::abs(value), 0.0, 0.0, "um/m"});
   }
 }
@@ -182,8 +160,7 @@ Result<ControllerTables> read_etalon(const ReadRequest& request) {
 
 bool has_functions(std::string_view text) {
   const auto lines = lines_of(text);
-  if (std::none_of(lines.begin(), lines.end(), [](std::string_view line) { return trimmed(line).starts_with('['); }))
-    return false;
+  if (std::ranges::none_of(lines, [](std::string_view line) { return trimmed(line).starts_with('['); })) return false;
   const std::string plain = lower(text);
   return plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos;
 }
@@ -197,13 +174,7 @@ std::optional<ControlCurve> curve_at_machine_zero(const ExportSource& source, co
 
 Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options) {
   ECS_DO(check_exportable(source.map));
-  if (source.parameters.convention != Convention::iso)
-    return problem(ProblemKind::refused,
-                   "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "
-                   "format is ISO 230-1: convert map and squareness first");
-  const auto chain = chain_of(source.parameters);
-  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
-  const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
+  ECS_TRY(terms, iso_terms(source.parameters, "the format is"));
   ControllerExport made;
   std::string text = head_text(source, options);
   const double reversal_um = add_functions(source, terms, options, made, text);
@@ -260,7 +231,6 @@ extern const ControllerFormat kEtalon{
     .marks = "sections such as [EXX]",
     .holds = {"yes", "mean only", "yes", "yes", "yes", "as many as the control takes"},
     .resolution_um = 0.00001,
-    .tables_add_up = false,
     .write_options = {{.name = "levers",
                        .help = "where the control counts lever arms from: the machine zero (default), or the "
                                "measurement lines",
@@ -273,7 +243,6 @@ extern const ControllerFormat kEtalon{
     .read_options = {{.name = "levers",
                       .help = "where its lever arms count from; default as its head says, else zero",
                       .words = {"zero", "lines"}}},
-    .is_file = nullptr,
     .recognises = has_functions,
     .write = write_etalon,
     .read = read_etalon,
@@ -306,7 +275,7 @@ class EtalonReader {
   }
 
   void finish() {
-    if (in_grid_) findings.add(line_, 0, fmt::format("the grid points of {} do not end with }}", name_));
+    if (in_grid_) findings.add(line_, 0, "the grid points of {} do not end with }}", name_);
     close();
     if (findings.empty() && read.tables.empty() && !any_square_)
       findings.add(0, 0,
@@ -327,7 +296,7 @@ class EtalonReader {
     read.levers_from_lines = lines;
   }
   void wrong(std::string_view at, std::string_view expected) {
-    findings.add(line_, column(at), fmt::format("expected {}, found {}", expected, laser::in_quotes(at)));
+    findings.add(line_, column(at), "expected {}, found {}", expected, laser::in_quotes(at));
   }
 
   /// A section, VALUE or the beginning of a grid; what is left of the line.
@@ -374,7 +343,7 @@ class EtalonReader {
     component_ = component_of(name_);
     if (!component_ && is_a_name(name_)) read.notes.push_back(name_ + ": no error of three linear axes, left out");
     if (component_ && !named_.insert(*component_).second)
-      findings.add(line_, column(bracketed), fmt::format("{} occurs twice", name_));
+      findings.add(line_, column(bracketed), "{} occurs twice", name_);
   }
 
   void value(std::string_view text) {
@@ -386,12 +355,11 @@ class EtalonReader {
       read.squareness[index_of(*component_)] = *number / kRadPerUmPerM;
       any_square_ = true;
     } else if (*number != 0.0) {
-      findings.add(line_, 1, fmt::format("{} varies along its axis: expected Gridpoints", name_));
+      findings.add(line_, 1, "{} varies along its axis: expected Gridpoints", name_);
     }
   }
   void wrong_value(std::string_view text) {
-    findings.add(line_, text.empty() ? 0 : column(text),
-                 fmt::format("expected a number, found {}", laser::in_quotes(text)));
+    findings.add(line_, text.empty() ? 0 : column(text), "expected a number, found {}", laser::in_quotes(text));
   }
 
   /// A word of a row `position value`; what is left of the line. The grid ends at the brace.
@@ -429,19 +397,16 @@ class EtalonReader {
     points_.clear();
     in_grid_ = grid_announced_ = false;
     if (points.empty() || !component_) return;
-    if (is_squareness(*component_))
-      return findings.add(opened_line_, 1, fmt::format("{} is one VALUE, not grid points", name_));
-    if (points.size() > 1 && points.back().position_mm < points.front().position_mm)
-      std::reverse(points.begin(), points.end());
+    if (is_squareness(*component_)) return findings.add(opened_line_, 1, "{} is one VALUE, not grid points", name_);
+    if (points.size() > 1 && points.back().position_mm < points.front().position_mm) std::ranges::reverse(points);
     const double scale = is_angular(*component_) ? 1.0 / kRadPerUmPerM : kUmPerMm;
     laser::MapTable table{*component_, Approach::unknown, {}, {}};
     for (const Point& point : points) {
       if (!table.position_mm.empty() && point.position_mm <= table.position_mm.back())
-        findings.add(point.line, 0, fmt::format("{}: the positions do not rise throughout", name_));
+        findings.add(point.line, 0, "{}: the positions do not rise throughout", name_);
       if (std::abs(point.value) * scale > kLargestValue_um || std::abs(point.position_mm) > kLargestPosition_mm)
-        findings.add(
-            point.line, 0,
-            fmt::format("{}: {} at {} is no error of a machine (mm, rad)", name_, point.value, point.position_mm));
+        findings.add(point.line, 0, "{}: {} at {} is no error of a machine (mm, rad)", name_, point.value,
+                     point.position_mm);
       table.position_mm.push_back(point.position_mm);
       table.compensation.push_back(-point.value * scale + 0.0);
     }

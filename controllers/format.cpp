@@ -56,14 +56,13 @@ std::span<const ControllerFormat* const> controller_formats() {
 
 const ControllerFormat* controller_format(std::string_view id) {
   const auto formats = controller_formats();
-  const auto at = std::find_if(formats.begin(), formats.end(), [&](const auto* format) { return format->id == id; });
+  const auto at = std::ranges::find_if(formats, [&](const auto* format) { return format->id == id; });
   return at == formats.end() ? nullptr : *at;
 }
 
 const ControllerFormat* recognised_format(std::string_view text) {
   const auto formats = controller_formats();
-  const auto at =
-      std::find_if(formats.begin(), formats.end(), [&](const auto* format) { return format->recognises(text); });
+  const auto at = std::ranges::find_if(formats, [&](const auto* format) { return format->recognises(text); });
   return at == formats.end() ? nullptr : *at;
 }
 

@@ -32,7 +32,7 @@ struct ComColumn {
   ControlCurve curve;  ///< compensation, on the positions of the table
 };
 
-std::string table_name(Axis axis) { return fmt::format("{}.com", static_cast<char>(letter_of(axis) - 'X' + 'x')); }
+std::string table_name(Axis axis) { return fmt::format("{}.com", small_letter_of(axis)); }
 
 double unit_in_file(Component component, double angular_scale) {
   return is_angular(component) ? kDegPerUmPerM * angular_scale : 1.0 / kUmPerMm;
@@ -40,26 +40,16 @@ double unit_in_file(Component component, double angular_scale) {
 
 /// The squareness that tilts the motion of `axis` in direction `to`: error um at 1 m of the axis; 0 where none does.
 double slope_um_per_m(const UnitParameters& p, Component straightness) {
-  switch (straightness) {
-    case Component::EXY:
-      return -squareness_um_per_m(p, Component::C0Y);
-    case Component::EXZ:
-      return squareness_um_per_m(p, Component::B0Z);
-    case Component::EYZ:
-      return -squareness_um_per_m(p, Component::A0Z);
-    default:
-      return 0.0;
-  }
+  const auto square = square_of(straightness);
+  return square ? square->sign * squareness_um_per_m(p, square->component) : 0.0;
 }
 
 /// With the tilt of a squareness in a straightness, over the whole travel of the axis.
 std::optional<ControlCurve> with_slope(const ExportSource& source, Component component,
                                        std::optional<ControlCurve> curve) {
-  const double slope = is_angular(component) ? 0.0 : slope_um_per_m(source.parameters, component);
+  const double slope = slope_um_per_m(source.parameters, component);
   const Axis axis = moving_axis(component);
-  if (slope == 0.0 || !source.parameters.axis_present[index_of(axis)] ||
-      !source.parameters.axis_present[index_of(direction_of(sense_of(component)))])
-    return curve;
+  if (slope == 0.0 || !has_axis(source, axis) || !has_axis(source, direction_of(sense_of(component)))) return curve;
   std::set<double> positions;
   if (curve) positions.insert(curve->position_mm.begin(), curve->position_mm.end());
   if (const auto& travel = source.travel_mm[index_of(axis)]) positions.insert(travel->begin(), travel->end());
@@ -86,9 +76,7 @@ std::vector<ComColumn> columns_for(const ExportSource& source, const TermTable& 
     curve = with_slope(source, component, std::move(curve));
     if (!curve || (largest_in(*curve) == 0.0 && !is_positioning(component))) continue;
     const bool in_axis_column = !options.kinematics || is_positioning(component);
-    if (!is_positioning(component))
-      for (std::size_t k = 0; k < curve->position_mm.size(); ++k)
-        curve->forward[k] = curve->reverse[k] = 0.5 * (curve->forward[k] + curve->reverse[k]);
+    if (!is_positioning(component)) curve = mean_of(*curve);
     columns.push_back(
         {component,
          in_axis_column ? std::string(1, letter_of(direction_of(sense_of(component)))) : fmt::format("C{}", i + 1),
@@ -229,20 +217,14 @@ double lost_reversal(const ExportSource& source, const std::vector<Component>& c
   double lost = 0.0;
   for (const Component component : carried) {
     if (is_squareness(component) || is_positioning(component) || is_angular(component) != rotations) continue;
-    if (const auto curve = curve_of(source.map, component))
-      for (std::size_t i = 0; i < curve->position_mm.size(); ++i)
-        lost = std::max(lost, 0.5 * std::abs(curve->forward[i] - curve->reverse[i]));
+    if (const auto curve = curve_of(source.map, component)) lost = std::max(lost, 0.5 * largest_reversal(*curve));
   }
   return lost;
 }
 
 std::vector<Component> with_squareness(const UnitParameters& p, std::vector<Component> carried) {
-  constexpr std::array<std::pair<Component, Component>, 3> kTilted{
-      {{Component::EXY, Component::C0Y}, {Component::EXZ, Component::B0Z}, {Component::EYZ, Component::A0Z}}};
-  for (const auto& [straightness, square] : kTilted)
-    if (slope_um_per_m(p, straightness) != 0.0 &&
-        std::find(carried.begin(), carried.end(), straightness) != carried.end())
-      carried.push_back(square);
+  for (const Component straightness : std::vector<Component>(carried))
+    if (slope_um_per_m(p, straightness) != 0.0) carried.push_back(square_of(straightness)->component);
   return carried;
 }
 
@@ -261,8 +243,7 @@ Result<ControllerTables> read_heidenhain(const ReadRequest& request) {
 }
 
 bool is_heidenhain_file(std::string_view name) {
-  return name == "config.cma" ||
-         std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == table_name(axis); });
+  return name == "config.cma" || std::ranges::any_of(kAllAxes, [&](Axis axis) { return name == table_name(axis); });
 }
 
 /// BEGIN, then a name that ends in .COM or .CMA.
@@ -280,19 +261,13 @@ bool begins_as_table(std::string_view text) {
 
 Result<ControllerExport> heidenhain_export(const ExportSource& source, const HeidenhainOptions& options) {
   ECS_DO(check_exportable(source.map));
-  if (source.parameters.convention != Convention::iso)
-    return problem(ProblemKind::refused,
-                   "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "
-                   "tables are named after ISO 230-1: convert map and squareness first");
-  const auto chain = chain_of(source.parameters);
-  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
-  const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
+  ECS_TRY(terms, iso_terms(source.parameters, "the tables are named after"));
   ControllerExport made;
   std::vector<Component> carried;
   std::vector<Axis> axes;
   int entries = 0, machine_axes = 0;
   for (const Axis axis : kAllAxes) {
-    if (!source.parameters.axis_present[index_of(axis)]) continue;
+    if (!has_axis(source, axis)) continue;
     ++machine_axes;
     const std::vector<ComColumn> whole = columns_for(source, terms, axis, options);
     if (whole.empty()) continue;
@@ -345,7 +320,6 @@ extern const ControllerFormat kHeidenhain{
     .holds = {"yes", "yes, by position", "yes, the mean", "yes, as a slope", "yes (KinematicsComp)",
               "256 a table, anywhere"},
     .resolution_um = 0.1,
-    .tables_add_up = false,
     .write_options =
         {{.name = "tables",
           .help = "kinematics: straightness and rotations in C2 to C6 (default); plain: axis columns only, "
@@ -441,7 +415,7 @@ class ComReader {
     begun_ = true;
     if (!plain.starts_with("begin ") ||
         (plain.find(".com") == std::string::npos && plain.find(".cma") == std::string::npos))
-      return findings.add(number, 1, fmt::format("expected BEGIN NAME.COM MM, found {}", laser::in_quotes(line)));
+      return findings.add(number, 1, "expected BEGIN NAME.COM MM, found {}", laser::in_quotes(line));
     is_list_ = plain.find(".cma") != std::string::npos;
     if (is_list_) return;
     if (plain.find("datum:") != std::string::npos || plain.find("distance:") != std::string::npos)
@@ -486,19 +460,17 @@ class ComReader {
       if (cell.empty() || (!headings_[h].component && h != place_ && h != backlash_)) continue;
       const auto value = number_in(cell);
       if (!value) {
-        findings.add(number, laser::column_of(line, cell),
-                     fmt::format("{}: expected a number under its heading, found {}", headings_[h].name,
-                                 laser::in_quotes(cell)));
+        findings.add(number, laser::column_of(line, cell), "{}: expected a number under its heading, found {}",
+                     headings_[h].name, laser::in_quotes(cell));
         continue;
       }
       (h == place_ ? place : h == backlash_ ? backlash : cells[h]) = *value;
     }
     if (!place) return findings.add(number, 1, "expected a position in the column AXISPOS");
     if (std::abs(*place) > kLargestPosition_mm)
-      return findings.add(number, 1, fmt::format("{} mm is no position of a machine", *place));
+      return findings.add(number, 1, "{} mm is no position of a machine", *place);
     if (!position_mm_.empty() && *place <= position_mm_.back())
-      return findings.add(number, 1,
-                          fmt::format("expected a position above {}, found {}", position_mm_.back(), *place));
+      return findings.add(number, 1, "expected a position above {}, found {}", position_mm_.back(), *place);
     position_mm_.push_back(*place);
     lines_.push_back(number);
     backlashes_.push_back(backlash);
@@ -509,8 +481,7 @@ class ComReader {
     const double sign = options_.holds_errors ? -1.0 : 1.0;
     const double out = sign * value * (is_angular(component) ? kUmPerMPerDeg : kUmPerMm);
     if (!(std::abs(out) <= kLargestValue_um))
-      findings.add(line, 1,
-                   fmt::format("a compensation of {:.6g} is implausibly large: is the file in mm and degrees?", out));
+      findings.add(line, 1, "a compensation of {:.6g} is implausibly large: is the file in mm and degrees?", out);
     return out;
   }
 
@@ -519,7 +490,7 @@ class ComReader {
     if (!headings_[h].component) return;
     const Component component = *headings_[h].component;
     const std::vector<std::optional<double>>& cells = values_[h];
-    if (std::none_of(cells.begin(), cells.end(), [](const auto& cell) { return cell.has_value(); })) {
+    if (std::ranges::none_of(cells, [](const auto& cell) { return cell.has_value(); })) {
       if (is_positioning(component) && headings_[h].name.size() == 1 && any_backlash())
         findings.add(lines_.front(), 1, "BACKLASH has values, the column of the axis has none");
       return;
@@ -536,16 +507,15 @@ class ComReader {
     reverse.position_mm = forward.position_mm;
     for (const laser::MapTable& other : read.tables)
       if (other.component == component)
-        return findings.add(
-            0, 0, fmt::format("{} is in an axis column and in a column of KinematicsComp", name_of(component)));
+        return findings.add(0, 0, "{} is in an axis column and in a column of KinematicsComp", name_of(component));
     if (forward.position_mm.size() < 2)
-      return findings.add(lines_.front(), 1, fmt::format("{}: expected two values at least", headings_[h].name));
+      return findings.add(lines_.front(), 1, "{}: expected two values at least", headings_[h].name);
     read.tables.push_back(std::move(forward));
     if (own) read.tables.push_back(std::move(reverse));
   }
 
   [[nodiscard]] bool any_backlash() const {
-    return std::any_of(backlashes_.begin(), backlashes_.end(), [](const auto& one) { return one.has_value(); });
+    return std::ranges::any_of(backlashes_, [](const auto& one) { return one.has_value(); });
   }
 
   std::string file_;

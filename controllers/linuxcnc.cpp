@@ -50,7 +50,7 @@ int joint_of(const UnitParameters& parameters, Axis axis) {
   return joint;
 }
 
-std::string file_of(Axis axis) { return fmt::format("{}.comp", static_cast<char>(letter_of(axis) - 'X' + 'x')); }
+std::string file_of(Axis axis) { return fmt::format("{}.comp", small_letter_of(axis)); }
 
 MachineUnits units_option(const OptionValues& options) {
   return options.text("units") == "inch" ? MachineUnits::inch : MachineUnits::mm;
@@ -107,9 +107,9 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   ControllerExport made;
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
-    const Component component = curve_of(static_cast<Sense>(axis), axis);
+    const Component component = positioning_of(axis);
     const auto curve = curve_of(source.map, component);
-    if (!curve || !source.parameters.axis_present[index_of(axis)]) continue;
+    if (!curve || !has_axis(source, axis)) continue;
     const std::string name = file_of(axis);
     made.files.push_back({name, rows_text(thinned(*curve, options.most_points), options)});
     const std::string& text = made.files.back().content;
@@ -142,7 +142,7 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
 }
 
 bool is_linuxcnc_file(std::string_view name) {
-  return std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == file_of(axis); });
+  return std::ranges::any_of(kAllAxes, [&](Axis axis) { return name == file_of(axis); });
 }
 
 extern const ControllerFormat kLinuxCnc{
@@ -155,7 +155,6 @@ extern const ControllerFormat kLinuxCnc{
     .marks = "rows of three numbers",
     .holds = {"yes", "yes, by position", "–", "–", "–", "256 a joint, anywhere"},
     .resolution_um = 0.001,
-    .tables_add_up = false,
     .write_options = {{.name = "type",
                        .help = "COMP_FILE_TYPE: 0 positions, 1 trims (the default)",
                        .fallback = "1",
@@ -219,8 +218,7 @@ class LinuxCncReader {
     double* const columns[] = {&row.nominal, &row.forward, &row.reverse};
     for (std::size_t i = 0; i < 3; ++i) {
       if (i >= words.size())
-        return findings_.add(number, static_cast<int>(line.size()) + 1,
-                             fmt::format("expected three numbers, found {}", i));
+        return findings_.add(number, static_cast<int>(line.size()) + 1, "expected three numbers, found {}", i);
       const auto value = number_in(words[i].text);
       if (!value) return wrong_number(words[i], number);
       *columns[i] = *value;
@@ -269,10 +267,8 @@ class LinuxCncReader {
 
   void wrong_number(const Word& word, int line) {
     const bool comma = word.text.find(',') != std::string_view::npos;
-    findings_.add(
-        line, word.column,
-        fmt::format("expected a number, found {}{}; LinuxCNC would stop here without a message",
-                    laser::in_quotes(word.text), comma ? " (decimals take a point, blanks part the numbers)" : ""));
+    findings_.add(line, word.column, "expected a number, found {}{}; LinuxCNC would stop here without a message",
+                  laser::in_quotes(word.text), comma ? " (decimals take a point, blanks part the numbers)" : "");
   }
 
   /// A row below a stop that LinuxCNC makes in silence: said once, when it costs something.
@@ -345,18 +341,18 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   if (!options.type)
     read.notes.push_back(fmt::format("{}: taken as COMP_FILE_TYPE {} by its numbers", file_name, *type));
   const double to_mm = options.units == MachineUnits::inch ? kMmPerInch : 1.0;
-  const Component component = curve_of(static_cast<Sense>(options.axis), options.axis);
+  const Component component = positioning_of(options.axis);
   laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
   for (const Row& row : reader.rows()) {
     if (std::abs(row.nominal * to_mm) > kLargestPosition_mm)
-      reader.findings().add(row.line, 1, fmt::format("{} is no position of a machine", row.nominal));
+      reader.findings().add(row.line, 1, "{} is no position of a machine", row.nominal);
     const auto trim_um = [&](double value) { return (*type == 0 ? row.nominal - value : value) * to_mm * kUmPerMm; };
     for (const double value : {row.forward, row.reverse})
       if (std::abs(trim_um(value)) > kLargestValue_um)
         reader.findings().add(row.line, 1,
-                              fmt::format("a compensation of {:.6g} mm is implausibly large: is the file of "
-                                          "type {}, in these units?",
-                                          trim_um(value) / kUmPerMm, *type));
+                              "a compensation of {:.6g} mm is implausibly large: is the file of "
+                              "type {}, in these units?",
+                              trim_um(value) / kUmPerMm, *type);
     forward.position_mm.push_back(row.nominal * to_mm);
     forward.compensation.push_back(trim_um(row.forward));
     reverse.compensation.push_back(trim_um(row.reverse));

@@ -64,19 +64,9 @@ struct SiemensThrift {
   bool mean_only = false;
 };
 
-/// Largest difference of the two approaches.
-double largest_reversal(const ControlCurve& curve) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
-    most = std::max(most, std::abs(curve.forward[i] - curve.reverse[i]));
-  return most;
-}
-
 double reference_mm(const ExportSource& source, Axis axis) {
   return source.parameters.axes[index_of(axis)].datum.reference_position_mm;
 }
-
-bool has_axis(const ExportSource& source, Axis axis) { return source.parameters.axis_present[index_of(axis)]; }
 
 /// Squareness as compensation of the output axis by the position of the input axis: a line over its travel.
 struct SquareLine {
@@ -176,7 +166,7 @@ std::vector<SiemensTable> straightness_tables(const Gridded& from, Component com
 SiemensPositioning positioning_of(const ExportSource& source, const SiemensOptions& options) {
   SiemensPositioning all;
   for (const Axis axis : kAllAxes) {
-    const Component component = curve_of(static_cast<Sense>(axis), axis);
+    const Component component = positioning_of(axis);
     const auto from = has_axis(source, axis) ? gridded(source, component, options.most_points) : std::nullopt;
     if (!from) continue;
     const auto& c = from->curve;
@@ -208,7 +198,7 @@ std::vector<SiemensGroup> straightness_of(const ExportSource& source, const Siem
     if (!is_straightness(component)) continue;
     const Axis input = moving_axis(component), output = direction_of(sense_of(component));
     if (!has_axis(source, input) || !has_axis(source, output)) continue;
-    const auto line = std::find_if(lines.begin(), lines.end(), [&](const auto& l) { return l.curve == component; });
+    const auto line = std::ranges::find_if(lines, [&](const auto& l) { return l.curve == component; });
     const bool inside = thrift.squareness_inside && line != lines.end();
     const auto from = gridded(source, component, options.most_points, inside ? &*line : nullptr);
     if (!from) continue;
@@ -227,8 +217,7 @@ std::vector<SiemensGroup> straightness_of(const ExportSource& source, const Siem
 std::vector<SiemensGroup> squareness_groups(const ExportSource& source, const std::vector<SiemensGroup>& straightness) {
   std::vector<SiemensGroup> groups;
   for (const SquareLine& line : square_lines_of(source)) {
-    if (std::any_of(straightness.begin(), straightness.end(),
-                    [&](const SiemensGroup& group) { return group.square == line.square; }))
+    if (std::ranges::any_of(straightness, [&](const SiemensGroup& group) { return group.square == line.square; }))
       continue;
     const double step_mm = std::ceil((line.travel_mm[1] - line.travel_mm[0]) * 1e6 - 1e-3) * 1e-6;
     const std::string name(name_of(line.square));
@@ -261,12 +250,8 @@ std::string grid_lines(std::string_view variable, const std::string& index, cons
 }
 
 /// The error in mm that a compensation stands for.
-std::string value_text(double compensation_um) {
-  const std::string text = fmt::format("{:.{}f}", -compensation_um / kUmPerMm, kDigits);
-  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
-}
+std::string value_text(double compensation_um) { return fixed_text(-compensation_um / kUmPerMm, kDigits); }
 
-/// `AX_EEC.INI`: every table of them for its axis. @pre input and output are the same
 std::string encoder_text(const std::vector<SiemensTable>& tables, const SiemensOptions& options) {
   std::string text =
       "%_N_AX_EEC_INI\n; value = error in mm: a positive value moves the axis in the negative direction\n";
@@ -338,7 +323,7 @@ std::vector<Upgrade> upgrades_of(const ExportSource& source, const SiemensOption
     if (group.tables.size() > 1) all.push_back({std::move(group), 1, 0.5 * largest_reversal(*curve)});
   }
   for (const SiemensGroup& pair : reversal) all.push_back({pair, 2, pair.largest()});
-  std::stable_sort(all.begin(), all.end(), [](const Upgrade& a, const Upgrade& b) {
+  std::ranges::stable_sort(all, [](const Upgrade& a, const Upgrade& b) {
     return a.gain_um * static_cast<double>(b.cost) > b.gain_um * static_cast<double>(a.cost);
   });
   return all;
@@ -350,14 +335,12 @@ std::vector<SiemensGroup> spared(const ExportSource& source, const SiemensOption
   std::vector<SiemensGroup> groups = straightness_of(source, options, {true, true});
   for (SiemensGroup& line : squareness_groups(source, groups)) groups.push_back(std::move(line));
   while (tables_in(groups) > options.most_tables)
-    groups.erase(std::min_element(groups.begin(), groups.end(), [](const SiemensGroup& a, const SiemensGroup& b) {
-      return a.largest() < b.largest();
-    }));
+    groups.erase(std::ranges::min_element(
+        groups, [](const SiemensGroup& a, const SiemensGroup& b) { return a.largest() < b.largest(); }));
   for (Upgrade& upgrade : upgrades_of(source, options, reversal)) {
     const bool beside = upgrade.cost == 2;
-    const auto same = std::find_if(groups.begin(), groups.end(), [&](const SiemensGroup& group) {
-      return group.report.component == upgrade.with.report.component;
-    });
+    const auto same = std::ranges::find_if(
+        groups, [&](const SiemensGroup& group) { return group.report.component == upgrade.with.report.component; });
     const bool fits = tables_in(groups) + upgrade.cost <= options.most_tables && (beside || same != groups.end());
     if (!fits) {
       if (beside || same != groups.end()) leave_reversal_behind(made, upgrade.with.report.component, upgrade.gain_um);
@@ -445,7 +428,7 @@ bool is_axis_name(std::string_view name) {
   const auto fits = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   };
-  return !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), fits);
+  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, fits);
 }
 
 Result<SiemensOptions> siemens_options(const OptionValues& values) {

@@ -116,14 +116,14 @@ class SiemensReader {
     auto assignment = siemens_assignment_in(content);
     if (assignment && ended_ != 0)
       return findings.add(number, 1,
-                          fmt::format("it follows the end of the program in line {}: a control does not read it; "
-                                      "take it out, or take that end out",
-                                      ended_));
+                          "it follows the end of the program in line {}: a control does not read it; "
+                          "take it out, or take that end out",
+                          ended_);
     if (!assignment) {
       const std::size_t first = line.find_first_not_of(" \t");
       findings.add(number, static_cast<int>(first) + 1,
-                   fmt::format("expected $AA_ENC_COMP…[…]=…, $AN_CEC…[…]=…, CHANDATA or M17, found {}",
-                               laser::in_quotes(trimmed(line))));
+                   "expected $AA_ENC_COMP…[…]=…, $AN_CEC…[…]=…, CHANDATA or M17, found {}",
+                   laser::in_quotes(trimmed(line)));
       return;
     }
     assignment->column += shift;
@@ -143,7 +143,7 @@ class SiemensReader {
 
  private:
   void wrong(const SiemensAssignment& a, int line, std::string_view expected) {
-    findings.add(line, a.column, fmt::format("expected {}, found {}", expected, laser::in_quotes(a.value)));
+    findings.add(line, a.column, "expected {}, found {}", expected, laser::in_quotes(a.value));
   }
 
   Draft& draft_of(const SiemensAssignment& a, const std::string& key, int line) {
@@ -155,9 +155,8 @@ class SiemensReader {
   void take_encoder(const SiemensAssignment& a, int line) {
     const std::size_t wanted = a.field.empty() ? 3 : 2;
     if (a.index.size() != wanted)
-      return findings.add(line, 1,
-                          fmt::format("expected {} in the brackets, found {} entries",
-                                      wanted == 3 ? "[encoder,point,axis]" : "[encoder,axis]", a.index.size()));
+      return findings.add(line, 1, "expected {} in the brackets, found {} entries",
+                          wanted == 3 ? "[encoder,point,axis]" : "[encoder,axis]", a.index.size());
     Draft& draft = draft_of(a, a.index.front() + "," + a.index.back(), line);
     draft.input = draft.output = a.index.back();
     take_field(a, draft, wanted == 3 ? a.index[1] : "", line);
@@ -166,8 +165,7 @@ class SiemensReader {
   void take_cross(const SiemensAssignment& a, int line) {
     const std::size_t wanted = a.field.empty() ? 2 : 1;
     if (a.index.size() != wanted || !integer_in(a.index.front()))
-      return findings.add(line, 1,
-                          fmt::format("expected {} in the brackets", wanted == 2 ? "[table,point]" : "[table]"));
+      return findings.add(line, 1, "expected {} in the brackets", wanted == 2 ? "[table,point]" : "[table]");
     Draft& draft = draft_of(a, a.index.front(), line);
     take_field(a, draft, wanted == 2 ? a.index[1] : "", line);
   }
@@ -185,11 +183,11 @@ class SiemensReader {
     if (a.field.empty()) {
       const auto k = integer_in(point);
       if (!k || *k < 0 || *k > kMostIndex)
-        return findings.add(line, 1, fmt::format("expected a point from 0, found {}", laser::in_quotes(point)));
+        return findings.add(line, 1, "expected a point from 0, found {}", laser::in_quotes(point));
       if (std::abs(*value) * kUmPerMm > kLargestValue_um) return wrong(a, line, "a value in mm within ±32");
       const auto [before, first] = draft.value.emplace(*k, *value);
       if (!first && before->second != *value)
-        return findings.add(line, 1, fmt::format("point {} has another value before in this file: keep one", *k));
+        return findings.add(line, 1, "point {} has another value before in this file: keep one", *k);
     } else if (a.field == "step") {
       draft.step = *value;
     } else if (a.field == "min") {
@@ -204,7 +202,7 @@ class SiemensReader {
       if (*value != 0.0 && *value != 1.0 && *value != -1.0) return wrong(a, line, "a direction 0, 1 or -1");
       draft.direction = static_cast<int>(*value);
     } else if (a.field != "input_ncu" && a.field != "output_ncu") {
-      findings.add(line, 1, fmt::format("unknown variable: …_{}", a.field));
+      findings.add(line, 1, "unknown variable: …_{}", a.field);
     }
   }
 
@@ -212,14 +210,14 @@ class SiemensReader {
     for (const Axis axis : kAllAxes)
       if (lower(options_.axis_name[index_of(axis)]) == name) return axis;
     for (const Axis axis : kAllAxes) {
-      const std::string letter(1, static_cast<char>(letter_of(axis) - 'X' + 'x'));
+      const std::string letter(1, small_letter_of(axis));
       if (name == letter || name == letter + "1" || name == fmt::format("ax{}", index_of(axis) + 1)) return axis;
     }
     return std::nullopt;
   }
 
   static bool all_zero(const Draft& draft) {
-    return std::all_of(draft.value.begin(), draft.value.end(), [](const auto& v) { return v.second == 0.0; });
+    return std::ranges::all_of(draft.value, [](const auto& v) { return v.second == 0.0; });
   }
 
   void finish(bool encoder, const std::string& key, const Draft& draft, ControllerTables& read) {
@@ -241,9 +239,8 @@ class SiemensReader {
     if (draft.multiplied)
       return findings.add(draft.line, 1, name + ": multiplied by another table: a map cannot hold the product");
     if (!input || !output)
-      return findings.add(draft.line, 1,
-                          fmt::format("{}: which axes are {} and {}? Say --axes X=NAME,Y=NAME,Z=NAME", name,
-                                      laser::in_quotes(draft.input), laser::in_quotes(draft.output)));
+      return findings.add(draft.line, 1, "{}: which axes are {} and {}? Say --axes X=NAME,Y=NAME,Z=NAME", name,
+                          laser::in_quotes(draft.input), laser::in_quotes(draft.output));
     add_table(name, draft, *input, *output, encoder ? -1.0 : cec_sign_, read);
   }
 
@@ -260,8 +257,7 @@ class SiemensReader {
     for (long long k = 0; k < points; ++k) {
       const auto value = draft.value.find(k);
       if (value == draft.value.end())
-        return findings.add(draft.line, 1,
-                            fmt::format("{}: point {} of {} is missing: was the file cut short?", name, k, points));
+        return findings.add(draft.line, 1, "{}: point {} of {} is missing: was the file cut short?", name, k, points);
       table.position_mm.push_back(std::min(*draft.min + *draft.step * static_cast<double>(k), *draft.max));
       table.compensation.push_back(sign * value->second * kUmPerMm + 0.0);
     }
@@ -291,8 +287,7 @@ Result<ControllerTables> parse_siemens(std::string_view text, const std::string&
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   for (const laser::MapTable& table : read.tables) {
     const laser::SourceFile source{std::string(name_of(table.component)), file_name, sha256_hex(text)};
-    if (std::find(read.sources.begin(), read.sources.end(), source) == read.sources.end())
-      read.sources.push_back(source);
+    if (std::ranges::find(read.sources, source) == read.sources.end()) read.sources.push_back(source);
   }
   return read;
 }

@@ -22,18 +22,6 @@ double part_of(const laser::MapTable& table, Approach approach) {
   return approach == Approach::unknown ? 0.5 : 0.0;
 }
 
-/// Which squareness moves `observed` by the position of `lever`, and the sign it does it with.
-struct Square {
-  Component component;
-  double sign;  ///< error of the observed direction = sign · squareness · lever
-};
-std::optional<Square> square_of(Component curve) {
-  if (curve == Component::EXY) return Square{Component::C0Y, -1.0};
-  if (curve == Component::EXZ) return Square{Component::B0Z, 1.0};
-  if (curve == Component::EYZ) return Square{Component::A0Z, -1.0};
-  return std::nullopt;
-}
-
 /// A line of two points, for both approaches, across a pair of axes that has a squareness.
 bool is_square_line(const ControllerTables& all, const laser::MapTable& table) {
   return all.lines_are_squareness && table.position_mm.size() == 2 && table.approach == Approach::unknown &&
@@ -58,6 +46,24 @@ laser::MapTable sum_of(const ControllerTables& all, Component component, Approac
 }
 
 }  // namespace
+
+std::optional<Square> square_of(Component straightness) {
+  if (straightness == Component::EXY) return Square{Component::C0Y, -1.0};
+  if (straightness == Component::EXZ) return Square{Component::B0Z, 1.0};
+  if (straightness == Component::EYZ) return Square{Component::A0Z, -1.0};
+  return std::nullopt;
+}
+
+Result<TermTable> iso_terms(const UnitParameters& parameters, std::string_view format) {
+  if (parameters.convention != Convention::iso)
+    return problem(ProblemKind::refused,
+                   fmt::format("the parameters use the printed signs of the thesis (compensation.convention = "
+                               "\"as_printed\"); {} ISO 230-1: convert map and squareness first",
+                               format));
+  const auto chain = chain_of(parameters);
+  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
+  return *terms_of(*chain, Convention::iso, CurveKind::measured);
+}
 
 Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
   if (alone)
@@ -183,7 +189,7 @@ Result<void> check_exportable(const laser::ErrorMap& map) {
 
 void leave_behind(ControllerExport& made, const ExportSource& source, const std::vector<Component>& carried,
                   const std::string& why_rotations, const std::string& why_others) {
-  const auto is_carried = [&](Component c) { return std::find(carried.begin(), carried.end(), c) != carried.end(); };
+  const auto is_carried = [&](Component c) { return std::ranges::find(carried, c) != carried.end(); };
   const auto squareness = squareness_of(source.parameters);
   for (std::size_t i = 0; i < kComponents; ++i) {
     const auto component = static_cast<Component>(i);

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "laser/map/error_map.hpp"
@@ -93,6 +94,22 @@ struct ExportSource {
   UnitParameters parameters;  ///< chain, lines, reference positions, squareness, interpolation
   PerAxis<std::optional<std::array<double, 2>>> travel_mm{};  ///< of the axes that exist; lower end, upper end
 };
+
+[[nodiscard]] inline bool has_axis(const ExportSource& source, Axis axis) {
+  return source.parameters.axis_present[index_of(axis)];
+}
+
+/// Which squareness moves the direction of a straightness by the position of its moving axis, and the sign it does it
+/// with: error = sign · squareness · position. Nothing for other components.
+struct Square {
+  Component component = Component::C0Y;
+  double sign = 1.0;
+};
+[[nodiscard]] std::optional<Square> square_of(Component straightness);
+
+/// The terms of a machine for a format named after ISO 230-1. Refused: the printed signs of the thesis, a configuration
+/// that is no chain. @param format  what is named so, as in "the format is"
+[[nodiscard]] Result<TermTable> iso_terms(const UnitParameters& parameters, std::string_view format);
 
 inline constexpr double kLargestPosition_mm = 1e6;    ///< in any file of a control
 inline constexpr double kLargestValue_um = 32'000.0;  ///< um, um/m, in any of them

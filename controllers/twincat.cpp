@@ -41,18 +41,12 @@ std::string_view sign_warning(bool adds) {
                 "(--ssfk-sign adds turns it)";
 }
 
-/// The curve in whole tenths of a micrometre, positions and values; of points that fall together the first.
+/// The curve in whole tenths of a micrometre, positions and values.
 ControlCurve in_tenths(const ControlCurve& curve) {
-  const auto rounded = [](double value, double tenths) { return std::round(value * tenths) / tenths; };
-  ControlCurve out;
-  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
-    const double place = rounded(curve.position_mm[i], kTenthsPerMm);
-    if (!out.position_mm.empty() && place <= out.position_mm.back()) continue;
-    out.position_mm.push_back(place);
-    out.forward.push_back(rounded(curve.forward[i], kTenthsPerUm));
-    out.reverse.push_back(rounded(curve.reverse[i], kTenthsPerUm));
-  }
-  return out;
+  const auto rounded = [](double tenths) {
+    return [tenths](double value) { return std::round(value * tenths) / tenths; };
+  };
+  return as_in_file(curve, rounded(kTenthsPerMm), rounded(kTenthsPerUm));
 }
 
 std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions& options) {
@@ -64,8 +58,8 @@ std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions
       "# {} error of {}, {}\n# {}\n"
       "kopf.achs_nr {}\nkopf.log_achs_name {}\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos {}\n"
       "kw.ssfk.kw_nr_max {}\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
-      name_of(curve_of(static_cast<Sense>(axis), axis)), letter_of(axis), list_sign(adds), sign_warning(adds), number,
-      letter_of(axis), tenths(curve.position_mm.front(), kTenthsPerMm), curve.position_mm.size());
+      name_of(positioning_of(axis)), letter_of(axis), list_sign(adds), sign_warning(adds), number, letter_of(axis),
+      tenths(curve.position_mm.front(), kTenthsPerMm), curve.position_mm.size());
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
     text += fmt::format("kw.ssfk.table[{0}].setpoint {1}\nkw.ssfk.table[{0}].pos {2}\nkw.ssfk.table[{0}].neg {3}\n", i,
                         tenths(curve.position_mm[i], kTenthsPerMm), tenths(sign * curve.forward[i], kTenthsPerUm),
@@ -96,9 +90,9 @@ void note_what_is_too_large(const std::string& name, double largest_um, Controll
 
 /// One axis into files, tables, notes and `applied`; false: the map or the machine has none.
 Result<bool> add_axis(const ExportSource& source, const TwinCatOptions& options, Axis axis, ControllerExport& made) {
-  const Component component = curve_of(static_cast<Sense>(axis), axis);
+  const Component component = positioning_of(axis);
   const auto curve = curve_of(source.map, component);
-  if (!curve || !source.parameters.axis_present[index_of(axis)]) return false;
+  if (!curve || !has_axis(source, axis)) return false;
   const ControlCurve kept = in_tenths(thinned(*curve, options.most_points));
   const std::string name = file_of(options.axis_number[index_of(axis)]);
   made.files.push_back({name, list_text(kept, axis, options)});
@@ -170,7 +164,7 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
     ECS_TRY(added, add_axis(source, options, axis, made));
-    if (added) carried.push_back(curve_of(static_cast<Sense>(axis), axis));
+    if (added) carried.push_back(positioning_of(axis));
   }
   if (carried.empty())
     return problem(ProblemKind::refused,
@@ -208,7 +202,6 @@ extern const ControllerFormat kTwinCat{
     .marks = "kw.ssfk",
     .holds = {"yes", "yes, by position", "–", "–", "–", "1,499 an axis, anywhere"},
     .resolution_um = 0.1,
-    .tables_add_up = false,
     .write_options = {kSign,
                       {.name = "axes", .help = "logical axis numbers of the control; default X=1,Y=2,Z=3"},
                       {.name = "points",
@@ -281,24 +274,22 @@ class TwinCatReader {
     } else if (a.key.starts_with("kw.")) {
       other_.insert(a.key.substr(0, a.key.find('.', 3)));
     } else {
-      findings.add(number, 1,
-                   fmt::format("expected an entry such as kw.ssfk.unit 1 or kopf.achs_nr 1, found {}",
-                               laser::in_quotes(trimmed(line))));
+      findings.add(number, 1, "expected an entry such as kw.ssfk.unit 1 or kopf.achs_nr 1, found {}",
+                   laser::in_quotes(trimmed(line)));
     }
   }
 
   /// Both tables on the points of the list, as compensation. @pre no findings
   [[nodiscard]] std::vector<laser::MapTable> tables(Axis axis) {
-    const Component component = curve_of(static_cast<Sense>(axis), axis);
+    const Component component = positioning_of(axis);
     laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
     check_general();
     if (!findings.empty()) return {};
     const bool two = value_of("bilateral") == 1.0;
     const auto points = static_cast<long long>(value_of("kw_nr_max"));
     if (!table_.empty() && table_.rbegin()->first >= points)
-      findings.add(
-          first_line(table_.rbegin()->second), 1,
-          fmt::format("table[{}] lies beyond the {} points that kw_nr_max announces", table_.rbegin()->first, points));
+      findings.add(first_line(table_.rbegin()->second), 1,
+                   "table[{}] lies beyond the {} points that kw_nr_max announces", table_.rbegin()->first, points);
     for (long long i = 0; i < points; ++i) {
       point(i, two, forward, reverse);
       if (table_.count(i) == 0) break;
@@ -311,9 +302,8 @@ class TwinCatReader {
     const auto letter = letter_in(name_);
     const auto by_name = letter ? axis_of(*letter) : std::nullopt;
     if (letter && !by_name) {
-      findings.add(name_line_, 1,
-                   fmt::format("the list is of axis {}: a map holds X, Y and Z; give --axis if it is one of them",
-                               laser::in_quotes(name_)));
+      findings.add(name_line_, 1, "the list is of axis {}: a map holds X, Y and Z; give --axis if it is one of them",
+                   laser::in_quotes(name_));
       return std::nullopt;
     }
     std::optional<Axis> by_number;
@@ -322,11 +312,10 @@ class TwinCatReader {
       for (const Axis one : kAllAxes)
         if (number->second.value == options_.axis_number[index_of(one)]) by_number = one;
     if (by_name && by_number && *by_name != *by_number) {
-      findings.add(
-          number->second.line, 1,
-          fmt::format("the name of the axis says {}, its number {} is that of {}: give --axes with the numbers "
-                      "of the control, or --axis",
-                      letter_of(*by_name), number->second.value, letter_of(*by_number)));
+      findings.add(number->second.line, 1,
+                   "the name of the axis says {}, its number {} is that of {}: give --axes with the numbers "
+                   "of the control, or --axis",
+                   letter_of(*by_name), number->second.value, letter_of(*by_number));
       return std::nullopt;
     }
     if (!by_name && !by_number)
@@ -362,11 +351,10 @@ class TwinCatReader {
       if (says_adds_.value_or(adds) != adds)
         findings.add(line_, 1, "this comment says another sign than the one before it: read one list at a time");
       else if (options_.adds.value_or(adds) != adds)
-        findings.add(
-            line_, 1,
-            fmt::format("the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option "
-                        "away",
-                        sign_name(adds), sign_name(!adds)));
+        findings.add(line_, 1,
+                     "the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option "
+                     "away",
+                     sign_name(adds), sign_name(!adds));
       says_adds_ = adds;
     }
   }
@@ -376,7 +364,7 @@ class TwinCatReader {
   std::optional<Entry> number(const TwinCatAssignment& a) {
     const auto value = number_in(a.value);
     if (value) return Entry{*value, line_};
-    findings.add(line_, a.column, fmt::format("expected a number, found {}", laser::in_quotes(a.value)));
+    findings.add(line_, a.column, "expected a number, found {}", laser::in_quotes(a.value));
     return std::nullopt;
   }
 
@@ -384,7 +372,7 @@ class TwinCatReader {
     const auto value = number(a);
     if (!value) return;
     if (!general_.emplace(key, *value).second)
-      findings.add(line_, 1, fmt::format("{} occurs twice (also in line {})", key, general_[key].line));
+      findings.add(line_, 1, "{} occurs twice (also in line {})", key, general_[key].line);
   }
 
   void general(const TwinCatAssignment& a) {
@@ -393,7 +381,7 @@ class TwinCatReader {
                                               "max_points"};
     const std::string key = a.key.substr(8);
     if (kKnown.count(key) == 0)
-      return findings.add(line_, 1, fmt::format("expected an entry of kw.ssfk, found {}", laser::in_quotes(a.key)));
+      return findings.add(line_, 1, "expected an entry of kw.ssfk, found {}", laser::in_quotes(a.key));
     keep(key, a);
   }
 
@@ -405,14 +393,13 @@ class TwinCatReader {
         close == std::string::npos ? std::nullopt : integer_in(a.key.substr(kOpen + 1, close - kOpen - 1));
     const std::string what = close == std::string::npos ? "" : a.key.substr(close + 1);
     if (!index || *index < 0 || *index >= kMostPoints || (what != ".setpoint" && what != ".pos" && what != ".neg"))
-      return findings.add(line_, 1,
-                          fmt::format("expected kw.ssfk.table[0] and so on with .setpoint, .pos or .neg, found {}",
-                                      laser::in_quotes(a.key)));
+      return findings.add(line_, 1, "expected kw.ssfk.table[0] and so on with .setpoint, .pos or .neg, found {}",
+                          laser::in_quotes(a.key));
     const auto value = number(a);
     if (!value) return;
     Row& row = table_[*index];
     auto& entry = what == ".setpoint" ? row.setpoint : what == ".pos" ? row.pos : row.neg;
-    if (entry) findings.add(line_, 1, fmt::format("{} occurs twice (also in line {})", a.key, entry->line));
+    if (entry) findings.add(line_, 1, "{} occurs twice (also in line {})", a.key, entry->line);
     entry = value;
   }
 
@@ -430,7 +417,7 @@ class TwinCatReader {
       return findings.add(0, 0, "no leadscrew compensation: expected entries such as kw.ssfk.table[0].pos 24");
     for (const char* flag : {"unit", "bilateral", "modulo"})
       if (const double value = value_of(flag); value != 0.0 && value != 1.0)
-        findings.add(line_of(flag), 1, fmt::format("kw.ssfk.{}: expected 0 or 1, found {}", flag, value));
+        findings.add(line_of(flag), 1, "kw.ssfk.{}: expected 0 or 1, found {}", flag, value);
     if (value_of("unit") == 0.0)
       findings.add(line_of("unit"), line_of("unit") > 0 ? 1 : 0,
                    "kw.ssfk.unit is not 1: the list is in increments of an encoder, whose length it does not say");
@@ -441,16 +428,14 @@ class TwinCatReader {
       findings.add(line_of("interval"), 1, "kw.ssfk.interval: expected the step between points, or 0");
     const double points = value_of("kw_nr_max");
     if (points < 1.0 || points > static_cast<double>(kMostPoints) || points != std::floor(points))
-      findings.add(
-          line_of("kw_nr_max"), line_of("kw_nr_max") > 0 ? 1 : 0,
-          fmt::format("kw.ssfk.kw_nr_max: expected the number of points, a whole number from 1 to {}", kMostPoints));
+      findings.add(line_of("kw_nr_max"), line_of("kw_nr_max") > 0 ? 1 : 0,
+                   "kw.ssfk.kw_nr_max: expected the number of points, a whole number from 1 to {}", kMostPoints);
   }
 
   void point(long long i, bool two, laser::MapTable& forward, laser::MapTable& reverse) {
     const Row row = table_.count(i) > 0 ? table_[i] : Row();
     const auto missing = [&](const char* what) {
-      findings.add(first_line(row), 0,
-                   fmt::format("kw.ssfk.table[{}].{} is missing: the control would take 0", i, what));
+      findings.add(first_line(row), 0, "kw.ssfk.table[{}].{} is missing: the control would take 0", i, what);
     };
     const double interval = value_of("interval");
     if (interval == 0.0 && !row.setpoint) return missing("setpoint");
@@ -467,12 +452,12 @@ class TwinCatReader {
     const double forward_um = sign() * row.pos->value / kTenthsPerUm;
     const double reverse_um = two ? sign() * row.neg->value / kTenthsPerUm : forward_um;
     if (std::abs(place_mm) > kLargestPosition_mm)
-      return findings.add(first_line(row), 1, fmt::format("{} mm is no position of a machine", place_mm));
+      return findings.add(first_line(row), 1, "{} mm is no position of a machine", place_mm);
     if (!forward.position_mm.empty() && place_mm <= forward.position_mm.back())
-      return findings.add(first_line(row), 1, fmt::format("position {} mm does not rise", place_mm));
+      return findings.add(first_line(row), 1, "position {} mm does not rise", place_mm);
     for (const double value : {forward_um, reverse_um})
       if (std::abs(value) > kLargestValue_um)
-        findings.add(row.pos->line, 1, fmt::format("an error of {:.6g} mm is implausibly large", value / 1000.0));
+        findings.add(row.pos->line, 1, "an error of {:.6g} mm is implausibly large", value / 1000.0);
     forward.position_mm.push_back(place_mm);
     forward.compensation.push_back(forward_um + 0.0);
     reverse.compensation.push_back(reverse_um + 0.0);
