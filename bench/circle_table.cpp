@@ -26,7 +26,7 @@
 #include "laser/standards/circle.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "model/circle/diagnosis.hpp"
-#include "model/data/path_sets.hpp"
+#include "model/data/path.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 #include "model/planning/next_measurement.hpp"

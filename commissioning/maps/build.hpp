@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "laser/map/build.hpp"
-#include "laser/map/coverage.hpp"
+#include "laser/map/error_map.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {

@@ -19,7 +19,7 @@
 #include "laser/map/csv.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
-#include "model/fit/map_own_levers.hpp"
+#include "model/fit/compiled_model.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {

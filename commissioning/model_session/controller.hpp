@@ -21,7 +21,6 @@
 #include "commissioning/session/task_runner.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "model/diagnosis/ties.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::commissioning {

@@ -10,8 +10,8 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/standards/circle.hpp"
+#include "laser/standards/diagonals.hpp"
 #include "model/data/path.hpp"
-#include "model/data/path_sets.hpp"
 
 namespace ecs::commissioning {
 namespace {

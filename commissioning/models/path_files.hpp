@@ -1,6 +1,6 @@
 // Files of circles (ISO 230-4) and diagonals (ISO 230-6) as readings that a model can take, alone and together with
 // lines. Does not live here: the files themselves (laser/standards), their readings as a measurement set
-// (model/data/path_sets.hpp).
+// (model/data/path.hpp).
 #pragma once
 
 #include <optional>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
 

@@ -14,7 +14,6 @@
 #include "commissioning/models/path_files.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/regression/candidates.hpp"
-#include "model/regression/exchangeable.hpp"
 
 namespace ecs::commissioning {
 

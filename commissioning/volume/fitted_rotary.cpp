@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "model/effects/definition.hpp"
-#include "model/regression/exchangeable.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
 namespace {

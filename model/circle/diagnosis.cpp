@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
-#include "model/circle/decays.hpp"
 #include "model/circle/faults.hpp"
 #include "model/fit/statistics.hpp"
 

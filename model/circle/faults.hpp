@@ -1,8 +1,10 @@
-// The faults that a circular test can show: each as columns of the radial deviation over angle and sense of rotation.
+// The faults that a circular test can show: each as columns of the radial deviation over angle and sense of rotation,
+// with the decay lengths of reversal spikes where the readings want them, between those that the search tries.
 // Does not live here: which of them a test does show (diagnosis.hpp). Internal to model/ (Eigen).
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -65,5 +67,15 @@ struct DecayLimits {
 // clang-format on
 [[nodiscard]] std::vector<CircleFault> circle_faults(const CirclePoints& points,
                                                      const std::array<std::vector<double>, 2>& pitches_mm);
+
+/// Columns of spike `which` for a decay: the spike of 1 um and its derivative by the logarithm of the decay.
+using SpikeColumns = std::function<Eigen::MatrixXd(std::size_t which, double decay_mm)>;
+
+/// The decays with the least squares of what is left, beside other columns of any size: Gauss-Newton on the logarithms
+/// of all decays at once. What the readings put at a limit stays there.
+/// @param start_mm  one decay for each spike, within the limits
+[[nodiscard]] std::vector<double> best_decays(const Eigen::VectorXd& deviation, const Eigen::MatrixXd& others,
+                                              const SpikeColumns& columns, std::vector<double> start_mm,
+                                              const DecayLimits& limits);
 
 }  // namespace ecs::model

@@ -1,7 +1,7 @@
 // Readings along a path on which several axes move at once: the circle of ISO 230-4, the diagonal of ISO 230-6. A
 // reading is then no error of one direction; it is the sum of the errors of all directions along the line in which the
-// instrument measures. Does not live here: the files of these tests (laser/standards), how readings become sums of
-// motions (motions.hpp).
+// instrument measures. Such tests as measurement sets. Does not live here: the files of these tests (laser/standards),
+// how readings become sums of motions (motions.hpp).
 #pragma once
 
 #include <array>
@@ -11,7 +11,14 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.hpp"
 #include "core/axis.hpp"
+
+namespace ecs::laser {
+struct CircleTest;
+struct DiagonalTest;
+struct MeasurementSet;
+}  // namespace ecs::laser
 
 namespace ecs::model {
 
@@ -60,5 +67,13 @@ struct PlaceOnPath {
 [[nodiscard]] std::string_view variable_along(const Path& path);
 /// "XY", "XYZ": the axes that move.
 [[nodiscard]] std::string axes_of(const Path& path);
+
+/// Every reading at its place on the circle, in column `path`; approach 1 is counter-clockwise. A centre that is not
+/// given is at 0, with a note.
+[[nodiscard]] laser::MeasurementSet set_of_circle(const laser::CircleTest& test);
+
+/// Every reading at its place on the diagonal, in column `path`. The corner of the volume with the least coordinates
+/// is at `# from_x_mm: ` …, else at 0, with a note. Refuses step diagonals, whose steps leave the line.
+[[nodiscard]] Result<laser::MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test);
 
 }  // namespace ecs::model

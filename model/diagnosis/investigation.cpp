@@ -8,13 +8,12 @@
 
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/noise_level.hpp"
-#include "model/diagnosis/p_value.hpp"
-#include "model/diagnosis/wander.hpp"
+#include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
-#include "model/fit/outliers.hpp"
-#include "model/fit/report.hpp"
+#include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"
 

@@ -8,9 +8,9 @@
 
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/diagnose.hpp"
-#include "model/diagnosis/free_wave.hpp"
 #include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/fit/core.hpp"
 
 namespace ecs::model {

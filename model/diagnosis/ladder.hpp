@@ -1,5 +1,6 @@
-// Adding effects one by one and watching the error fall; taking them back; what is left after compensation.
-// Does not live here: which effect to add (diagnose.hpp).
+// Adding effects one by one and watching the error fall; taking them back; what is left after compensation; whether
+// readings decide between an effect and the alternatives kept with it. Does not live here: which effect to add
+// (diagnose.hpp), which effects form a tie (stepwise.hpp).
 #pragma once
 
 #include <optional>
@@ -59,5 +60,16 @@ struct WhatIf {
   std::vector<Share> shares;
 };
 [[nodiscard]] Result<WhatIf> what_if(const Model& model, const Observations& data);
+
+struct DecidedTies {
+  Model model;                     ///< without the alternatives that these readings rule out
+  std::vector<std::string> notes;  ///< one for each tie of which they say anything
+};
+
+/// An alternative is ruled out where χ² with it is larger by five standard deviations' worth than with the effect of
+/// the model; where one of them is as much better than the effect, nothing is changed and the note says so. An
+/// alternative that these readings cannot show stays.
+/// @param data  all readings that are to decide, the former ones too
+[[nodiscard]] Result<DecidedTies> decided_ties(const Model& model, const Observations& data);
 
 }  // namespace ecs::model

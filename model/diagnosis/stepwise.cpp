@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/regression/needs.hpp"
 

@@ -1,16 +1,24 @@
 // Lack of fit by adding functions: the F test of columns added to a regression (Fisher 1922; Draper and Smith
 // 1998, 6.1), one test a variable, its largest judged by the largest of replicates of noise (Westfall and Young
-// 1993, 2.3).
+// 1993, 2.3). Wander: Gaussian likelihood by the innovations of a Kalman filter (Schweppe 1965) under first order
+// Gauss-Markov processes (Uhlenbeck and Ornstein 1930) of long memory, or a level of its own for every pass (random
+// effects: Laird and Ware 1982); compared with an effect by Schwarz's criterion (1978). Restricted likelihood:
+// Patterson and Thompson (1971).
 #include "model/diagnosis/structure.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "model/data/curve_basis.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::model {
@@ -83,6 +91,141 @@ std::vector<double> Structure::largest_of(const Space& space, const MatrixXf& no
     }
   }
   return largest;
+}
+
+namespace {
+
+/// Memories tried, as shares of the session: steps of three cost little likelihood between them.
+constexpr std::array kMemories{3.0, 1.0, 0.3, 0.1, 0.03, 0.01};
+/// Shares of the wander in the variance tried: closer to 1, where most is wander.
+constexpr std::array kShares{0.3, 0.7, 0.9, 0.97, 0.99, 0.997};
+/// Standard deviations of the level of a run tried, in those of a reading.
+constexpr std::array kLevels{0.3, 1.0, 3.0, 10.0};
+/// A level that is kept over a pass: longer than any.
+constexpr double kForever = 1e9;
+/// Something wanders where that is so many times likelier than the noise as it is.
+constexpr double kEvident = 100.0;
+/// Least size of a column beyond the others: no ln of 0.
+constexpr double kLeastSize = 1e-150;
+
+/// The groups of a noise with so much of their variance in a process of this memory.
+NoiseModel wandering(NoiseModel noise, double share, double memory) {
+  for (NoiseGroup& group : noise.groups) {
+    const double sigma = group.sigma();
+    group.white = sigma * std::sqrt(1.0 - share);
+    group.correlated = sigma * std::sqrt(share);
+    group.time = memory;
+  }
+  return noise;
+}
+
+/// The same with a level of its own for every pass.
+NoiseModel by_pass(const NoiseModel& noise, double share) {
+  NoiseModel levels = wandering(noise, share, kForever);
+  levels.has_time = false;
+  return levels;
+}
+
+/// Time from the first reading to the last [s]; without times their number.
+double session_of(const Observations& data, const NoiseModel& noise) {
+  if (!noise.has_time) return static_cast<double>(data.size());
+  double session = 0.0;
+  for (const double t : data.time_s)
+    if (!std::isnan(t)) session = std::max(session, t);
+  return session;
+}
+
+/// Levels of their own for every run and sense (readings × levels).
+Eigen::MatrixXd levels_of_runs(const Observations& data) {
+  std::map<std::pair<int, Channel>, Eigen::Index> level;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    level.try_emplace({data.run[k], data.channel(k)}, static_cast<Eigen::Index>(level.size()));
+  Eigen::MatrixXd levels =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(level.size()));
+  for (std::size_t k = 0; k < data.size(); ++k)
+    levels(static_cast<Eigen::Index>(k), level.at({data.run[k], data.channel(k)})) = 1.0;
+  return levels;
+}
+
+double counted(const std::vector<bool>& left_out) {
+  return static_cast<double>(std::count(left_out.begin(), left_out.end(), false));
+}
+
+double ln_square(double size) { return 2.0 * std::log(std::max(size, kLeastSize)); }
+
+}  // namespace
+
+Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out) {
+  Eigen::MatrixXd seen = columns;
+  for (std::size_t k = 0; k < left_out.size(); ++k)
+    if (left_out[k]) seen.row(static_cast<Eigen::Index>(k)).setZero();
+  const PivotedQr qr(seen);
+  Eigen::MatrixXd independent(columns.rows(), qr.rank());
+  for (Eigen::Index i = 0; i < qr.rank(); ++i) independent.col(i) = columns.col(qr.place(i));
+  return independent;
+}
+
+double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  const Whitener whitener(data, law.noise, left_out);
+  const Eigen::MatrixXd levels =
+      law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
+  const Eigen::Index n = target.size(), drawn = levels.cols(), taken = drawn + columns.cols(),
+                     all = taken + effect.cols();
+  // readings, then a row for each level: how far it is from 0 in its standard deviations
+  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + all + 1, all + 1);
+  white.topLeftCorner(n, drawn) = whitener(levels);
+  white.block(n, 0, drawn, drawn).setIdentity();
+  white.block(0, drawn, n, columns.cols()) = whitener(columns);
+  white.block(0, taken, n, effect.cols()) = whitener(effect);
+  white.col(all).head(n) = whitener(target);
+  const Eigen::VectorXd own = beyond_those_before(white);
+  double ln_determinants = whitener.ln_determinant();
+  for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
+  const double freedom = counted(left_out) - static_cast<double>(columns.cols());
+  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
+}
+
+std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
+                                         const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                         const Eigen::VectorXd& target) {
+  const double session = session_of(data, noise);
+  const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
+  std::vector<LikelyWander> tried;
+  const auto look_at = [&](Wander law) {
+    const double deviance = deviance_of(data, law, left_out, independent, none, target);
+    tried.push_back({std::move(law), deviance});
+  };
+  for (const double share : kShares) {
+    for (const double memory : kMemories) look_at({wandering(noise, share, memory * session)});
+    look_at({by_pass(noise, share)});
+  }
+  for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
+  sort_greatest_first(tried, [](const LikelyWander& likely) { return -likely.deviance; });
+  return tried;
+}
+
+bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                  const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+  constexpr double kShare = kShares.front();  // a greater wander is likelier than the noise at this share too
+  const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
+  const auto deviance = [&](const Wander& law) { return deviance_of(data, law, left_out, independent, none, target); };
+  const double session = session_of(data, noise);
+  const double most = deviance({noise, 0.0}) - 2.0 * std::log(kEvident);
+  return deviance({by_pass(noise, kShare)}) < most || deviance({noise, noise.pure.noise_um}) < most ||
+         std::any_of(kMemories.begin(), kMemories.end(),
+                     [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
+}
+
+bool is_like_wander(const EffectInstance& effect) {
+  const EffectDefinition& definition = effect.definition();
+  return effect.traits().is_drift || effect.traits().of_condition || definition.has_need(Need::time) ||
+         definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
+         definition.has_need(Need::material_temperature) || definition.has_need(Need::air);
+}
+
+bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {
+  return is_like_wander(effect) || effect.definition().is_set_by_hand() || !noise.pure.from_repeats;
 }
 
 }  // namespace ecs::model

@@ -1,5 +1,6 @@
-// Whether what is left depends on anything: position, approach, run, time, sensors, feed, load, compensation.
-// Internal to model/ (Eigen). Does not live here: what effect that may be (search.hpp).
+// Whether what is left depends on anything: position, approach, run, time, sensors, feed, load, compensation; whether
+// it wanders slowly: turbulence over minutes, another zero in every pass, a random walk. Internal to model/ (Eigen).
+// Does not live here: what effect that may be (search.hpp), the noise that repeats show (model/fit/noise.hpp).
 #pragma once
 
 #include <string>
@@ -49,5 +50,47 @@ class Structure {
 
 /// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.
 [[nodiscard]] double minus_log_p(double gain, double freedom, double noise_freedom);
+
+/// A law of noise that wanders: the groups of `noise`, or beside them a level of its own for every run and sense.
+struct Wander {
+  NoiseModel noise;
+  double level_um = 0.0;  ///< standard deviation of the levels of the runs
+};
+
+/// How well the readings agree with a model under one law of noise, less is better: −2 ln of their density, averaged
+/// over all sizes of the model's columns and of the noise, none likelier beforehand than another, and with the sizes of
+/// an effect at their best. To be compared for the same readings and columns; of all readings less that of a part of
+/// them it is the density of the others.
+/// @param columns  that the model may take freely, independent on the readings that are not left out
+/// @param effect   columns of an effect, or none; all (readings × columns)  @param target  readings less what is held
+[[nodiscard]] double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                                 const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect,
+                                 const Eigen::VectorXd& target);
+
+/// Those of the columns that do not follow from the others on the readings that are not left out.
+[[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
+
+/// A wander tried, and how well the readings agree with it.
+struct LikelyWander {
+  Wander law;
+  double deviance = 0.0;
+};
+/// All wanders tried, the likeliest first.
+[[nodiscard]] std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
+                                                       const std::vector<bool>& left_out,
+                                                       const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// Whether something wanders in what a model leaves: one of a few wanders is a hundred times likelier than
+/// the noise as it is.
+/// @param columns,target  of the model with all that was found
+[[nodiscard]] bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// Whether an effect changes in time or with a condition, as a wander does.
+[[nodiscard]] bool is_like_wander(const EffectInstance& effect);
+
+/// Whether a wander can look like an effect in these readings: it changes in time or with a condition, is set by hand
+/// from run to run, or nothing repeats it.
+[[nodiscard]] bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect);
 
 }  // namespace ecs::model

@@ -6,7 +6,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/effects/definition.hpp"
-#include "model/fit/user_start.hpp"
+#include "model/fit/core.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::model {

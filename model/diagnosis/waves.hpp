@@ -1,9 +1,14 @@
-// Waves that stand for something else. Internal to model/ (Eigen).
+// Waves that stand for something else, and a wave whose phase is another in every pass: no effect of the library, and
+// no noise. Internal to model/ (Eigen).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <Eigen/Dense>
+
+#include "model/data/observations.hpp"
 #include "model/fit/search.hpp"
 
 namespace ecs::model {
@@ -28,5 +33,15 @@ namespace ecs::model {
 
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
 [[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
+
+struct FreeWave {
+  double period_mm = 0.0;
+  double minus_log_p = 0.0;  ///< base 10, for having been sought among all frequencies
+};
+/// The strongest wave along the moving axis whose phase and size differ from pass to pass; nothing where noise shows
+/// one as strong in one of a million sets.
+/// @param residual  whitened, with everything found absorbed  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
+                                                const std::vector<bool>& left_out);
 
 }  // namespace ecs::model

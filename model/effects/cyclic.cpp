@@ -7,12 +7,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/data/turns.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model::effects {
 namespace {
+
+/// At targets that are whole multiples of a period its sine is 0: what rounding leaves of it (1e-12) would be fitted
+/// with amplitudes of metres.
+double unless_rounding(double value) { return std::abs(value) < 1e-9 ? 0.0 : value; }
+double sine_of(double angle_rad) { return unless_rounding(std::sin(angle_rad)); }
+double cosine_of(double angle_rad) { return unless_rounding(std::cos(angle_rad)); }
 
 /// Euclid's algorithm ends at this share of the least step: what is left is rounding of the file.
 constexpr double kRestOfStep = 1e-3;

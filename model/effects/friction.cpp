@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model::effects {
 namespace {

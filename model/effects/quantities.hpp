@@ -1,9 +1,11 @@
-// What effects take from a reading: sensors, air, levers, known components, the map that was active.
-// Does not live here: what effects make of them (one file each).
+// What effects take from a reading: sensors, air, levers, known components, the map that was active; and helpers for
+// the values at which they try their searched parameter. Does not live here: what effects make of them (one file each).
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "model/effects/definition.hpp"
 
@@ -44,5 +46,22 @@ inline constexpr double kReference_degC = 20.0;
 /// Column `set_up`: 1 or absent where the optics are as in the first readings; another number after they were aligned
 /// and reset anew.
 [[nodiscard]] bool first_set_up(const Observations& data, std::size_t k);
+
+/// `count` values from least to greatest, each by the same factor above the one before.
+[[nodiscard]] std::vector<double> logarithmic(double least, double greatest, std::size_t count);
+
+/// The different positions of an axis in the readings on which an effect acts, from the datum, ascending [mm].
+[[nodiscard]] std::vector<double> acting_positions(const Observations& data, const Acting& acting, Axis axis);
+
+/// Least and greatest of these positions [mm]; 1e300 and -1e300 without readings.
+[[nodiscard]] std::pair<double, double> acting_range(const Observations& data, const Acting& acting, Axis axis);
+
+/// Least value above 0 and greatest value of a column in the readings on which an effect acts; both 0 if none is above.
+[[nodiscard]] std::pair<double, double> extent_of(const Column& column, const Acting& acting);
+
+/// The values at which an instance is tried: the one that it holds, else those of its definition; 0 where it has no
+/// searched parameter.
+[[nodiscard]] TriedValues tried_values(const Observations& data, const EffectInstance& effect, const Acting& acting,
+                                       const SearchExtent& extent);
 
 }  // namespace ecs::model

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
-#include "model/effects/tried_values.hpp"
 
 namespace ecs::model::effects {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model::effects {
 namespace {

@@ -1,5 +1,6 @@
-// The error map that a model compiles to, and what the unit cannot compensate.
-// Does not live here: the levers that a unit expects inside its curves (map_own_levers.hpp).
+// The error map that a model compiles to, what the unit cannot compensate, and what a unit expects of its curves:
+// measured tool against workpiece, they hold the lever of the moving axis itself, which a model keeps apart.
+// Does not live here: the terms (core/terms.hpp).
 #pragma once
 
 #include <map>
@@ -28,5 +29,17 @@ struct CompiledModel {
 };
 /// @param fitted  a model with values
 [[nodiscard]] Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm);
+
+/// One rotation in the table of a translation.
+struct OwnLever {
+  Component table = Component::EXX;
+  std::string effect;  ///< "angular:X:ECX"
+};
+
+/// Adds what rotations do through the coordinate of their own axis (ECX over X in EY of workpiece-side axes …) to the
+/// tables of the translations, which are made where there are none; says so in the header and among `carried`.
+/// @param fitted  the model that `compiled` was made from @param increment_mm  of tables to be made
+std::vector<OwnLever> add_own_levers(CompiledModel& compiled, const Model& fitted, const params::Machine& machine,
+                                     double increment_mm);
 
 }  // namespace ecs::model

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
-#include "model/fit/outliers.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"

@@ -1,6 +1,6 @@
 // Model files: the effects that a machine is believed to have, as TOML; the map that was active; components known from
 // elsewhere; the ladder of effects added so far. Does not live here: fitting (fit.hpp), the effects
-// (model/effects/effect.hpp).
+// (model/effects/definition.hpp).
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 #include "base/result.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/data/observations.hpp"
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 

@@ -1,6 +1,7 @@
 // The noise of a data set: white plus turbulence correlated over seconds, per sense and moving axis, from repeats where
-// there are any; and the whitening that makes it independent, of size one. Internal to model/ (Eigen).
-// Does not live here: what is not noise (model/diagnosis/structure.hpp).
+// there are any; which mixtures of both their scatter leaves possible; the whitening that makes it independent, of size
+// one; and isolated readings that agree neither with their neighbours in the pass nor with their repeats.
+// Internal to model/ (Eigen). Does not live here: what is not noise (model/diagnosis/structure.hpp).
 #pragma once
 
 #include <cstddef>
@@ -130,5 +131,26 @@ class Whitener {
   void apply(const double* from, double* to) const;
   void apply_transposed(const double* from, double* to) const;
 };
+
+/// Mean of squares without those beyond twenty times the variance that their median shows; 0 for none.
+[[nodiscard]] double robust_mean_square(const std::vector<double>& squares);
+
+/// Shapes of noise on a grid with their likelihoods (restricted maximum likelihood over all passes together).
+/// @param deviation    per reading, kNotMeasured where there is none
+/// @param information  independent deviations per deviation
+[[nodiscard]] std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vector<NoiseGroup>& groups,
+                                                    const std::vector<double>& deviation, double information);
+
+/// One flag per reading, canonical order; none is set below 12 readings, nor where three follow each other in a pass,
+/// and in a sense at most one in twenty: of more only the oddest that stand apart from the rest. Source: outliers.cpp.
+/// @param residual  readings less what the model says, um or um/m
+[[nodiscard]] std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual);
+
+/// Readings of unknown approach in a run whose other readings, four fifths or more, have one, as its first reading: an
+/// effect of approach acts on them with a sign that nobody knows, so they judge none.
+[[nodiscard]] std::vector<bool> of_unknown_approach(const Observations& data);
+
+/// Both of these.
+[[nodiscard]] std::vector<bool> rows_left_out(const Observations& data, const Eigen::VectorXd& residual);
 
 }  // namespace ecs::model

@@ -1,14 +1,13 @@
 // Restricted maximum likelihood (Patterson and Thompson 1971) on a grid of mixtures, by the innovations of a Kalman
 // filter (Schweppe 1965), squares winsorised (Huber 1964); levels of small groups drawn together where Bartlett's test
 // (1937) finds them equal (empirical Bayes: Efron and Morris 1973).
-#include "model/fit/noise_shapes.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 
+#include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {

@@ -1,7 +1,5 @@
 // Hampel's identifier: distance from a median in units of the median absolute deviation (Hampel 1974; Davies and Gather
 // 1993), against the largest of n normal deviates, √(2 ln n) (Donoho and Johnstone 1994).
-#include "model/fit/outliers.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>

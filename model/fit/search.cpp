@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
-#include "model/fit/gains.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/fit/user_start.hpp"
 #include "model/linear/decompositions.hpp"
 
 namespace ecs::model {

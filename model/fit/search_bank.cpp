@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "model/effects/definition.hpp"
-#include "model/fit/gains.hpp"
 #include "model/fit/search.hpp"
 #include "model/regression/candidates.hpp"
 

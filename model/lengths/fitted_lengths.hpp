@@ -1,5 +1,5 @@
 // The unknowns of a test by lengths as fitted: what identify.cpp solves and identified.cpp puts into words and numbers.
-// Does not live here: least squares (length_solution.hpp), noise (noise_fit.hpp).
+// Does not live here: least squares (length_solution.hpp), noise (shared_noise.hpp).
 #pragma once
 
 #include <optional>
@@ -7,8 +7,7 @@
 
 #include "model/lengths/identify.hpp"
 #include "model/lengths/length_solution.hpp"
-#include "model/lengths/noise_certainty.hpp"
-#include "model/lengths/noise_fit.hpp"
+#include "model/lengths/shared_noise.hpp"
 
 namespace ecs::model {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/lengths/observation.hpp"
+#include "model/lengths/curves.hpp"
 
 namespace ecs::model {
 

@@ -1,5 +1,5 @@
 // Linear least squares of whitened observations: the solution, its covariance, and what the observations leave free.
-// Does not live here: the noise by which they are whitened (noise_fit.hpp), what the unknowns mean (identify.hpp).
+// Does not live here: the noise by which they are whitened (shared_noise.hpp), what the unknowns mean (identify.hpp).
 #pragma once
 
 #include <Eigen/Dense>

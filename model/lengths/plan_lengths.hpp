@@ -1,7 +1,6 @@
 // Which lengths to measure: the plan with the fewest minutes for a wanted uncertainty of the volume, beside what single
 // set-ups take for it.
-// Does not live here: what the lengths say (identify.hpp), candidates (plan_paths.hpp) and choice (plan_choice.hpp,
-// plan_set_ups.hpp).
+// Does not live here: what the lengths say (identify.hpp), candidates and choice (plan_choice.hpp).
 #pragma once
 
 #include <functional>

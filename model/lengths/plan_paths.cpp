@@ -1,9 +1,8 @@
-#include "model/lengths/plan_paths.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/units.hpp"
+#include "model/lengths/plan_choice.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::model {

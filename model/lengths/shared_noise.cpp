@@ -1,11 +1,15 @@
 #include "model/lengths/shared_noise.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <tuple>
+#include <vector>
 
 #include "base/units.hpp"
+#include "model/lengths/length_solution.hpp"
 
 namespace ecs::model {
 namespace {
@@ -156,6 +160,297 @@ Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all, const std::vector<Eigen::Ind
   Eigen::MatrixXd out(static_cast<Eigen::Index>(readings.size()), all.cols());
   for (std::size_t i = 0; i < readings.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = all.row(readings[i]);
   return out;
+}
+
+namespace {
+
+constexpr int kMostNoiseSteps = 20;
+constexpr double kLittleGain = 0.02;  ///< of the log likelihood: a step that promises less is not taken
+constexpr double kLeastShare = 1e-6;  ///< of the variance of the readings: as good as nothing
+constexpr double kMostShrink = 0.1;   ///< of a variance in one step
+constexpr double kMostGrowth = 10.0;
+
+using Scores = Eigen::Matrix<double, static_cast<int>(kScatters), 1>;
+using Information = Eigen::Matrix<double, static_cast<int>(kScatters), static_cast<int>(kScatters)>;
+
+/// The restricted likelihood at one choice of variances, with slopes and average information.
+struct LikelihoodAt {
+  ScatterVariances variances{};
+  double half_deviance = std::numeric_limits<double>::max();  ///< −log likelihood, but for a constant
+  Scores trace = Scores::Zero(), squares = Scores::Zero();    ///< tr(P·V_j), yᵀ·P·V_j·P·y
+  Information average = Information::Zero();                  ///< ½·yᵀ·P·V_j·P·V_k·P·y
+  Eigen::VectorXd x;
+  [[nodiscard]] double slope(int j) const { return 0.5 * (trace(j) - squares(j)); }
+};
+
+class RestrictedLikelihood {
+ public:
+  RestrictedLikelihood(const SharedNoise& shared, const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                       const Eigen::VectorXd& precision)
+      : shared_(shared), unknowns_(columns.cols()) {
+    const Eigen::MatrixXd scaled = scaled_columns(columns, norm_);
+    precision_ = precision.cwiseQuotient(norm_.cwiseAbs2());
+    Eigen::MatrixXd both(columns.rows(), unknowns_ + 1);
+    both << scaled, y;
+    for (const auto& block : shared.blocks()) rows_.push_back(rows_of(both, block.readings));
+  }
+
+  [[nodiscard]] LikelihoodAt at(const ScatterVariances& variances) const {
+    LikelihoodAt out;
+    out.variances = variances;
+    const Eigen::Index p = unknowns_;
+    std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;
+    std::vector<Eigen::MatrixXd> white = rows_;
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(p + 1, p + 1);
+    double half_log_determinant = 0.0;
+    for (std::size_t b = 0; b < white.size(); ++b) {
+      factors.emplace_back(SharedNoise::covariance_of(shared_.blocks()[b], variances));
+      if (factors.back().info() != Eigen::Success) return out;
+      factors.back().matrixL().solveInPlace(white[b]);
+      half_log_determinant += factors.back().matrixLLT().diagonal().array().log().sum();
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(white[b].transpose());
+    }
+    Eigen::MatrixXd inner = normal.topLeftCorner(p, p);
+    inner.diagonal() += precision_;
+    const double ridge = 1e-12 * inner.diagonal().maxCoeff();  // for what is not determined
+    inner.diagonal().array() += ridge;
+    const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+    const Eigen::VectorXd right = normal.row(p).head(p).transpose();
+    const Eigen::VectorXd scaled_x = factor.solve(right);
+    out.x = scaled_x.cwiseQuotient(norm_);
+    out.half_deviance = half_log_determinant + factor.matrixLLT().diagonal().array().log().sum() +
+                        0.5 * (normal(p, p) - right.dot(scaled_x));
+    derive(out, white, factors, factor, scaled_x);
+    return out;
+  }
+
+ private:
+  void derive(LikelihoodAt& out, std::vector<Eigen::MatrixXd>& white,
+              const std::vector<Eigen::LLT<Eigen::MatrixXd>>& factors, const Eigen::LLT<Eigen::MatrixXd>& factor,
+              const Eigen::VectorXd& scaled_x) const {
+    constexpr auto kCount = static_cast<Eigen::Index>(kScatters);
+    const Eigen::Index p = unknowns_;
+    Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(p, kCount);  // of V_j·P·y, what the unknowns take up
+    for (std::size_t b = 0; b < white.size(); ++b) {
+      const auto& block = shared_.blocks()[b];
+      const auto m = white[b].rows();
+      Eigen::VectorXd residual = white[b].col(p) - white[b].leftCols(p) * scaled_x;
+      Eigen::MatrixXd basis = white[b].leftCols(p);
+      factor.matrixU().solveInPlace<Eigen::OnTheRight>(basis);
+      Eigen::MatrixXd inside = Eigen::MatrixXd::Identity(m, m);  // L⁻¹ projects: P = L⁻ᵀ·(1 − basis·basisᵀ)·L⁻¹
+      inside.selfadjointView<Eigen::Lower>().rankUpdate(basis, -1.0);
+      inside.triangularView<Eigen::StrictlyUpper>() = inside.transpose();
+      factors[b].matrixU().solveInPlace(inside);
+      factors[b].matrixU().solveInPlace(residual);
+      Eigen::MatrixXd projection = inside.transpose();
+      factors[b].matrixU().solveInPlace(projection);
+      Eigen::MatrixXd forces(m, kCount);
+      forces.col(0) = residual;
+      out.trace(0) += projection.trace();
+      for (Eigen::Index j = 1; j < kCount; ++j) {
+        const auto& unit = block.covariance[static_cast<std::size_t>(j - 1)];
+        out.trace(j) += projection.cwiseProduct(unit).sum();
+        forces.col(j) = unit * residual;
+      }
+      out.squares += forces.transpose() * residual;
+      factors[b].matrixL().solveInPlace(forces);
+      out.average += 0.5 * forces.transpose() * forces;
+      seen += basis.transpose() * forces;
+    }
+    out.average -= 0.5 * seen.transpose() * seen;
+  }
+
+  const SharedNoise& shared_;
+  Eigen::Index unknowns_;
+  Eigen::VectorXd norm_, precision_;
+  std::vector<Eigen::MatrixXd> rows_;  ///< by block: scaled columns and y
+};
+
+/// Newton's step by the average information, of those variances that are not at their least with the slope pressing.
+ScatterVariances stepped(const LikelihoodAt& here, double least, double* promised) {
+  std::vector<int> active;
+  for (int j = 0; j < static_cast<int>(kScatters); ++j)
+    if (here.trace(j) > 0.0 && (here.variances[static_cast<std::size_t>(j)] > least || here.slope(j) < 0.0))
+      active.push_back(j);
+  const auto count = static_cast<Eigen::Index>(active.size());
+  Eigen::MatrixXd information(count, count);
+  Eigen::VectorXd slope(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    slope(i) = here.slope(active[static_cast<std::size_t>(i)]);
+    for (Eigen::Index k = 0; k < count; ++k)
+      information(i, k) = here.average(active[static_cast<std::size_t>(i)], active[static_cast<std::size_t>(k)]);
+    constexpr double kMore = 1e-6;
+    information(i, i) *= 1.0 + kMore;
+  }
+  const Eigen::VectorXd step = -information.ldlt().solve(slope);
+  ScatterVariances out = here.variances;
+  *promised = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    double& variance = out[static_cast<std::size_t>(active[static_cast<std::size_t>(i)])];
+    const double from = variance;
+    variance = std::max(least, std::clamp(from + step(i), kMostShrink * from, kMostGrowth * from));
+    *promised += std::abs(slope(i) * (variance - from));
+  }
+  return out;
+}
+
+/// Each variance by the root of what the residuals show over what they should: the likelihood never falls.
+ScatterVariances safely_stepped(const LikelihoodAt& here, double least) {
+  ScatterVariances out = here.variances;
+  for (std::size_t j = 0; j < kScatters; ++j)
+    if (const auto i = static_cast<Eigen::Index>(j); here.trace(i) > 0.0)
+      out[j] = std::max(least, out[j] * std::sqrt(here.squares(i) / here.trace(i)));
+  return out;
+}
+
+}  // namespace
+
+NoiseFit fitted_noise(const SharedNoise& shared, const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                      const Eigen::VectorXd& precision, const ScatterVariances& start) {
+  const RestrictedLikelihood likelihood(shared, columns, y, precision);
+  LikelihoodAt here = likelihood.at(start);
+  NoiseFit out;
+  for (; out.steps < kMostNoiseSteps; ++out.steps) {
+    const double least = kLeastShare * shared.mean_variance(here.variances);
+    double promised = 0.0;
+    const ScatterVariances wanted = stepped(here, least, &promised);
+    if (promised < kLittleGain) break;
+    LikelihoodAt next = likelihood.at(wanted);
+    if (!(next.half_deviance < here.half_deviance)) next = likelihood.at(safely_stepped(here, least));
+    if (!(next.half_deviance < here.half_deviance)) break;
+    here = std::move(next);
+  }
+  out.variances = here.variances;
+  out.x = here.x;
+  return out;
+}
+
+namespace {
+
+/// Eigenvalues of the information, scaled to a diagonal of 1, below which two variances cannot be told apart: then
+/// neither does their share change what is wanted.
+constexpr double kNotTold = 1e-8;
+
+/// Inverse of what the readings tell of the variances; nothing for what they do not tell.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& information) {
+  const auto n = information.rows();
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (information(i, i) > 0.0) scale(i) = 1.0 / std::sqrt(information(i, i));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+  Eigen::VectorXd inverse = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (eigen.eigenvalues()(i) > kNotTold) inverse(i) = 1.0 / eigen.eigenvalues()(i);
+  const Eigen::MatrixXd directions = scale.asDiagonal() * eigen.eigenvectors();
+  return directions * inverse.asDiagonal() * directions.transpose();
+}
+
+/// trace(a · b)
+double trace_of_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.cwiseProduct(b.transpose()).sum();
+}
+
+/// Share of Student's t within ±k.
+double share_within(double k, double freedom) {
+  constexpr int kSteps = 64;  // Simpson's rule in the angle of which k/√freedom is the tangent
+  const double end = std::atan(k / std::sqrt(freedom)), h = end / kSteps;
+  double sum = 0.0;
+  for (int i = 0; i <= kSteps; ++i)
+    sum += (i == 0 || i == kSteps ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * std::pow(std::cos(i * h), freedom - 1.0);
+  constexpr double kSquareRootOfPi = 1.7724538509055160;
+  return sum * h / 3.0 * 2.0 / kSquareRootOfPi *
+         std::exp(std::lgamma(0.5 * freedom + 0.5) - std::lgamma(0.5 * freedom));
+}
+
+}  // namespace
+
+// In coordinates in which the covariance of the unknowns is 1, B the orthonormal basis of the whitened columns, A_j the
+// whitened share of variance j: T_j = Bᵀ·A_j·B, Q_jk = Bᵀ·A_j·A_k·B; with W the covariance of the estimated variances
+// the covariance becomes 1 + 2·Σ W_jk·(Q_jk − T_j·T_k) (Kenward and Roger; V is linear in the variances).
+NoiseCertainty::NoiseCertainty(const SharedNoise& shared, const Eigen::MatrixXd& basis, const Eigen::MatrixXd& back,
+                               const ScatterVariances& variances, const std::array<bool, kScatters>& estimated) {
+  std::vector<std::size_t> which;
+  for (std::size_t j = 0; j < kScatters; ++j)
+    if (estimated[j]) which.push_back(j);
+  const std::size_t count = which.size();
+  const Eigen::Index p = basis.cols();
+  std::vector<Eigen::MatrixXd> inside(count, Eigen::MatrixXd::Zero(p, p));            // T_j
+  std::vector<Eigen::MatrixXd> products(count * count, Eigen::MatrixXd::Zero(p, p));  // Q_jk, k ≤ j
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
+  for (const auto& block : shared.blocks()) {
+    const auto m = static_cast<Eigen::Index>(block.readings.size());
+    const Eigen::LLT<Eigen::MatrixXd> factor(SharedNoise::covariance_of(block, variances));
+    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(m, m));
+    const Eigen::MatrixXd pushed = factor.matrixU().solve(rows_of(basis, block.readings));
+    std::vector<Eigen::MatrixXd> shares, seen;  // V⁻¹·V_j, L⁻¹·V_j·L⁻ᵀ·B
+    for (std::size_t j = 0; j < count; ++j) {
+      Eigen::MatrixXd own = pushed;
+      if (which[j] == 0) {
+        shares.push_back(inverse);
+      } else {
+        const Eigen::MatrixXd& unit = block.covariance[which[j] - 1];
+        shares.push_back(inverse * unit);
+        own = unit * pushed;
+      }
+      inside[j] += pushed.transpose() * own;
+      factor.matrixL().solveInPlace(own);
+      seen.push_back(std::move(own));
+      for (std::size_t k = 0; k <= j; ++k) {
+        products[j * count + k] += seen[j].transpose() * seen[k];
+        information(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) +=
+            0.5 * trace_of_product(shares[j], shares[k]);
+      }
+    }
+  }
+  for (std::size_t j = 0; j < count; ++j)
+    for (std::size_t k = 0; k <= j; ++k) {
+      const auto row = static_cast<Eigen::Index>(j), column = static_cast<Eigen::Index>(k);
+      information(row, column) += 0.5 * trace_of_product(inside[j], inside[k]) - products[j * count + k].trace();
+      information(column, row) = information(row, column);
+    }
+  spread_ = inverse_of(information);
+  Eigen::MatrixXd added = Eigen::MatrixXd::Zero(p, p);
+  for (std::size_t j = 0; j < count; ++j)
+    for (std::size_t k = 0; k <= j; ++k) {
+      const double w = spread_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k));
+      const Eigen::MatrixXd one = products[j * count + k] - inside[j] * inside[k];
+      added += 2.0 * w * one;
+      if (k < j) added += 2.0 * w * one.transpose();
+    }
+  plain_ = back * back.transpose();
+  covariance_ = plain_ + back * added * back.transpose();
+  for (const Eigen::MatrixXd& one : inside) change_.push_back(back * one * back.transpose());
+}
+
+double NoiseCertainty::freedom_of(double variance, const Eigen::VectorXd& slopes) const {
+  const double of_variance = slopes.dot(spread_ * slopes);
+  return of_variance > 0.0 ? 2.0 * variance * variance / of_variance : std::numeric_limits<double>::infinity();
+}
+
+double NoiseCertainty::degrees_of_freedom(const Eigen::MatrixXd& weights, Eigen::Index first) const {
+  if (change_.empty()) return std::numeric_limits<double>::infinity();
+  const auto n = weights.rows();
+  Eigen::VectorXd slopes(static_cast<Eigen::Index>(change_.size()));
+  for (std::size_t j = 0; j < change_.size(); ++j)
+    slopes(static_cast<Eigen::Index>(j)) = weights.cwiseProduct(change_[j].block(first, first, n, n)).sum();
+  return freedom_of(weights.cwiseProduct(plain_.block(first, first, n, n)).sum(), slopes);
+}
+
+double NoiseCertainty::degrees_of_freedom(const Eigen::VectorXd& row, Eigen::Index first) const {
+  return degrees_of_freedom(Eigen::MatrixXd(row * row.transpose()), first);
+}
+
+double coverage_factor(double degrees_of_freedom) {
+  constexpr double kNormal = 2.0, kShare = 0.954499736103642, kMany = 1e6, kLeast = 1.0, kGreatest = 20.0;
+  if (!(degrees_of_freedom < kMany)) return kNormal;
+  const double freedom = std::max(kLeast, degrees_of_freedom);
+  double low = kNormal, high = kGreatest;
+  while (high - low > 1e-5) {
+    const double middle = 0.5 * (low + high);
+    (share_within(middle, freedom) < kShare ? low : high) = middle;
+  }
+  return high;
 }
 
 }  // namespace ecs::model

@@ -16,10 +16,9 @@
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/planning/circles.hpp"
 #include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
-#include "model/planning/sentences.hpp"
+#include "model/planning/run.hpp"
 #include "model/regression/needs.hpp"
 
 namespace ecs::model {

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "laser/writers/measurement_writer.hpp"
-#include "model/planning/circles.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::model {

@@ -10,7 +10,6 @@
 
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
-#include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"
 #include "model/planning/next_measurement.hpp"

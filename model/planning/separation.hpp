@@ -1,17 +1,37 @@
 // How many sigmas a run not yet made would put between explanations: each, if true, against the best that the model
-// with another can do on present and new readings together. Internal to model/ (Eigen).
+// with another can do on present and new readings together; and readings yet to be taken as observations beside the
+// present ones, so that effects can be evaluated on both alike. Internal to model/ (Eigen).
 // Does not live here: which runs there are (options.hpp), their rank (next_measurement.cpp).
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
 #include <Eigen/Dense>
 
+#include "model/data/observations.hpp"
 #include "model/fit/core.hpp"
-#include "model/planning/rows.hpp"
+#include "model/planning/run.hpp"
 
 namespace ecs::model {
+
+/// The present readings, then those of each proposal (one run of it, twice with a second feed). The new values of
+/// `reading` mean nothing.
+struct WithProposals {
+  Observations data;
+  std::size_t present = 0;         ///< the first readings
+  std::vector<std::size_t> first;  ///< of each proposal
+  std::vector<std::size_t> count;  ///< of each proposal
+  /// What each extra column is taken to follow in the new readings: another column of which it is a straight line in
+  /// the present ones, "" where it is constant. Of one that is missing here nothing is known: kNotMeasured.
+  std::map<std::string, std::string, std::less<>> extras_follow;
+};
+/// The present readings alone.
+[[nodiscard]] Observations present_of(const WithProposals& all);
+[[nodiscard]] WithProposals with_proposals(const Observations& present,
+                                           const std::vector<MeasurementProposal>& proposals);
 
 /// One thing that may be true, over present and new readings.
 struct Explanation {

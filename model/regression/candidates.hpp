@@ -1,4 +1,5 @@
-// Which effects the data can show at all: every instance of the library with its axes, senses, codes and sensors.
+// The candidates of a data set: every effect of the library with its axes, senses, codes and sensors; and location
+// errors of rotary axes that readings of a ball cannot tell from what a model has.
 #pragma once
 
 #include <vector>
@@ -24,5 +25,15 @@ namespace ecs::model {
 /// them, and a slope or lost motion is what such a test is made to find. Of a ball its place and location errors of the
 /// rotary axes as far as the readings tell them from each other; what does the same as one of them is its alternative.
 [[nodiscard]] std::vector<EffectInstance> usual_effects(const Observations& data);
+
+struct Exchangeable {
+  EffectInstance effect;
+  double stands_for = 0.0;  ///< um, um/m: size at which it would do what fitted values of the model do in its place
+};
+/// Location errors, zeros of axes apart, that are not in the model and that the readings do not tell from its effects.
+/// None without readings of a ball.
+/// @param fitted  with the values of the fit; without them `stands_for` is 0
+[[nodiscard]] std::vector<Exchangeable> exchangeable_locations(const Observations& data,
+                                                               const std::vector<EffectInstance>& fitted);
 
 }  // namespace ecs::model

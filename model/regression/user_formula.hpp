@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 #include "model/data/observations.hpp"
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 

@@ -35,7 +35,7 @@
 #include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "model/drive/parameters.hpp"
+#include "model/drive/simulation.hpp"
 #include "model/drive/trace.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"

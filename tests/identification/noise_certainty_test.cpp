@@ -1,6 +1,4 @@
 // What it costs that variances of noise are estimates: against what is known in closed form.
-#include "model/lengths/noise_certainty.hpp"
-
 #include <cmath>
 #include <limits>
 #include <random>
@@ -9,6 +7,7 @@
 
 #include "base/random.hpp"
 #include "model/lengths/length_solution.hpp"
+#include "model/lengths/shared_noise.hpp"
 #include "tests/identification/support/made_lengths.hpp"
 
 namespace ecs::test {

@@ -13,7 +13,7 @@
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/volume/fitted_rotary.hpp"
-#include "model/diagnosis/ties.hpp"
+#include "model/diagnosis/ladder.hpp"
 #include "volume/rotary_errors.hpp"
 
 namespace ecs::app {

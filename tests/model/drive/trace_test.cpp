@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "model/drive/parameters.hpp"
+#include "model/drive/simulation.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

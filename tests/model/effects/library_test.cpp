@@ -8,7 +8,7 @@
 #include "base/random.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/tried_values.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"

@@ -10,7 +10,6 @@
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
-#include "model/regression/exchangeable.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/exact_joints.hpp"
 

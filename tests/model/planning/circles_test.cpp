@@ -1,6 +1,4 @@
 // Circles among the proposals.
-#include "model/planning/circles.hpp"
-
 #include <doctest/doctest.h>
 
 #include "model/diagnosis/diagnose.hpp"

@@ -7,8 +7,10 @@
 #include <random>
 
 #include "base/random.hpp"
+#include "laser/circle_test.hpp"
+#include "laser/measurement_set.hpp"
+#include "laser/standards/diagonals.hpp"
 #include "model/data/path.hpp"
-#include "model/data/path_sets.hpp"
 
 namespace ecs::model::test {
 

@@ -1,4 +1,4 @@
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "laser/measurement_set.hpp"
-#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 namespace {

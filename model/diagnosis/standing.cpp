@@ -1,0 +1,385 @@
+// Alternatives by their probabilities (narrowest group: Spector and Janson 2022); proof by readings not fitted to, and
+// the chance of a false name from replicates of noise (Westfall and Young 1993). The verdicts are those of
+// docs/model.md.
+#include "model/diagnosis/standing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/waves.hpp"
+#include "model/diagnosis/words.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/core.hpp"
+#include "model/fit/held_out.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+/// Candidates listed: what a person reads.
+constexpr std::size_t kMostListed = 12;
+/// A credible set holds the cause with this probability; proved causes explain the residual in part from this share of
+/// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
+constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
+/// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than
+/// two fifths of it along the travel does (1 - 0.16/3).
+constexpr double kNearlyAll = 0.95;
+/// Least share of what an effect explains that it predicts at left-out targets where more is left than noise: as where
+/// nothing but the effect speaks against noise (investigation.hpp).
+constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
+/// Readings that an effect was not fitted to speak for it from this e-value on.
+constexpr double kSpeaksFor = 1.0;
+/// Without repeats what a model leaves is no noise where readings left out are missed by more than so many times the
+/// rms of those fitted: two, for four times the squares are no chance.
+constexpr double kMostHeldOut = 2.0;
+constexpr std::size_t kPartsLeftOut = 5;
+/// What is left below this is rounding: no instrument reads a nanometre [um].
+constexpr double kNothingLeft_um = 1e-3;
+
+/// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
+std::vector<SetMember> credible_set(std::vector<SetMember> alternatives) {
+  sort_greatest_first(alternatives, [](const SetMember& member) { return member.probability; });
+  double sum = 0.0;
+  std::size_t count = 0;
+  while (count < alternatives.size() && sum < kCredible) sum += alternatives[count++].probability;
+  alternatives.resize(count);
+  return alternatives;
+}
+
+/// @param standings  of the members of the solution; the proved ones come first, then what is likely
+std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::vector<Standing>& standings) {
+  std::vector<RankedCandidate> list;
+  const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
+  std::vector<const Group*> groups;
+  for (const Group& group : found.groups) groups.push_back(&group);
+  const auto standing_of = [&](const Group* group) {
+    return standings[static_cast<std::size_t>(group - found.groups.data())];
+  };
+  sort_greatest_first(groups, [](const Group* group) { return group->member.gain; });
+  std::stable_sort(groups.begin(), groups.end(),
+                   [&](const Group* a, const Group* b) { return standing_of(a) > standing_of(b); });
+  const auto listed = [&](const EffectInstance& effect) {
+    return std::any_of(list.begin(), list.end(),
+                       [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
+  };
+  std::vector<std::map<std::string, double>> probability_in(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = *groups[g];
+    std::vector<Choice> alternatives{group.member};
+    alternatives.insert(alternatives.end(), group.rivals.begin(), group.rivals.end());
+    alternatives.insert(alternatives.end(), group.weaker.begin(), group.weaker.end());
+    const std::vector<double> shares = probabilities_of(alternatives, found.families);
+    std::vector<SetMember> members;
+    for (std::size_t i = 0; i < alternatives.size(); ++i) {
+      const EffectInstance member = instance(alternatives[i]);
+      members.push_back({to_text(member), shares[i], place_text(member)});
+      probability_in[g].try_emplace(members.back().name, shares[i]);
+    }
+    RankedCandidate one{instance(group.member), group.member,
+                        standing_of(&group),    {},
+                        shares.front(),         credible_set(std::move(members)),
+                        group.values,           group.e_value,
+                        group.wander,           group.p_value,
+                        group.p_value_alone};
+    for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
+    list.push_back(std::move(one));
+  }
+  const std::size_t members = list.size();
+  const auto probability_of = [&](std::size_t g, const EffectInstance& effect) {
+    const auto found_in = probability_in[g].find(to_text(effect));
+    return found_in == probability_in[g].end() ? 0.0 : found_in->second;
+  };
+  for (std::size_t g = 0; g < members; ++g)
+    for (const Choice& rival : groups[g]->rivals) {
+      if (listed(instance(rival))) continue;
+      RankedCandidate one{
+          instance(rival), rival, Standing::possible, {list[g].effect}, probability_of(g, instance(rival)),
+          list[g].set};
+      for (const Choice& other : groups[g]->rivals)
+        if (other.family != rival.family) one.rivals.push_back(instance(other));
+      list.push_back(std::move(one));
+    }
+  for (std::size_t g = 0; g < members; ++g)
+    for (const Choice& weaker : groups[g]->weaker)
+      if (!listed(instance(weaker)) && list.size() < kMostListed)
+        list.push_back({instance(weaker), weaker, Standing::possible, {}, probability_of(g, instance(weaker)), {}});
+  if (list.empty()) {  // nothing found: the closest, against none, beforehand as likely as all candidates together
+    std::vector<Choice> alternatives = found.closest;
+    alternatives.emplace_back().gain =
+        2.0 * std::log(static_cast<double>(std::max<std::size_t>(found.candidates_tried, 1)));
+    const std::vector<double> shares = probabilities_of(alternatives, found.families);
+    for (std::size_t i = 0; i < found.closest.size(); ++i)
+      list.push_back({instance(found.closest[i]), found.closest[i], Standing::possible, {}, shares[i], {}});
+  }
+  return list;
+}
+
+/// Share of what is above noise that some of the effects found explain together. @param chosen  which, by their number
+double share_of_found(const ReportInput& in, const std::vector<std::size_t>& chosen) {
+  LinearProblem all = in.problem;
+  for (const std::size_t g : chosen) {
+    const Choice& choice = in.found.groups[g].member;
+    all = joined_with(all, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
+  }
+  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
+  const std::vector<bool>& out = in.base.core.left_out;
+  return explainable_share(rms_without(in.base.residual, out), rms_without(residual_of(all, whitener), out),
+                           in.found.noise.pure.noise_um);
+}
+
+/// Whether an effect predicts, beside the others that are proved, at targets that it was not fitted to at least half of
+/// what it explains at those that it was: what is left besides repeats from run to run, and so do the errors of a fit
+/// to it.
+bool predicts_at_targets(const ReportInput& in, const std::vector<std::size_t>& proved, std::size_t g) {
+  const Observations& data = in.regressors.data();
+  if (!has_targets_to_leave_out(data)) return true;
+  const auto with = [&](const LinearProblem& problem, std::size_t i) {
+    const Choice& choice = in.found.groups[i].member;
+    return joined_with(problem, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
+  };
+  LinearProblem others = in.problem;
+  for (const std::size_t i : proved)
+    if (i != g) others = with(others, i);
+  const LinearProblem all = with(others, g);
+  const CoreFit& core = in.base.core;
+  const Whitener whitener(data, core.noise, core.left_out);
+  const Parts parts = parts_by_target(data);
+  const auto square = [](double value) { return value * value; };
+  const auto fitted = [&](const LinearProblem& of) {
+    return square(rms_without(residual_of(of, whitener), core.left_out));
+  };
+  const auto held_out = [&](const LinearProblem& of) {
+    return square(held_out_rms(data, core.noise, core.left_out, parts, of.columns, of.target));
+  };
+  return held_out(others) - held_out(all) >= kLeastPredicted * (fitted(others) - fitted(all));
+}
+
+/// Whether these effects may stand although more is left: any shape can be written as enough waves, so each wave is a
+/// pitch of the machine, or all are whole fractions of one period.
+bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
+  std::vector<Choice> members;
+  for (const std::size_t g : chosen) members.push_back(found.groups[g].member);
+  return are_pitches_or_fractions(found.families, members);
+}
+
+/// The wave that explains nearly all by itself, although a weak one beside it beats with it or it changes a little: of
+/// a wave whose size grows from nothing the best steady one explains three quarters. Nothing where there is none.
+std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
+  const Found& found = in.found;
+  if (found.bad_run) return std::nullopt;
+  for (std::size_t g = 0; g < found.groups.size(); ++g) {
+    const Group& group = found.groups[g];
+    if (found.families[group.member.family].effect.traits().periodic && group.denied &&
+        group.e_value.value_or(0.0) >= kProved && share_of_found(in, {g}) >= kNearlyAll &&
+        predicts_at_targets(in, {g}, g))
+      return g;
+  }
+  return std::nullopt;
+}
+
+/// A curve, or what looks like one, beside which the residual still depends on the position along the same axis: the
+/// shape as a whole is no smooth one, and a curve follows the most of any (physics: faster shapes are other effects).
+bool bends_to_structure(const Found& found, std::size_t g, const Observations& data) {
+  const auto is_curve = [&](const Choice& choice) { return found.families[choice.family].effect.traits().is_curve; };
+  const Group& group = found.groups[g];
+  const std::optional<Axis>& axis = found.families[group.member.family].effect.axis;
+  if (!axis || (!is_curve(group.member) && std::none_of(group.rivals.begin(), group.rivals.end(), is_curve)))
+    return false;
+  return std::any_of(found.after.begin(), found.after.end(), [&](const StructureTest& test) {
+    return test.variable == data.position_name(*axis) && probability_from(test.minus_log_p) < kTellingChance;
+  });
+}
+
+/// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
+/// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide. Where
+/// more is left, noise replicates decide nothing: likely is what those readings speak for.
+std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
+  const Found& found = in.found;
+  const bool explained = noise && found.objection.empty();
+  std::vector<Standing> standings(found.groups.size(), Standing::possible);
+  std::vector<std::size_t> proved, likely;
+  for (std::size_t g = 0; g < found.groups.size(); ++g) {
+    const Group& group = found.groups[g];
+    if (group.denied) continue;
+    if (!group.wander && (group.e_value ? *group.e_value >= kProved : explained))
+      proved.push_back(g);
+    else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
+             (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
+             tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
+      likely.push_back(g);
+  }
+  if (!explained) {
+    const std::vector<std::size_t> all = proved;
+    std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
+    std::erase_if(proved, [&](std::size_t g) { return bends_to_structure(found, g, in.regressors.data()); });
+    if (!may_be_part(found, proved)) proved.clear();
+  }
+  if (const auto wave = nearly_steady_wave(in)) proved.insert(proved.begin(), *wave);
+  for (const std::size_t g : proved) standings[g] = Standing::proved;
+  std::vector<std::size_t> all = proved;
+  all.insert(all.end(), likely.begin(), likely.end());
+  if (!explained) {  // beyond what is proved
+    const double before = proved.empty() ? 0.0 : share_of_found(in, proved);
+    const double beyond = (share_of_found(in, all) - before) / std::max(1.0 - before, kLeastDivisor);
+    if (!may_be_part(found, all) || beyond < kPartExplained) return standings;
+  }
+  for (const std::size_t g : likely) standings[g] = Standing::likely;
+  return standings;
+}
+
+bool found_proved(const std::vector<Standing>& standings) {
+  return std::find(standings.begin(), standings.end(), Standing::proved) != standings.end();
+}
+
+Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings, bool noise) {
+  if (standings.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
+  if (in.found.bad_run || (in.found.step && !found_proved(standings))) return Verdict::unexplained_structure;
+  std::vector<std::size_t> proved;
+  bool likely = false, all_said = true;
+  for (std::size_t g = 0; g < standings.size(); ++g) {
+    if (standings[g] == Standing::proved) proved.push_back(g);
+    likely = likely || standings[g] == Standing::likely;
+    all_said = all_said && standings[g] != Standing::possible;
+  }
+  if (proved.empty()) return likely ? Verdict::likely_effect : Verdict::unexplained_structure;
+  if (noise && in.found.objection.empty() && all_said) return Verdict::missing_effect;
+  return share_of_found(in, proved) >= kPartExplained ? Verdict::partly_explained : Verdict::unexplained_structure;
+}
+
+/// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the
+/// readings that they act on: the readings do not determine them, and whatever is missing is hidden in their freedom.
+/// @param own  those with a free searched parameter, by their number
+std::vector<std::string> cancelling_effects(const Observations& data, const Fit& fit,
+                                            const std::vector<std::size_t>& own) {
+  std::vector<std::string> names;
+  bool any_free = false;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    const EffectFit& effect = fit.effects[i];
+    if (!effect.effect.undetermined || effect.effect.undetermined->empty()) continue;
+    double least = kBeyondAll, greatest = -kBeyondAll, low = kBeyondAll, high = -kBeyondAll;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (effect.contribution[k] == 0.0) continue;
+      least = std::min(least, effect.contribution[k]);
+      greatest = std::max(greatest, effect.contribution[k]);
+      low = std::min(low, data.reading[k]);
+      high = std::max(high, data.reading[k]);
+    }
+    if (greatest - least <= high - low) continue;
+    names.push_back(to_text(effect.effect));
+    any_free = any_free || std::find(own.begin(), own.end(), i) != own.end();
+  }
+  return any_free ? names : std::vector<std::string>();
+}
+
+/// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
+/// @param fit  of the model as it is
+std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
+  const Observations& data = in.regressors.data();
+  const std::vector<std::string> cancelling = cancelling_effects(data, fit, in.base.own);
+  if (!cancelling.empty())
+    return fmt::format("the readings do not determine {}, which cancel each other: hold one of them, or measure more",
+                       fmt::join(cancelling, " and "));
+  const auto lack_of_fit = lack_of_fit_of(data, in.base.residual, in.base.core.noise, in.base.core.left_out,
+                                          static_cast<double>(in.base.core.rank));
+  const double rms_um = rms_without(in.base.residual, in.base.core.left_out);
+  if (rms_um < kNothingLeft_um) return "";
+  if (lack_of_fit && lack_of_fit->fails())
+    return fmt::format(
+        "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
+        "measure more places",
+        rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+  if (lack_of_fit || data.size() > in.options.largest_search) return "";
+  Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
+  for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;
+  const double held_out_um =
+      held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
+  if (held_out_um <= kMostHeldOut * rms_um) return "";
+  return fmt::format(
+      "nothing was repeated, and readings left out of the fit are missed by {:.3g} {}, those in it by {:.3g}: measure "
+      "the same lines again",
+      held_out_um, in.found.noise.pure.unit, rms_um);
+}
+
+}  // namespace
+
+/// Why the best effects of the library do not count as an explanation.
+std::string why_not_explained(const Found& found) {
+  if (!found.objection.empty()) return found.objection;
+  if (!found.doubt.empty()) return found.doubt;
+  if (found.noisy) return words_for(*found.noisy, found.noise.pure.unit) + ": look at that run first";
+  if (found.odd_pass)
+    return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
+                       found.odd_pass->run, found.odd_pass->off_um);
+  if (found.wanders)
+    return "readings of one run wander by more than three times what neighbours scatter: that is no noise";
+  if (found.cross_validated_share < kLeastCrossValidated)
+    return fmt::format(
+        "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
+        kPercent * std::max(0.0, found.cross_validated_share));
+  const auto most =
+      std::max_element(found.after.begin(), found.after.end(),
+                       [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
+  if (most == found.after.end()) return "the best effects of the library leave structure";
+  return fmt::format(
+      "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
+      most->variable, kPercent * found.structure_p_after);
+}
+
+Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
+  const std::string again = "Measure the same lines again in both directions";
+  if (ranked.wander)
+    return {"nothing was measured twice, and a slow wander of the readings explains it as well", again};
+  if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
+  if (ranked.e_value)
+    return {fmt::format("readings that it was not fitted to do not settle it (e-value {:.2g}; {:g} proves)",
+                        *ranked.e_value, kProved),
+            again};
+  return {"no half of the readings shows it by itself", again};
+}
+
+Result<Answer> answer_of(const ReportInput& in) {
+  const bool noise = noise_left(in.found, in.options);
+  const std::vector<Standing> standings = standings_of(in, noise);
+  Answer answer{verdict_of(in, standings, noise), ranked_candidates(in.found, standings), ""};
+  if (answer.verdict != Verdict::adequate) return answer;
+  Fit fit;
+  ECS_DO(base_of(in.model, in.regressors, in.options.plain, &fit));
+  answer.cannot_tell = why_cannot_tell(in, fit);
+  if (!answer.cannot_tell.empty()) answer.verdict = Verdict::cannot_tell;
+  return answer;
+}
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::missing_effect:
+      return "missing_effect";
+    case Verdict::partly_explained:
+      return "partly_explained";
+    case Verdict::likely_effect:
+      return "likely_effect";
+    case Verdict::cannot_tell:
+      return "cannot_tell";
+    default:
+      return "unexplained_structure";
+  }
+}
+
+std::string_view name_of(Standing standing) {
+  switch (standing) {
+    case Standing::proved:
+      return "proved";
+    case Standing::likely:
+      return "likely";
+    default:
+      return "possible";
+  }
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,68 @@
+// The part in the answer of what a search has found: candidates in order of evidence, how sure each is, the verdict,
+// and what keeps an effect from being proved. Internal to model/ (Eigen). Does not live here: the numbers and words
+// told of each candidate (diagnose.cpp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/trial.hpp"
+
+namespace ecs::model {
+
+/// A dependence that noise alone shows more often is not telling.
+inline constexpr double kTellingChance = 1e-3;
+/// Probabilities are given down to 1e-300: below, a double ends.
+inline constexpr double kMostDigits = 300.0;
+[[nodiscard]] inline double probability_from(double minus_log_p) {
+  return std::pow(10.0, -std::min(kMostDigits, minus_log_p));
+}
+
+struct ReportInput {
+  const Model& model;
+  const Regressors& regressors;
+  const Base& base;
+  const std::vector<OwnTerm>& own;  ///< where the solution has them
+  const LinearProblem problem;      ///< of the model with them
+  const Found& found;
+  const DiagnoseOptions& options;
+};
+
+/// The candidates in the order in which they are ranked, each with its part in the answer.
+struct RankedCandidate {
+  EffectInstance effect;
+  Choice choice;
+  Standing standing = Standing::possible;
+  std::vector<EffectInstance> rivals;
+  double probability = 0.0;
+  std::vector<SetMember> set{};
+  std::vector<Choice> values{};  ///< of the searched parameter that fit as well
+  std::optional<double> e_value{};
+  bool wander = false;
+  double p_value = 1.0, p_value_alone = 1.0;
+  [[nodiscard]] bool in_answer() const { return standing != Standing::possible; }
+};
+
+/// The verdict, and the candidates in their order, each with its standing.
+struct Answer {
+  Verdict verdict = Verdict::adequate;
+  std::vector<RankedCandidate> order;
+  std::string cannot_tell;  ///< why the verdict is that; else ""
+};
+/// Fails where the model does not fit.
+[[nodiscard]] Result<Answer> answer_of(const ReportInput& in);
+
+/// Why the best effects of the library do not count as an explanation.
+[[nodiscard]] std::string why_not_explained(const Found& found);
+
+/// What is not excluded of an effect that is likely, and the measurement that would decide.
+struct Doubt {
+  std::string but, decide;
+};
+[[nodiscard]] Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise);
+
+}  // namespace ecs::model
