@@ -13,24 +13,23 @@ target_include_directories(ecs_flags INTERFACE ${CMAKE_SOURCE_DIR})
 
 set(ECS_SOURCES_A_UNIT 10 CACHE STRING "Sources of a folder that are compiled as one unit; 1 compiles each by itself")
 
-# The library of a folder is named after its path: model/fit is model_fit.
-function(ecs_folder_name result)
-  file(RELATIVE_PATH path ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  string(REPLACE "/" "_" name ${path})
-  set(${result} ${name} PARENT_SCOPE)
-endfunction()
-
-# ecs_library(LINKS targets...): every .cpp of this folder but main.cpp, as the library of that name. LINKS is what the
-# folder may include; scripts/check_includes holds it to that.
-function(ecs_library)
-  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
-  ecs_folder_name(name)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+# ecs_folder(folder links...): every .cpp of the folder but main.cpp, as a library named after its path (model/fit is
+# model_fit). The links are what the folder may include: folders by their path, packages by their target.
+function(ecs_folder folder)
+  string(REPLACE "/" "_" name ${folder})
+  set(links)
+  foreach(link IN LISTS ARGN)
+    if(NOT link MATCHES "::")
+      string(REPLACE "/" "_" link ${link})
+    endif()
+    list(APPEND links ${link})
+  endforeach()
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${folder}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   set_property(GLOBAL APPEND PROPERTY ecs_libraries ${name})
   if(sources)
     add_library(${name} STATIC ${sources})
-    target_link_libraries(${name} PUBLIC ecs_flags ${ARG_LINKS})
+    target_link_libraries(${name} PUBLIC ecs_flags ${links})
     # The sources of a folder are compiled together: most of the time of a build goes into the headers they share.
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ECS_SOURCES_A_UNIT})
     if(name MATCHES "^(core|model|volume)")
@@ -41,6 +40,6 @@ function(ecs_library)
     endif()
   else()
     add_library(${name} INTERFACE)
-    target_link_libraries(${name} INTERFACE ecs_flags ${ARG_LINKS})
+    target_link_libraries(${name} INTERFACE ecs_flags ${links})
   endif()
 endfunction()

@@ -1,0 +1,165 @@
+# Every folder of the libraries and what it may include: folders by their path, packages by their target. A new folder gets
+# its line here; scripts/check_includes holds the sources to these lines.
+
+ecs_folder(base PkgConfig::nettle ZLIB::ZLIB fmt::fmt nlohmann_json::nlohmann_json tl::expected
+           tomlplusplus::tomlplusplus)
+ecs_folder(base/cli base CLI11::CLI11 fmt::fmt)
+
+ecs_folder(core ZLIB::ZLIB)
+
+ecs_folder(kinematics core)
+
+ecs_folder(params base core kinematics fmt::fmt tomlplusplus::tomlplusplus)
+
+ecs_folder(laser base core fmt::fmt)
+ecs_folder(laser/analysis base core laser PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/import base core laser laser/writers PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/map base core laser laser/analysis laser/import fmt::fmt)
+ecs_folder(laser/standards base core laser laser/analysis PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/writers base laser fmt::fmt)
+
+ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
+
+ecs_folder(devices base laser laser/writers PkgConfig::hidapi fmt::fmt)
+
+ecs_folder(controllers base laser laser/map fmt::fmt)
+
+ecs_folder(model/circle base laser model/fit PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
+ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
+           PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/drive base laser model/fit model/linear PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/fit base core laser laser/import laser/map model/data model/effects model/linear model/regression
+           params PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/lengths base core laser model/fit model/planning params PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/linear PkgConfig::Eigen3)
+ecs_folder(model/planning base laser laser/writers model/data model/diagnosis model/effects model/fit model/linear
+           model/regression params PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/regression base model/data model/effects PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
+
+ecs_folder(protocol/client base core protocol/line protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt)
+ecs_folder(protocol/line base protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt tl::expected)
+ecs_folder(protocol/registers base core fmt::fmt tl::expected)
+ecs_folder(protocol/server base core protocol/line protocol/registers fmt::fmt)
+
+ecs_folder(ecs_emulator/drive base core ecs_emulator/random)
+ecs_folder(ecs_emulator/effects base core ecs_emulator/random ecs_emulator/scene)
+ecs_folder(ecs_emulator/errors base core ecs_emulator/effects ecs_emulator/random ecs_emulator/settings
+           ecs_emulator/thermal params PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
+ecs_folder(ecs_emulator/hidden_cases base ecs_emulator/effects ecs_emulator/errors ecs_emulator/random
+           ecs_emulator/scene laser/writers PkgConfig::Eigen3 fmt::fmt nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/instruments base core ecs_emulator/errors ecs_emulator/machine ecs_emulator/random
+           ecs_emulator/settings ecs_emulator/thermal laser laser/writers fmt::fmt nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_emulator/random ecs_emulator/settings
+           ecs_emulator/thermal params)
+ecs_folder(ecs_emulator/part_programs base ecs_emulator/instruments ecs_emulator/machine fmt::fmt
+           nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/random)
+ecs_folder(ecs_emulator/rig base core ecs_emulator/drive ecs_emulator/random laser laser/writers fmt::fmt
+           nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/scene base core ecs_emulator/random params fmt::fmt)
+ecs_folder(ecs_emulator/settings base core ecs_emulator/drive params fmt::fmt)
+ecs_folder(ecs_emulator/thermal base core ecs_emulator/random)
+ecs_folder(ecs_emulator/unit base core ecs_emulator/machine protocol/server Threads::Threads fmt::fmt)
+ecs_folder(ecs_emulator/verbs base base/cli ecs_emulator/effects ecs_emulator/hidden_cases ecs_emulator/instruments
+           ecs_emulator/part_programs ecs_emulator/rig ecs_emulator/unit ecs_emulator/workshop fmt::fmt
+           nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/machine ecs_emulator/part_programs
+           ecs_emulator/unit laser laser/writers protocol/line protocol/server fmt::fmt nlohmann_json::nlohmann_json)
+
+ecs_folder(commissioning/batch base commissioning/link commissioning/manifest commissioning/maps commissioning/unit
+           params fmt::fmt)
+ecs_folder(commissioning/certificate base commissioning/logbook laser/analysis laser/writers fmt::fmt)
+ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
+ecs_folder(commissioning/fleet base commissioning/manifest commissioning/models model/diagnosis fmt::fmt)
+ecs_folder(commissioning/investigation base commissioning/link commissioning/logbook commissioning/maps
+           commissioning/measurements commissioning/models commissioning/session commissioning/unit laser
+           laser/writers model/data model/diagnosis model/effects model/fit model/planning params protocol/client
+           fmt::fmt)
+ecs_folder(commissioning/laser_session base commissioning/link commissioning/logbook commissioning/maps
+           commissioning/measurements commissioning/plot commissioning/session commissioning/unit core laser
+           laser/analysis laser/import laser/map laser/writers params fmt::fmt)
+ecs_folder(commissioning/lengths base commissioning/maps laser laser/map model/lengths params fmt::fmt
+           nlohmann_json::nlohmann_json)
+ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
+           Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/logbook base core laser/map params PkgConfig::sqlite3 ZLIB::ZLIB fmt::fmt)
+ecs_folder(commissioning/manifest base laser fmt::fmt)
+ecs_folder(commissioning/maps base commissioning/measurements commissioning/models commissioning/session
+           commissioning/unit controllers core laser/map model/diagnosis model/effects model/fit params
+           protocol/client fmt::fmt)
+ecs_folder(commissioning/measurements base commissioning/link commissioning/session core devices laser laser/analysis
+           laser/import laser/map laser/writers params Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/memory base commissioning/link commissioning/logbook commissioning/session commissioning/unit
+           core laser/map params protocol/client protocol/registers fmt::fmt)
+ecs_folder(commissioning/model_session base commissioning/investigation commissioning/laser_session commissioning/link
+           commissioning/logbook commissioning/maps commissioning/models commissioning/plot commissioning/session
+           model/diagnosis model/planning fmt::fmt)
+ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
+           laser/map laser/standards model/data model/diagnosis model/drive model/effects model/fit model/regression
+           params fmt::fmt)
+ecs_folder(commissioning/parameters base commissioning/link commissioning/logbook commissioning/session
+           commissioning/unit core params fmt::fmt)
+ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
+ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
+ecs_folder(commissioning/standards base commissioning/plot laser/standards model/circle params fmt::fmt)
+ecs_folder(commissioning/unit base commissioning/logbook core devices laser/map params protocol/client
+           protocol/registers fmt::fmt)
+ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
+           commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
+ecs_folder(commissioning/volume base commissioning/link commissioning/maps commissioning/models commissioning/plot
+           commissioning/session laser laser/map model/effects model/fit model/regression params volume fmt::fmt
+           nlohmann_json::nlohmann_json)
+
+ecs_folder(app/cli app/names base base/cli commissioning/link commissioning/session core fmt::fmt)
+ecs_folder(app/names)
+ecs_folder(app/plot app/names base commissioning/plot fmt::fmt)
+ecs_folder(app/report app/cli app/names base commissioning/logbook commissioning/maps commissioning/measurements
+           commissioning/models commissioning/plot commissioning/standards commissioning/unit commissioning/volume
+           core laser/map model/diagnosis model/effects model/planning params protocol/registers fmt::fmt)
+ecs_folder(app/screens app/screens/forms app/screens/laser app/screens/memory app/screens/model app/screens/parameters
+           app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files commissioning/link
+           commissioning/logbook commissioning/session core fmt::fmt)
+ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commissioning/session fmt::fmt)
+ecs_folder(app/screens/forms app/cli app/plot app/screens/files app/ui app/verbs base commissioning/files
+           commissioning/link commissioning/plot commissioning/session commissioning/unit commissioning/utility
+           commissioning/volume core model/lengths protocol/client fmt::fmt)
+ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/laser_session commissioning/maps
+           commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
+           fmt::fmt)
+ecs_folder(app/screens/memory app/screens/files app/ui base commissioning/memory fmt::fmt)
+ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base commissioning/files
+           commissioning/investigation commissioning/link commissioning/model_session commissioning/models
+           commissioning/session laser/map model/effects fmt::fmt)
+ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/link commissioning/parameters
+           commissioning/session fmt::fmt)
+ecs_folder(app/screens/unit app/plot app/screens/files app/screens/utility app/ui app/verbs base commissioning/link
+           commissioning/logbook commissioning/measurements commissioning/plot commissioning/session
+           commissioning/unit core fmt::fmt)
+ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/link
+           commissioning/unit commissioning/utility core fmt::fmt)
+ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
+           fmt::fmt)
+ecs_folder(app/verbs app/cli app/plot app/report base base/cli commissioning/batch commissioning/link
+           commissioning/logbook commissioning/measurements commissioning/volume fmt::fmt)
+ecs_folder(app/verbs/export app/cli app/verbs/map base commissioning/maps commissioning/measurements controllers laser
+           laser/map params fmt::fmt)
+ecs_folder(app/verbs/fleet app/cli base commissioning/fleet fmt::fmt)
+ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session commissioning/measurements
+           commissioning/plot commissioning/session devices laser/analysis laser/import laser/map laser/standards
+           laser/writers Threads::Threads fmt::fmt)
+ecs_folder(app/verbs/lengths app/cli base commissioning/lengths commissioning/measurements laser/map fmt::fmt)
+ecs_folder(app/verbs/log app/cli base commissioning/certificate commissioning/logbook commissioning/unit fmt::fmt)
+ecs_folder(app/verbs/map app/cli app/plot app/verbs/laser base commissioning/link commissioning/maps
+           commissioning/measurements commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
+ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
+ecs_folder(app/verbs/model app/cli app/plot app/verbs/laser base commissioning/investigation
+           commissioning/laser_session commissioning/models commissioning/session commissioning/volume laser/writers
+           model/diagnosis model/effects model/planning volume fmt::fmt)
+ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
+           fmt::fmt)
+ecs_folder(app/verbs/test app/cli app/plot app/verbs/laser base commissioning/standards laser/standards fmt::fmt)
+ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
+ecs_folder(app/verbs/utility app/cli base commissioning/measurements commissioning/session commissioning/unit core
+           fmt::fmt)
