@@ -28,14 +28,13 @@ int answered(const std::string& text, int exit_code = kDone) {
 
 int main(int argc, char** argv) {
   VerbContext context{{}, getppid()};
-  const cli::VerbRegistry<VerbContext> registry = all_verbs(context);
+  const Registry registry = all_verbs(context);
   cli::CommandTree tree("ecs-emulator", {{}, kProgramHelp}, registry.menus);
-  Action chosen;
-  for (const VerbDefinition* definition : registry.verbs) {
-    Verb verb;
-    Action action = definition->declare(verb);
-    tree.add_verb(definition->path, definition->help, definition->example, verb.arguments(),
-                  [&chosen, action = std::move(action)] { chosen = action; });
+  Action::Run chosen;
+  for (const Action* action : registry.actions) {
+    auto [arguments, run] = action->bound({});
+    tree.add_verb(action->path, action->help, action->example, arguments,
+                  [&chosen, run = std::move(run)] { chosen = run; });
   }
   using Kind = cli::Request::Kind;
   const cli::Request request = tree.parsed({argv + 1, argv + argc});

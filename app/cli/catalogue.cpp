@@ -12,7 +12,7 @@ std::string long_name(const std::string& name) {
   return at == std::string::npos ? name : name.substr(at);
 }
 
-VerbOption option_of(const VerbArgument& argument) {
+VerbOption option_of(const cli::Argument& argument) {
   VerbOption one;
   one.by_place = argument.by_place();
   one.name = one.by_place ? argument.name : long_name(argument.name);
@@ -26,13 +26,11 @@ VerbOption option_of(const VerbArgument& argument) {
   return one;
 }
 
-VerbEntry entry_of(const VerbDefinition& definition) {
-  std::string link;
-  std::string arm_code;
-  Verb verb(link, arm_code);
-  const Action holds_the_arguments = definition.declare(verb);
-  VerbEntry entry{definition.words(), definition.help, "Example:\n  " + definition.example, {}};
-  for (const VerbArgument& argument : verb.arguments()) entry.options.push_back(option_of(argument));
+VerbEntry entry_of(const Action& definition) {
+  std::string link, arm_code;
+  const Action::Bound bound = definition.bound({{}, &link, &arm_code});
+  VerbEntry entry{definition.words(), definition.help, "Example:\n  " + definition.example, {}, definition.is.live};
+  for (const cli::Argument& argument : bound.arguments) entry.options.push_back(option_of(argument));
   std::stable_partition(entry.options.begin(), entry.options.end(), [](const VerbOption& o) { return o.required; });
   return entry;
 }
@@ -45,11 +43,11 @@ std::string VerbEntry::name() const {
   return name;
 }
 
-std::vector<MenuEntry> verb_catalogue(const VerbRegistry& registry) {
+std::vector<MenuEntry> verb_catalogue(const Registry& registry) {
   std::vector<MenuEntry> menus;
   MenuEntry other{"OTHER", {}};
   std::string menu;
-  for (const VerbDefinition* verb : registry.verbs) {
+  for (const Action* verb : registry.actions) {
     const std::string first = verb->words().front();
     const std::string title = registry.menu_help(first);
     if (!title.empty() && first != menu) menus.push_back({title, {}});

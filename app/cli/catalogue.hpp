@@ -26,6 +26,7 @@ struct VerbEntry {
   std::string help;
   std::string example;
   std::vector<VerbOption> options;
+  bool live = false;                       ///< asks while it runs
   [[nodiscard]] std::string name() const;  ///< "utility datum record"
 };
 
@@ -36,7 +37,7 @@ struct MenuEntry {
 };
 
 /// In the order of the menus; verbs outside any menu come last, under "OTHER".
-[[nodiscard]] std::vector<MenuEntry> verb_catalogue(const VerbRegistry& registry);
+[[nodiscard]] std::vector<MenuEntry> verb_catalogue(const Registry& registry);
 
 /// The words to give to run_program(): what was filled in; empty options are left out.
 [[nodiscard]] std::vector<std::string> command_line(const VerbEntry& verb, const std::vector<std::string>& values);

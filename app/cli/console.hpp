@@ -1,5 +1,5 @@
-// The two streams a verb speaks through: results on stdout, messages and the progress bar on stderr.
-// Does not live here: which verb runs (program.hpp), what it answers (base/outcome.hpp).
+// The two streams a verb speaks through, results on stdout, messages and the progress bar on stderr; and the keyboard:
+// lines typed while it runs. Does not live here: which verb runs (program.hpp), what it answers (base/outcome.hpp).
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,16 @@
 #include <utility>
 #include <vector>
 
-#include "app/cli/keyboard.hpp"
 #include "app/names/commissioning.hpp"
 #include "base/result.hpp"
+#include "commissioning/session/keyboard.hpp"
 #include "commissioning/session/message.hpp"
 
 namespace ecs::app {
+
+/// Lines of any descriptor, read without waiting. The descriptor stays the caller's.
+[[nodiscard]] std::shared_ptr<Keyboard> keyboard_of(int descriptor);
+[[nodiscard]] std::shared_ptr<Keyboard> keyboard_of_stdin();
 
 struct ConsoleOptions {
   bool messages_on_terminal = false;   ///< progress bar wanted

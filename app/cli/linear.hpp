@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/cli/shown_program.hpp"
+#include "base/cli/documents.hpp"
 
 namespace ecs::app {
 

@@ -1,3 +1,4 @@
+// The answer of `ecs` alone: every verb with its help, and the link that would be used.
 #include "app/cli/program.hpp"
 
 #include <algorithm>
@@ -6,21 +7,97 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
 
-#include "app/cli/around_verb.hpp"
-#include "app/cli/overview.hpp"
-#include "app/cli/parser.hpp"
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_unit.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
 #include "base/version.hpp"
+#include "commissioning/link/choice.hpp"
 
 namespace ecs::app {
 namespace {
+
+/// What every menu and verb takes.
+cli::Shared shared_by_all(VerbContext& context) {
+  return {{{"--json", &context.console.json, "the answer as one JSON object on stdout"},
+           {"--quiet", &context.console.quiet, "no notes and no progress bar"}},
+          &context.link_option,
+          &context.arm_code};
+}
+
+}  // namespace
+
+ParsedWords parsed(const Registry& registry, const std::vector<std::string>& words, VerbContext& context) {
+  const cli::Shared shared = shared_by_all(context);
+  std::vector<MenuDefinition> menus = registry.menus;
+  for (MenuDefinition& menu : menus) menu.arguments = shared.always;
+  cli::CommandTree tree("ecs", {{}, kProgramHelp, cli::with_shared({}, shared, Link::reads)}, menus);
+  ParsedWords answer;
+  for (const Action* action : registry.actions) {
+    auto [arguments, run] = action->bound(shared);
+    tree.add_verb(action->path, action->help, action->example, arguments, [&answer, action, run = std::move(run)] {
+      answer.action = action;
+      answer.run = run;
+    });
+  }
+  answer.request = tree.parsed(words);
+  return answer;
+}
+
+cli::ShownProgram shown_program(const Registry& registry, VerbContext& context) {
+  return cli::shown_program("ecs", kProgramHelp, registry, shared_by_all(context));
+}
+
+namespace {
+
+/// One line per verb, under the help of its menu; a verb outside any menu has its own paragraph.
+void add_verbs(const Registry& registry, std::string& text, Json& verbs) {
+  std::string menu;
+  for (const Action* verb : registry.actions) {
+    const std::string first = verb->words().front();
+    if (first != menu)
+      text += registry.menu_help(first).empty() ? "\n" : fmt::format("\n{}\n", registry.menu_help(first));
+    menu = first;
+    text += fmt::format("  {:<26} {}\n", verb->path, verb->help);
+    verbs.push_back({{"verb", verb->path}, {"help", verb->help}});
+  }
+}
+
+std::string state_of_link(const Result<LinkChoice>& choice) {
+  if (!choice) return to_text(choice.error());
+  const std::string name = to_text(*choice);
+  if (choice->origin == "default") return name + " (default: none is given or stored)";
+  return fmt::format("{} ({})", name,
+                     choice->origin == "--link" ? "given" : "stored in " + configuration_file().string());
+}
+
+/// The tree alone: its menus with one line per verb.
+std::string verbs_overview(const Registry& registry) {
+  std::string text;
+  Json verbs = Json::array();
+  add_verbs(registry, text, verbs);
+  return text;
+}
+
+/// The tree of menus with one line per verb, and which link would be used. Opens nothing.
+Result<Outcome> overview(const Registry& registry, VerbContext& context) {
+  const auto choice = chosen_link(context.link_option);
+  std::string text = std::string(kProgramHelp) + "\n";
+  Json verbs = Json::array();
+  add_verbs(registry, text, verbs);
+  text +=
+      fmt::format("\nLink: {}\n`ecs VERB --help` explains a verb; `ecs doctor` finds out why a link does not work.\n",
+                  state_of_link(choice));
+  const Json link = choice ? Json(to_text(*choice)) : Json(nullptr);
+  return Outcome{text, one_line(Json{{"verbs", verbs}, {"link", link}}), kDone};
+}
 
 Json with_link(Json object, const VerbContext& context) {
   if (!context.link_name.empty() && !object.contains("link")) object["link"] = context.link_name;
@@ -71,12 +148,17 @@ Problem stopped_by_signal(Problem under_way) {
   return under_way;
 }
 
-int run_action(VerbContext& context, const Action& action, const AroundVerb& around) {
-  const Result<Outcome> result = around ? around(context, action) : action(context);
+int ended(VerbContext& context, const Result<Outcome>& result) {
   if (result && result->finished) return answered(context, *result);
   if (result) return with_signal(answered(context, *result));
   if (interrupting_signal() != 0) return with_signal(failed(context, stopped_by_signal(result.error())));
   return failed(context, result.error());
+}
+
+int run_action(VerbContext& context, const Action& action, const Action::Run& run, const AroundVerb& around) {
+  context.link = action.is.link;
+  if (context.link == Link::writes) announce_writing(context);
+  return ended(context, around ? around(context, action, run) : run(context));
 }
 
 int show_text(VerbContext& context, const std::string& key, const std::string& text) {
@@ -89,7 +171,7 @@ bool asks_for_program(const std::vector<std::string>& words) {
 }
 
 /// How the program is called and its options from the help of the command line, then every verb.
-std::string whole_help(const VerbRegistry& registry, const std::string& help) {
+std::string whole_help(const Registry& registry, const std::string& help) {
   const std::size_t usage = std::min(help.find("Usage:"), help.size());
   const std::size_t menus = std::min(help.find("\nSubcommands:"), help.size());
   return fmt::format(
@@ -100,19 +182,19 @@ std::string whole_help(const VerbRegistry& registry, const std::string& help) {
       kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
 }
 
-int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>& words, VerbContext& context,
+int parsed_and_run(const Registry& registry, const std::vector<std::string>& words, VerbContext& context,
                    const AroundVerb& around) {
   using Kind = cli::Request::Kind;
-  const auto [request, action] = parsed(registry, words, context);
+  const auto [request, action, run] = parsed(registry, words, context);
   switch (request.kind) {
     case Kind::run:
-      return run_action(context, action, around);
+      return run_action(context, *action, run, around);
     case Kind::help:
       return show_text(context, "help", asks_for_program(words) ? whole_help(registry, request.text) : request.text);
     case Kind::version:
       return show_text(context, "version", program_version_and_commit());
     case Kind::no_words:
-      return run_action(context, [&registry](VerbContext& c) { return overview(registry, c); }, {});
+      return ended(context, overview(registry, context));
     case Kind::wrong:
       break;
   }
@@ -120,29 +202,24 @@ int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>&
 }
 
 /// Of the program: it has one.
-std::atomic<const VerbRegistry*>& registry_in_use() {
-  static std::atomic<const VerbRegistry*> registry{nullptr};
+std::atomic<const Registry*>& registry_in_use() {
+  static std::atomic<const Registry*> registry{nullptr};
   return registry;
 }
 
 }  // namespace
 
-int run_command_line(const VerbRegistry& registry, const std::vector<std::string>& words, std::ostream& out,
-                     std::ostream& messages, ConsoleOptions options) {
-  return run_command_line(registry, words, out, messages, std::move(options), {});
-}
-
 int run_same_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages) {
-  const VerbRegistry* registry = registry_in_use();
+  const Registry* registry = registry_in_use();
   assert(registry != nullptr);
   return run_command_line(*registry, words, out, messages);
 }
 
-int run_command_line(const VerbRegistry& registry, const std::vector<std::string>& words, std::ostream& out,
+int run_command_line(const Registry& registry, const std::vector<std::string>& words, std::ostream& out,
                      std::ostream& messages, ConsoleOptions options, const AroundVerb& around) {
   Console console(out, messages, std::move(options));
   console.json = std::find(words.begin(), words.end(), "--json") != words.end();
-  VerbContext context{console, {}, {}, {}};
+  VerbContext context{console};
   registry_in_use() = &registry;
   try {
     return parsed_and_run(registry, words, context, around);

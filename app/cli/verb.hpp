@@ -1,43 +1,40 @@
-// The verbs of `ecs`: what base/cli defines, with what a verb of this program is given.
+// The verbs of `ecs`: actions as base/cli defines them, and what the program gives to each that it runs.
 // Does not live here: the list of verbs (app/verbs/registry.cpp), parsing (parser.hpp).
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "app/cli/verb_context.hpp"
-#include "base/cli/verb_arguments.hpp"
+#include "app/cli/console.hpp"
+#include "base/cli/action.hpp"
 
 namespace ecs::app {
 
-using cli::Access;
+using cli::action;
+using cli::Fields;
+using cli::fields_of;
+using cli::Is;
+using cli::Link;
+using cli::Logged;
 using cli::Need;
-using cli::Verb;
-using cli::VerbArgument;
-using cli::VerbArguments;
+using cli::Range;
+using cli::Words;
+
+/// The runner: the console that a verb speaks through, the options that all verbs share, the link it opened.
+struct VerbContext {
+  Console& console;
+  std::string link_option{};  ///< --link as given; empty: not given
+  std::string arm_code{};     ///< --arm-code as given; empty: not given
+  std::string link_name{};    ///< of the link that was opened; goes into the JSON answer as "link"
+  Link link = Link::none;     ///< what the action that runs does with it
+};
+
 using MenuDefinition = cli::Menu;
-using VerbDefinition = cli::VerbDefinition<VerbContext>;
-using VerbRegistry = cli::VerbRegistry<VerbContext>;
-using Action = VerbDefinition::Action;
+using Action = cli::Action<VerbContext>;
+using Registry = cli::Registry<VerbContext>;
 
 /// What `ecs --help` says first.
 inline constexpr const char* kProgramHelp =
     "ECS: parameters, error maps and tests of an error compensation system for machine tools";
-
-/// The definition of a verb with the arguments of a library. @param declare  names them
-template <class Arguments>
-[[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example,
-                                  void (*declare)(Verb&, Arguments&),
-                                  Result<Outcome> (*run)(VerbContext&, const Arguments&)) {
-  return cli::defined_verb<VerbContext, Arguments>(std::move(path), std::move(help), std::move(example), declare, run);
-}
-
-/// The same with arguments that are members of their struct.
-template <class Arguments>
-[[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example,
-                                  Result<Outcome> (*run)(VerbContext&, const Arguments&)) {
-  return cli::defined_verb<VerbContext, Arguments>(std::move(path), std::move(help), std::move(example), run);
-}
 
 }  // namespace ecs::app

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/session/shell_word.hpp"
 
@@ -14,10 +15,11 @@ void announce_writing(VerbContext& context) {
   if (choice && choice->is_emulator()) context.console.message_prefix = "EMULATOR: ";
 }
 
-Result<UnitLink> open_unit(VerbContext& context, Access access) {
+Result<UnitLink> open_unit(VerbContext& context) {
   ECS_TRY(choice, chosen_link(context.link_option));
   context.link_name = to_text(choice);
-  if (choice.is_emulator() && access == Access::writes) context.console.message_prefix = "EMULATOR: ";
+  if (choice.is_emulator() && (context.link == Link::writes || context.link == Link::arms))
+    context.console.message_prefix = "EMULATOR: ";
   if (choice.origin == "default")
     context.console.note(fmt::format("no link given: using the bundled emulator with {}",
                                      std::get<EmulatorLink>(choice.link).machine.string()));
@@ -44,6 +46,12 @@ protocol::ProgressCallback progress_bar(VerbContext& context, std::string label)
 Result<void> confirmed(bool yes, std::string_view what_happens) {
   if (yes) return {};
   return problem(ProblemKind::usage, fmt::format("{}: give --yes if that is meant", what_happens));
+}
+
+Result<Axis> axis_named(std::string_view text) {
+  for (const Axis axis : kAllAxes)
+    if (lower(text) == lower(std::string(1, letter_of(axis)))) return axis;
+  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", text));
 }
 
 }  // namespace ecs::app

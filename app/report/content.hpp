@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/verb_context.hpp"
+#include "app/cli/verb.hpp"
 #include "app/report/diagnosis.hpp"
 #include "app/report/files.hpp"
 #include "app/report/prediction.hpp"

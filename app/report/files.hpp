@@ -13,28 +13,30 @@
 namespace ecs::app {
 
 /// As typed; empty: not given.
-struct ReportArguments : VerbArguments {
-  const std::vector<std::string>& places =
-      texts("PLACE",
-            "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
-            "model.toml, diagnosis.json, status.json, circles/");
-  const std::string& output = output_file("-o,--output", "the page", Need::required);
-  const std::string& before = text("--before", "folder of NAME.csv, measured without compensation");
-  const std::string& after = text("--after", "folder of NAME.csv, measured with compensation");
-  const std::string& machine = text("--machine", "the machine (.toml)");
-  const std::string& map = text("--map", "the error map (.csv)");
-  const std::string& params = text("--params", "the unit's parameters (.toml)");
-  const std::string& model = text("--model", "error model (.toml): fitted, diagnosed, predicted against achieved");
-  const std::vector<std::string>& data =
-      texts("--data", "readings for the model; without: those of its senses in --before");
-  const std::string& diagnosis = text("--diagnosis", "answer of `ecs model diagnose --json`; without: diagnosed here");
-  const std::vector<std::string>& circle = texts("--circle", "circular test (.csv), as `ecs test circle` takes it");
-  const std::string& status = text("--status", "state of the unit, as `ecs utility status --save` keeps it");
-  const std::vector<std::string>& header =
-      texts("--header", "key=value of the head of the page, such as customer=…; wins over files");
-  const std::string& date = text("--date", "of the report; without: the last date in the files");
-  const int& blanks = integer("--blanks", "simulated data sets of noise alone for the diagnosis",
-                              static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
+struct ReportArguments {
+  std::vector<std::string> places, data, circle, header;
+  std::string output, before, after, machine, map, params, model, diagnosis, status, date;
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
+  static Fields<ReportArguments> fields() {
+    using R = ReportArguments;
+    return {{"PLACE", &R::places,
+             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+             "model.toml, diagnosis.json, status.json, circles/"},
+            {"-o,--output", &R::output, "the page", Is::output, Need::required},
+            {"--before", &R::before, "folder of NAME.csv, measured without compensation"},
+            {"--after", &R::after, "folder of NAME.csv, measured with compensation"},
+            {"--machine", &R::machine, "the machine (.toml)"},
+            {"--map", &R::map, "the error map (.csv)"},
+            {"--params", &R::params, "the unit's parameters (.toml)"},
+            {"--model", &R::model, "error model (.toml): fitted, diagnosed, predicted against achieved"},
+            {"--data", &R::data, "readings for the model; without: those of its senses in --before"},
+            {"--diagnosis", &R::diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here"},
+            {"--circle", &R::circle, "circular test (.csv), as `ecs test circle` takes it"},
+            {"--status", &R::status, "state of the unit, as `ecs utility status --save` keeps it"},
+            {"--header", &R::header, "key=value of the head of the page, such as customer=…; wins over files"},
+            {"--date", &R::date, "of the report; without: the last date in the files"},
+            {"--blanks", &R::blanks, "simulated data sets of noise alone for the diagnosis", Range{50, 20'000}}};
+  }
 };
 
 /// Empty: there is none.

@@ -11,13 +11,19 @@
 namespace ecs::app {
 namespace {
 
-struct BatchArguments : VerbArguments {
-  const std::string& plan = text(
-      "PLAN", "plan file (TOML), or a table (.csv) with the columns id, link, params, serial_number, map, arm_code",
-      Need::required);
-  const bool& dry_run = flag("--dry-run", "check everything, write nothing");
-  const int& lines = integer("--lines", "lines that are served at the same time", kUsualLines, 1, kMostLines);
-  const std::string& output = output_file("-o,--output", "the report, a line of JSON a unit");
+struct BatchRequest {
+  std::string plan, output;
+  bool dry_run = false;
+  int lines = kUsualLines;
+  static Fields<BatchRequest> fields() {
+    using R = BatchRequest;
+    return {{"PLAN", &R::plan,
+             "plan file (TOML), or a table (.csv) with the columns id, link, params, serial_number, map, arm_code",
+             Need::required},
+            {"--dry-run", &R::dry_run, "check everything, write nothing"},
+            {"--lines", &R::lines, "lines that are served at the same time", Range{1, kMostLines}},
+            {"-o,--output", &R::output, "the report, a line of JSON a unit", Is::output}};
+  }
 };
 
 Cell report_cell(const BatchReport& r) {
@@ -57,10 +63,10 @@ Result<void> write_report(const std::string& path, const std::vector<BatchReport
   return write_file(path, text);
 }
 
-Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
+Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
   if (!context.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
-  ECS_TRY(plan, read_batch_plan(arguments.plan));
+  ECS_TRY(plan, read_batch_plan(request.plan));
   BatchWatch watch;
   watch.begun = [&context](const PlannedUnit& unit) {
     context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
@@ -70,29 +76,27 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   watch.progress = [&context](const BatchProgress& now) {
     context.console.progress(fmt::format("{} of {} units", now.units_done, now.units), now.share, now.seconds_left);
   };
-  const auto reports =
-      run_batch(plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, arguments.lines, watch);
+  const auto reports = run_batch(plan, request.dry_run ? BatchMode::dry_run : BatchMode::send, request.lines, watch);
   context.console.end_progress();
-  ECS_DO(write_report(arguments.output, reports));
+  ECS_DO(write_report(request.output, reports));
   const int exit_code = exit_code_of(reports);
   const Cell units = reports_cell(reports);
-  Json object{
-      {"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units.json}};
+  Json object{{"plan", request.plan}, {"dry_run", request.dry_run}, {"ok", exit_code == kDone}, {"units", units.json}};
   if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
     object["error"] = problem_json(*problem);
   std::string text = units.text;
-  if (arguments.dry_run)
+  if (request.dry_run)
     text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";
   return Outcome{text, one_line(object), exit_code};
 }
 
 }  // namespace
 
-extern const VerbDefinition kBatch = verb<BatchArguments>(
-    "batch", "parameters and maps for many units, by a plan",
-    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
-    "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
-    "\"mill3.toml\"\n              map = \"mill3_map.csv\"\n              arm_code = \"271828\"",
-    batch);
+extern const std::vector<Action> kBatch{
+    action("batch", "parameters and maps for many units, by a plan",
+           "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
+           "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
+           "\"mill3.toml\"\n              map = \"mill3_map.csv\"\n              arm_code = \"271828\"",
+           batch)};
 
 }  // namespace ecs::app

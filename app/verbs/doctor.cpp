@@ -9,9 +9,12 @@
 namespace ecs::app {
 namespace {
 
-struct DoctorArguments : VerbArguments {
-  const bool& save = flag("--save", "store the link, if it works, as the one to use without --link");
-  const Access access = uses_link();
+struct DoctorRequest {
+  bool save = false;
+  static Fields<DoctorRequest> fields() {
+    using R = DoctorRequest;
+    return {{"--save", &R::save, "store the link, if it works, as the one to use without --link"}};
+  }
 };
 
 Cell finding_cell(const DoctorFinding& finding) {
@@ -32,13 +35,13 @@ Json statistics_json(const protocol::LinkStatistics& s) {
               {"worst_round_trip_ms", s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr)}};
 }
 
-Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) {
+Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
   ECS_TRY(choice, chosen_link(context.link_option));
   context.link_name = to_text(choice);
-  if (arguments.save && context.link_option.empty())
+  if (request.save && context.link_option.empty())
     return problem(ProblemKind::usage, "doctor --save: give the --link that is to be stored");
   Diagnosis diagnosis = diagnosis_of(choice, [&context](const std::string& note) { context.console.note(note); });
-  if (arguments.save && diagnosis.works) {
+  if (request.save && diagnosis.works) {
     ECS_DO(store_link(context.link_name));
     diagnosis.findings.push_back(
         {"stored", FindingState::ok, fmt::format("stored in {}", configuration_file().string()), {}});
@@ -61,8 +64,9 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
 
 }  // namespace
 
-extern const VerbDefinition kDoctor = verb<DoctorArguments>(
-    "doctor", "why a link does not work, and what to do; reads only",
-    "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save", examine);
+extern const std::vector<Action> kDoctor{
+    action("doctor", "why a link does not work, and what to do; reads only",
+           "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save", examine,
+           {.link = Link::reads})};
 
 }  // namespace ecs::app

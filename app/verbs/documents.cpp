@@ -1,49 +1,57 @@
 // `ecs completion` and `ecs manual`: what is written from the definitions of all verbs.
+#include "base/cli/documents.hpp"
+
 #include <filesystem>
 
 #include <fmt/format.h>
 
-#include "app/cli/parser.hpp"
+#include "app/cli/program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"
-#include "base/cli/completion.hpp"
-#include "base/cli/manual.hpp"
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct CompletionArguments : VerbArguments {
-  const std::string& shell = choice("SHELL", {"bash", "zsh", "fish"}, "whose completion", Need::required);
+struct CompletionRequest {
+  std::string shell;
+  static Fields<CompletionRequest> fields() {
+    using R = CompletionRequest;
+    return {{"SHELL", &R::shell, "whose completion", Words{"bash", "zsh", "fish"}, Need::required}};
+  }
 };
 
-Result<Outcome> completion(VerbContext& context, const CompletionArguments& arguments) {
+Result<Outcome> completion(VerbContext& context, const CompletionRequest& request) {
   const cli::ShownProgram program = shown_program(all_verbs(), context);
-  const std::string script = arguments.shell == "bash"  ? cli::bash_completion(program)
-                             : arguments.shell == "zsh" ? cli::zsh_completion(program)
-                                                        : cli::fish_completion(program);
-  return outcome_of(record_cell("{script}", {{"shell", word_cell(arguments.shell)}, {"script", word_cell(script)}}));
+  const std::string script = request.shell == "bash"  ? cli::bash_completion(program)
+                             : request.shell == "zsh" ? cli::zsh_completion(program)
+                                                      : cli::fish_completion(program);
+  return outcome_of(record_cell("{script}", {{"shell", word_cell(request.shell)}, {"script", word_cell(script)}}));
 }
 
-struct ManualArguments : VerbArguments {
-  const std::string& folder = text("-o,--output", "folder for the pages; made if it is not there", Need::required);
-  const bool& force = flag("--force", "overwrites pages that are there");
+struct ManualRequest {
+  std::string folder;
+  bool force = false;
+  static Fields<ManualRequest> fields() {
+    using R = ManualRequest;
+    return {{"-o,--output", &R::folder, "folder for the pages; made if it is not there", Need::required},
+            {"--force", &R::force, "overwrites pages that are there"}};
+  }
 };
 
-Result<Outcome> manual(VerbContext& context, const ManualArguments& arguments) {
+Result<Outcome> manual(VerbContext& context, const ManualRequest& request) {
   const std::vector<cli::ManualPage> pages = manual_pages(shown_program(all_verbs(), context));
-  ECS_DO(cli::write_pages(pages, arguments.folder, arguments.force));
+  ECS_DO(cli::write_pages(pages, request.folder, request.force));
   return outcome_of(record_cell("{pages} manual pages in {folder}\n",
-                                {{"pages", count_cell(pages.size())}, {"folder", word_cell(arguments.folder)}}));
+                                {{"pages", count_cell(pages.size())}, {"folder", word_cell(request.folder)}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kCompletion =
-    verb<CompletionArguments>("completion", "completion of verbs and options in a shell, as its script",
-                              "ecs completion bash > ~/.local/share/bash-completion/completions/ecs", completion);
-extern const VerbDefinition kManual =
-    verb<ManualArguments>("manual", "a manual page for each verb", "ecs manual -o ~/.local/share/man/man1", manual);
+extern const std::vector<Action> kDocuments{
+    action("completion", "completion of verbs and options in a shell, as its script",
+           "ecs completion bash > ~/.local/share/bash-completion/completions/ecs", completion),
+    action("manual", "a manual page for each verb", "ecs manual -o ~/.local/share/man/man1", manual)};
 
 }  // namespace ecs::app

@@ -7,7 +7,7 @@
 namespace ecs::app {
 
 /// Every menu and verb, in the order in which the help shows them.
-[[nodiscard]] const VerbRegistry& all_verbs();
+[[nodiscard]] const Registry& all_verbs();
 
 /// Runs `ecs words…` with all verbs; as run_command_line().
 [[nodiscard]] int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,

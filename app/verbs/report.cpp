@@ -143,9 +143,9 @@ std::string report_text(const ReportContent& content, const Judgement& j, const 
                             page.replaced ? ", replaced" : "");
 }
 
-Result<void> check_page_not_source(const ReportArguments& arguments, const ReportFiles& files,
+Result<void> check_page_not_source(const ReportArguments& request, const ReportFiles& files,
                                    const ReportContent& content) {
-  std::vector<std::string> inputs = arguments.data;
+  std::vector<std::string> inputs = request.data;
   for (const auto* path :
        {&files.plan, &files.machine, &files.map, &files.params, &files.model, &files.diagnosis, &files.status})
     if (!path->empty()) inputs.push_back(path->string());
@@ -153,34 +153,34 @@ Result<void> check_page_not_source(const ReportArguments& arguments, const Repor
     for (const auto* phase : {&row.before, &row.after})
       if (*phase) inputs.push_back((*phase)->file.string());
   for (const auto& file : files.circles) inputs.push_back(file.string());
-  return check_output_not_input(arguments.output, inputs);
+  return check_output_not_input(request.output, inputs);
 }
 
-Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
+Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(arguments.output, ignored))
+  if (std::filesystem::is_directory(request.output, ignored))
     return problem(ProblemKind::usage,
-                   fmt::format("-o {} is a folder: name the page in it, as in {}", arguments.output,
-                               (std::filesystem::path(arguments.output) / "report.html").lexically_normal().string()));
-  ECS_TRY(files, report_files(arguments));
-  if (!arguments.data.empty() && files.model.empty())
+                   fmt::format("-o {} is a folder: name the page in it, as in {}", request.output,
+                               (std::filesystem::path(request.output) / "report.html").lexically_normal().string()));
+  ECS_TRY(files, report_files(request));
+  if (!request.data.empty() && files.model.empty())
     return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
-  ECS_TRY(content, report_content(context, arguments));
-  ECS_DO(check_page_not_source(arguments, files, content));
+  ECS_TRY(content, report_content(context, request));
+  ECS_DO(check_page_not_source(request, files, content));
   const Judgement judgement = judgement_of(content);
-  const Page page{report_page(content, judgement), std::filesystem::exists(arguments.output, ignored)};
-  ECS_DO(write_file(arguments.output, page.html));
-  return Outcome{report_text(content, judgement, arguments.output, page),
-                 one_line(report_json(content, judgement, arguments.output, page)),
+  const Page page{report_page(content, judgement), std::filesystem::exists(request.output, ignored)};
+  ECS_DO(write_file(request.output, page.html));
+  return Outcome{report_text(content, judgement, request.output, page),
+                 one_line(report_json(content, judgement, request.output, page)),
                  unfit_files(content) ? kUnfitFile : kDone};
 }
 
 }  // namespace
 
-extern const VerbDefinition kReport =
-    verb<ReportArguments>("report", "one self-contained HTML page of a commissioning, to read, print and keep",
-                          "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
-                          "-o report.html\n  ecs report commissioning/ -o report.html",
-                          report);
+extern const std::vector<Action> kReport{
+    action("report", "one self-contained HTML page of a commissioning, to read, print and keep",
+           "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
+           "-o report.html\n  ecs report commissioning/ -o report.html",
+           report, {.logged = Logged::when_written, .kind = "report"})};
 
 }  // namespace ecs::app

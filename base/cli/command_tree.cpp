@@ -45,7 +45,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
 /// Adds each kind of argument as the command-line library wants it.
 struct OptionAdder {
   CLI::App& app;
-  const VerbArgument& argument;
+  const Argument& argument;
 
   CLI::Option* operator()(std::string* into) const {
     CLI::Option* option = app.add_option(argument.name, *into, argument.help)->type_name("");
@@ -60,10 +60,9 @@ struct OptionAdder {
     return number(app.add_option_function<double>(
         argument.name, [into](const double& value) { *into = value; }, argument.help));
   }
-  CLI::Option* operator()(int* into) const {
-    return app.add_option(argument.name, *into, argument.help)
-        ->check(CLI::Range(static_cast<int>(argument.least), static_cast<int>(argument.most)).description(""))
-        ->type_name("INTEGER");
+  CLI::Option* operator()(int* into) const { return integer(app.add_option(argument.name, *into, argument.help)); }
+  CLI::Option* operator()(std::size_t* into) const {
+    return integer(app.add_option(argument.name, *into, argument.help));
   }
   CLI::Option* operator()(std::optional<std::uint64_t>* into) const {
     return app
@@ -78,10 +77,7 @@ struct OptionAdder {
     return number(app.add_option_function<double>(argument.name, on, argument.help));
   }
   CLI::Option* operator()(const OnInteger& on) const {
-    CLI::Option* option = app.add_option_function<long long>(argument.name, on, argument.help);
-    if (argument.most < std::numeric_limits<double>::max())
-      option->check(CLI::Range(static_cast<int>(argument.least), static_cast<int>(argument.most)).description(""));
-    return option->type_name("INTEGER");
+    return integer(app.add_option_function<long long>(argument.name, on, argument.help));
   }
   CLI::Option* operator()(const OnText& on) const {
     return app.add_option_function<std::string>(argument.name, on, argument.help)->type_name("");
@@ -102,18 +98,23 @@ struct OptionAdder {
   CLI::Option* number(CLI::Option* option) const {
     return option->check(finite_number(argument.least, argument.most))->type_name("NUMBER");
   }
+  CLI::Option* integer(CLI::Option* option) const {
+    if (argument.most < std::numeric_limits<double>::max())
+      option->check(CLI::Range(static_cast<int>(argument.least), static_cast<int>(argument.most)).description(""));
+    return option->type_name("INTEGER");
+  }
   CLI::Option* parted(CLI::Option* option) const { return argument.by_commas ? option->delimiter(',') : option; }
 };
 
-void add_argument(CLI::App& app, const VerbArgument& argument) {
+void add_argument(CLI::App& app, const Argument& argument) {
   CLI::Option* option = std::visit(OptionAdder{app, argument}, argument.into);
   option->required(argument.need == Need::required);
-  if (!argument.group.empty()) option->group(argument.group);
+  if (!argument.heading.empty()) option->group(argument.heading);
   if (const std::string preset = argument.preset(); !preset.empty()) option->default_str(preset);
 }
 
-void add_arguments(CLI::App& app, const std::vector<VerbArgument>& arguments) {
-  for (const VerbArgument& argument : arguments) add_argument(app, argument);
+void add_arguments(CLI::App& app, const Arguments& arguments) {
+  for (const Argument& argument : arguments) add_argument(app, argument);
 }
 
 std::vector<std::string> names_of_verbs(const CLI::App& app) {
@@ -260,7 +261,7 @@ CLI::App& CommandTree::menu_at(CLI::App& parent, const std::string& name, const 
 }
 
 void CommandTree::add_verb(const std::string& path, const std::string& help, const std::string& example,
-                           const std::vector<VerbArgument>& arguments, std::function<void()> chosen) {
+                           const Arguments& arguments, std::function<void()> chosen) {
   CLI::App* parent = root_.get();
   std::vector<std::string> words = words_of(path);
   const std::string name = words.back();

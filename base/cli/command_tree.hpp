@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/cli/verb.hpp"
+#include "base/cli/action.hpp"
 
 namespace CLI {
 class App;
@@ -34,7 +34,7 @@ class CommandTree {
   /// @param path    "utility datum record"; the menus before the verb's own word come into being with their first verb
   /// @param chosen  called by parsed() where the words name this verb
   void add_verb(const std::string& path, const std::string& help, const std::string& example,
-                const std::vector<VerbArgument>& arguments, std::function<void()> chosen);
+                const Arguments& arguments, std::function<void()> chosen);
 
   /// @param words  without the name of the program
   [[nodiscard]] Request parsed(const std::vector<std::string>& words);

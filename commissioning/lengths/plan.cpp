@@ -59,6 +59,37 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
 
 }  // namespace
 
+cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
+  using A = LengthsPlanAsked;
+  using cli::Is, cli::Need, cli::Range, cli::Words;
+  return {{"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+          {"--volume-um", &A::volume_um,
+           "wanted expanded uncertainty (k = 2) of the error vector, root mean "
+           "square over the volume and the tools [um]",
+           Need::required, Range{0.01, 1e6}},
+          {"--instrument", &A::instrument, "what measures", Words{"tracker", "interferometer", "ball_bar"}},
+          {"-o,--output", &A::output, "the plan (.csv): for `ecs-emulator lengths`, or by hand", Is::output},
+          {"--tools", &A::tools, "offsets of the reflector: 0,0,0;0,0,-250;150,0,-120 [mm]"},
+          {"--stations", &A::stations,
+           "where the instrument may stand: -250,-200,-750;1450,800,-700 [mm]; "
+           "by default around the volume, of a ball bar within it"},
+          {"--knots", &A::knots, "spacing of the curves' knots X,Y,Z [mm]; default: a twelfth of the travel"},
+          {"--reversal-degree", &A::reversal_degree, "of the reversal error as a polynomial", Range{0, 6}},
+          {"--instrument-um", &A::instrument_um, "of a reading, standard deviation [um]", Range{0.001}},
+          {"--scatter-um", &A::scatter_um, "of a stop of the machine, each axis and direction [um]", Range{0.0}},
+          {"--scatter-um-per-m", &A::scatter_um_per_m, "the same of its angles [um/m]", Range{0.0}},
+          {"--scale", &A::scale_um_per_m, "of each set-up, standard uncertainty [um/m]", Range{0.0}},
+          {"--ball-bar-mm", &A::ball_bar_mm, "reach of a ball bar: its radius [mm]", Range{1.0}},
+          {"--bar-um", &A::bar_um, "of a ball bar's length, standard uncertainty [um]; 0: not known", Range{0.0}},
+          {"--bar-lowest-deg", &A::bar_lowest_deg, "elevation below which the post of the ball is in the way",
+           Range{-90.0, 0.0}},
+          {"--targets", &A::targets_an_interval, "of a line, between two knots (and four more)", Range{0.1, 10.0}},
+          {"--feed", &A::feed_mm_min, "between targets [mm/min]", Range{1.0}},
+          {"--dwell", &A::dwell_s, "before each reading [s]", Range{0.0}},
+          {"--set-up-minutes", &A::set_up_minutes, "instrument to another station or line", Range{0.0}},
+          {"--tool-minutes", &A::tool_minutes, "another tool at the same station", Range{0.0}}};
+}
+
 Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std::function<bool()>& stopped) {
   ECS_TRY(machine, params::read_machine(asked.machine));
   ECS_TRY(settings, settings_of(asked));

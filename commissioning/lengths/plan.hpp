@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "base/cli/action.hpp"
 #include "model/lengths/plan_lengths.hpp"
 
 namespace ecs::commissioning {
@@ -21,6 +22,8 @@ struct LengthsPlanAsked {
   double ball_bar_mm = 150.0, bar_um = 1.0, bar_lowest_deg = -20.0;
   double targets_an_interval = 1.0, feed_mm_min = 2000.0, dwell_s = 2.0;
   double set_up_minutes = model::MeasuringTimes{}.line_minutes, tool_minutes = 5.0;
+  std::string output;  ///< file to write
+  static cli::Fields<LengthsPlanAsked> fields();
 };
 
 /// @param stopped  asked now and then: true ends the search, and the problem says so

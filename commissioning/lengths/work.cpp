@@ -96,6 +96,28 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
 
 }  // namespace
 
+cli::Fields<LengthsArguments> LengthsArguments::fields() {
+  using A = LengthsArguments;
+  using cli::Is, cli::Need, cli::Range;
+  return {{"LENGTHS", &A::file, "measured lengths (.csv, docs/identification.md)", Need::required},
+          {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+          {"--params", &A::params, "parameters of the unit that the map is for"},
+          {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
+          {"--params-out", &A::params_out, "parameters to write, with the squareness that was found", Is::output},
+          {"--knots", &A::knots,
+           "spacing of the curves' knots X,Y,Z [mm]; by default as the file says, else twice the "
+           "spacing of its coordinates"},
+          {"--reversal-degree", &A::reversal_degree,
+           "of the reversal error as a polynomial; -1: the approach does not matter", Range{-1, 6}},
+          {"--scale", &A::scale_um_per_m, "of each set-up (air, wavelength), standard uncertainty [um/m]; 0: none",
+           Range{0.0}},
+          {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
+          {"--keep-outliers", &A::keep_outliers, "leave no reading out"},
+          {"--customer", &A::customer, "for the header"},
+          {"--engineer", &A::engineer, "for the header"},
+          {"--date", &A::date, "for the header, as in 2026-03-12"}};
+}
+
 Result<PerAxis<std::optional<double>>> three_lengths_in(const std::string& text, std::string_view option) {
   PerAxis<std::optional<double>> out{};
   if (text.empty()) return out;

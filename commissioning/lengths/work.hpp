@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/lengths/identify.hpp"
 #include "params/parameters_toml.hpp"
@@ -13,15 +14,16 @@ namespace ecs::commissioning {
 
 /// As typed; empty: not given.
 struct LengthsArguments {
-  std::string file;
-  std::string machine;
-  std::string params;             ///< needed for a map
-  std::string knots;              ///< "100,50,50" [mm]
-  std::vector<std::string> zero;  ///< EBY="reason"
+  std::string file, machine;
+  std::string params;              ///< needed for a map
+  std::string output, params_out;  ///< files to write
+  std::string knots;               ///< "100,50,50" [mm]
+  std::vector<std::string> zero;   ///< EBY="reason"
   int reversal_degree = 1;
   double scale_um_per_m = 0.1;
   bool keep_outliers = false;
   std::string customer, engineer, date;
+  static cli::Fields<LengthsArguments> fields();
 };
 
 struct LengthsWork {

@@ -16,6 +16,7 @@
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/place.hpp"
 #include "commissioning/logbook/store.hpp"
+#include "commissioning/logbook/transfers.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -177,6 +178,7 @@ void keep_logbook(bool keep) {
   close_logbooks();
   const auto setting = logbook_setting();
   keeping = keep && (!setting || !setting->off);
+  watch_sent_images(keeping ? record_transfer : std::function<void(const SentImage&)>());
 }
 
 bool logbook_is_kept() { return keeping; }

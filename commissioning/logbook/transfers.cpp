@@ -12,11 +12,33 @@
 #include "commissioning/logbook/place.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/logbook/store.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map/image.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
 constexpr const char* kImage = "image_sha256";
+
+struct TransferToUnit {
+  LogOwner owner;
+  std::span<const std::uint8_t> image;
+  std::uint32_t check = 0;          ///< its block check
+  protocol::UploadReport report{};  ///< where it did not fail
+  std::string problem{};            ///< why it failed; empty: it did not
+};
+
+TransferToUnit in_log(const SentImage& one) {
+  const laser::StatedIdentity stated = laser::stated_identity(one.image);
+  TransferToUnit transfer{{stated.machine.empty() ? one.unit.machine : stated.machine, one.unit.serial_number},
+                          one.image,
+                          ImageView(one.image).check()};
+  if (one.sent)
+    transfer.report = *one.sent;
+  else
+    transfer.problem = to_text(one.sent.error());
+  return transfer;
+}
 
 /// Hashes of the images that were active, the oldest first.
 std::vector<std::string> active_images(const LogOwner& owner) {
@@ -43,8 +65,8 @@ bool is_rollback(const LogOwner& owner, const std::string& sha256) {
 LogRecord begun(const TransferToUnit& one, std::string kind, std::string summary, const Json& content) {
   LogRecord record;
   record.kind = std::move(kind);
-  record.machine = one.machine;
-  record.serial_number = one.serial_number;
+  record.machine = one.owner.machine;
+  record.serial_number = one.owner.serial_number;
   record.summary = std::move(summary);
   record.content = one_line(content);
   return record;
@@ -52,8 +74,9 @@ LogRecord begun(const TransferToUnit& one, std::string kind, std::string summary
 
 }  // namespace
 
-void record_transfer(const TransferToUnit& one) {
+void record_transfer(const SentImage& sent) {
   if (!logbook_is_kept()) return;
+  const TransferToUnit one = in_log(sent);
   const std::string bytes(one.image.begin(), one.image.end());
   const std::string sha256 = sha256_hex(bytes);
   const std::string check = fmt::format("{:08X}", one.check);
@@ -64,19 +87,19 @@ void record_transfer(const TransferToUnit& one) {
     return;
   }
   content["bytes"] = bytes.size();
-  content["bytes_sent"] = one.bytes_sent;
-  content["commit_sequence"] = one.commit_sequence;
-  if (one.already_held) {
+  content["bytes_sent"] = one.report.bytes_sent;
+  content["commit_sequence"] = one.report.commit_sequence;
+  if (one.report.already_held) {
     record(begun(one, "transfer", fmt::format("nothing sent: the unit held image {} already", check), content));
     return;
   }
-  const bool rollback = is_rollback({one.machine, one.serial_number}, sha256);
+  const bool rollback = is_rollback(one.owner, sha256);
   std::vector<LogRecord> both;
   both.push_back(begun(one, "transfer",
-                       fmt::format("{} of {} bytes sent, block check {}", one.bytes_sent, bytes.size(), check),
+                       fmt::format("{} of {} bytes sent, block check {}", one.report.bytes_sent, bytes.size(), check),
                        content));
   LogRecord active = begun(one, rollback ? "rollback" : "activation",
-                           fmt::format("image {} is active, commit {}{}", check, one.commit_sequence,
+                           fmt::format("image {} is active, commit {}{}", check, one.report.commit_sequence,
                                        rollback ? ": it was active before" : ""),
                            content);
   active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});

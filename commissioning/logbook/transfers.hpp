@@ -5,22 +5,13 @@
 #include <span>
 #include <string>
 
-namespace ecs::commissioning {
+#include "commissioning/unit/transfer.hpp"
 
-struct TransferToUnit {
-  std::string machine;
-  std::string serial_number;
-  std::span<const std::uint8_t> image;  ///< as it is in the unit when it is active
-  std::uint32_t check = 0;              ///< its block check
-  std::uint32_t commit_sequence = 0;    ///< of the unit, afterwards
-  std::size_t bytes_sent = 0;
-  bool already_held = false;  ///< it was active before: nothing was sent
-  std::string problem;        ///< why it failed; empty: it did not
-};
+namespace ecs::commissioning {
 
 /// Two entries: the transfer, and the activation; `rollback` in its place where that image was active before the one
 /// that it replaces. A transfer that failed, or that found the image active, is one entry.
-void record_transfer(const TransferToUnit& one);
+void record_transfer(const SentImage& sent);
 
 /// Bytes written into the unit's memory, or, with a problem, perhaps a part of them.
 struct MemoryWritten {

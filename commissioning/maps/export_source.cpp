@@ -103,6 +103,18 @@ void note_squareness_left_behind(ExportWork& work) {
 
 }  // namespace
 
+cli::Fields<ExportArguments> ExportArguments::fields(const std::string& output_help) {
+  using A = ExportArguments;
+  return {{"FILE", &A::map, "map CSV; or give --unit"},
+          {"--unit", &A::unit, "the map in the unit, with its parameters"},
+          {"--params", &A::params, "parameters the map goes with: squareness, reference positions, lines"},
+          {"--machine", &A::machine, "machine file: the travels"},
+          {"--model", &A::model, "predict what is left from this model instead of from the map; needs --machine"},
+          {"--other-machine", &A::other_machine, "export although map and parameters name different machines"},
+          {"-o,--output", &A::output, output_help},
+          {"--force", &A::force, "overwrites output files that are there"}};
+}
+
 Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found) {
   ECS_TRY(machine, machine_in(messages, arguments.machine));
   ExportWork work;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
 #include "commissioning/maps/source.hpp"
 #include "commissioning/session/message.hpp"
 #include "controllers/residual.hpp"
@@ -25,6 +26,7 @@ struct ExportArguments {
   std::string output;
   bool force = false;          ///< files that are there are overwritten
   bool other_machine = false;  ///< although map and parameters name different machines
+  static cli::Fields<ExportArguments> fields(const std::string& output_help);
 };
 
 struct ExportWork {

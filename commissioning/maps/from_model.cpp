@@ -231,9 +231,8 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
     built.identity = given.identity;
   }
   built.increment_mm = arguments.increment_mm.value_or(table_increment_mm(*model, *machine));
-  auto compiled = model::compiled(*model, *machine, built.increment_mm);
-  if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
-  built.compiled = std::move(*compiled);
+  ECS_TRY(compiled, in_file(model::compiled(*model, *machine, built.increment_mm), arguments.model));
+  built.compiled = std::move(compiled);
   const auto levers = model::add_own_levers(built.compiled, *model, *machine, built.increment_mm);
   note_short_periods(built, *model);
   trace(built, *model, levers, arguments.model);

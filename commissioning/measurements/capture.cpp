@@ -248,6 +248,26 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
 
 }  // namespace
 
+cli::Fields<CaptureChoice> CaptureChoice::fields() {
+  using A = CaptureChoice;
+  return {
+      {"-o,--output", &A::output, "the measurement CSV to write; OUT.csv.part until it is complete", cli::Is::output},
+      {"--resume", &A::resume, "goes on with an unfinished FILE.part"},
+      &A::target,
+      {"--trigger", &A::trigger, "what takes a reading: DEVICE.toml[@SERIAL], enter, or each (all that come)"},
+      {"--gauge", &A::gauge, "readings from an indicator gauge: DEVICE.toml[@SERIAL]"},
+      {"--readings", &A::readings, "readings from a file or FIFO: each trigger takes the next line"},
+      {"--follow", &A::follow, "readings from a file or FIFO that a display writes: the last line counts"},
+      {"--display", &A::display, "readings from a shell command that prints what the display shows"},
+      {"--shows", &A::shows, "what is read: the error, or the position of the axis [mm]",
+       cli::Words{"error", "position"}},
+      {"--scale", &A::scale, "times the reading makes um (um/m), or mm of a position (1)"},
+      {"--environment", &A::environment, "temper, or DEVICE.toml[@SERIAL]: temperatures into every reading"},
+      {"--environment-every", &A::environment_every_s, "seconds between its values", cli::Range{0.1, 3600.0}},
+      {"--min-interval", &A::min_interval_s, "a trigger sooner after a reading is a doubled one [s] (0.5)"},
+      {"--force", &A::force, "overwrites an output file that is there"}};
+}
+
 Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const CaptureChoice& choice) {
   const bool each = choice.trigger == "each";
   ECS_TRY(begun, choice.resume.empty() ? begun_anew(choice, each) : resumed(choice));

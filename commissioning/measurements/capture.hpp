@@ -28,6 +28,7 @@ struct CaptureChoice {
   double environment_every_s = 5.0;
   std::optional<double> min_interval_s;
   bool force = false;
+  static cli::Fields<CaptureChoice> fields();
 };
 
 struct CaptureEnd {

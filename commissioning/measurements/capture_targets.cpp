@@ -140,6 +140,27 @@ Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
 
 }  // namespace
 
+cli::Fields<CaptureTargets> CaptureTargets::fields() {
+  using A = CaptureTargets;
+  using cli::Words;
+  return {{"--axis", &A::axis, "the axis that moves", Words{"X", "Y", "Z"}},
+          {"--sense", &A::sense, "what is measured", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+          {"--from", &A::from_mm, "first target [mm]"},
+          {"--to", &A::to_mm, "last target [mm]"},
+          {"--step", &A::step_mm, "from target to target [mm]"},
+          {"--moved", &A::moved, "targets off equal steps, as ISO 230-2 asks: no period hides behind the step"},
+          {"--runs", &A::runs, "forward and back so many times (3)", cli::Range{0, kMostRuns}},
+          {"--one-way", &A::one_way, "no readings on the way back"},
+          {"--parked", &A::parked, "positions of the other axes, as in y=-1400,z=0 [mm]"},
+          {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], for the record"},
+          {"--targets", &A::targets, "a target list (CSV), as `ecs model next --targets` writes it"},
+          {"--plan", &A::plan, "plan with [[measure]] rows, as `laser table` reads it"},
+          {"--row", &A::row, "with --plan: the name of the measurement"},
+          {"--machine", &A::machine, "machine file: its name goes into the record"},
+          {"--compensated", &A::compensated, "whether the error map is active, for the record", Words{"yes", "no"}},
+          {"--note", &A::notes, "KEY=VALUE for the record, as in operator=AB; several"}};
+}
+
 Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments) {
   auto plan = arguments.targets.empty() ? plan_of_line(arguments) : plan_of_list(arguments);
   if (!plan) return plan;

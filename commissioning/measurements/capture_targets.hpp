@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
 #include "devices/capture_record.hpp"
 
 namespace ecs::commissioning {
@@ -30,6 +31,7 @@ struct CaptureTargets {
   std::string machine;
   std::string compensated;
   std::vector<std::string> notes;
+  static cli::Fields<CaptureTargets> fields();
 };
 
 /// Stops and metadata. What the plan's row says can be overridden one by one.

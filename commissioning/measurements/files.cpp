@@ -189,6 +189,51 @@ std::string_view option_that_helps(const Problem& wrong) {
 
 }  // namespace
 
+cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_option) {
+  using A = ImportArguments;
+  using F = cli::Fields<A>;
+  using cli::Range, cli::Words;
+  return {
+      {"--axis", &A::axis, "the axis that was moved, where the file does not say", Words{"X", "Y", "Z", "A", "B", "C"}},
+      {sense_option, &A::sense, "what was measured, if not in the file", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+      {"--parked", &A::parked, "where the other axes stood, as in y=-1400,z=0 [mm]"},
+      {"--columns", &A::columns,
+       "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3*0.001,run=2,approach=4"},
+      {"--profile", &A::profile, "import options saved under this name, or a path"},
+      F{{"--encoding", &A::encoding, "code page; by itself if not given",
+         Words{"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
+        {"--target-unit", &A::target_unit, "unit of the targets where it is not the usual one, as in in, arcsec"},
+        {"--reading-unit", &A::reading_unit, "unit of the readings where it is not the usual one, as in um, arcsec"},
+        {"--accept-truncated", &A::accept_truncated, "take what is left of a file that ends too early"},
+        {"--table-holds-errors", &A::table_holds_errors, "a .REN table holds errors, not compensation"}}
+          .under("More about a measurement file"),
+      F{{"--skip", &A::skip, "lines before the table", Range{0, 1'000'000}},
+        {"--rows", &A::rows, "rows of the table to take; 0: all", Range{0, 1'000'000}},
+        {"--delimiter", &A::delimiter, "one character, or blank, tab, comma, semicolon; by itself if not given"},
+        {"--decimal", &A::decimal, "decimal sign of the table; both if not given", Words{"point", "comma"}},
+        {"--values", &A::values, "what the readings of the table are; error if not given",
+         Words{"error", "actual", "compensation"}},
+        {"--keep-set-up", &A::keep_set_up, "shift and rotation of measured_x_mm, ... stay in"}}
+          .under("With --columns"),
+      F{{"--channel", &A::channel, "the channel of a log that holds several"},
+        {"--channels", &A::channels, "several channels joined by time, as in x_mm=ENC[mm],reading=AI1[um]"},
+        {"--join", &A::join, "how channels meet in time; linear if not given", Words{"linear", "nearest", "previous"}},
+        {"--max-gap", &A::max_gap_s, "the greatest gap [s] over which they are joined; 5 usual intervals"},
+        {"--at-rest", &A::at_rest_mm, "only rows whose position stays within this [mm]"},
+        {"--average", &A::average, "readings at rest become one, their mean"},
+        {"--environment", &A::environment, "air and temperatures over time: .pos, or a table with headings"},
+        {"--environment-every", &A::environment_every_s, "between its rows, where it has no time [s]"}}
+          .under("Of a log, and of a run with readings at rest")};
+}
+
+Result<laser::Imported> read_with_notes(MessageSink& messages, const std::string& file,
+                                        const ImportArguments& arguments) {
+  ECS_TRY(imported, read_measurements(file, arguments));
+  messages.note(fmt::format("{}: {}", file, imported.format->title));
+  for (const std::string& note : imported.set.notes) messages.note(fmt::format("{}: {}", file, note));
+  return imported;
+}
+
 Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   ECS_TRY(whole, with_profile(given));
   const ImportArguments& arguments = whole;

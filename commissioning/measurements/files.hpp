@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
+#include "commissioning/session/message.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/import/import.hpp"
 
@@ -46,6 +48,10 @@ struct ImportArguments {
   std::string note;           ///< kept with what had to be assumed
   std::string recognised_by;  ///< a text that files of a profile contain; empty: the lines of `row_begins`
   std::string profile;        ///< name or path of a profile with the answers above
+
+  /// Those of `laser import`: what most files need, then the others below headings of their own.
+  /// @param sense_option  where --sense means something else to the action
+  static cli::Fields<ImportArguments> fields(const std::string& sense_option = "--sense");
 };
 
 /// A `usage` problem names the option that is wrong.
@@ -53,6 +59,10 @@ struct ImportArguments {
 
 /// Reads a file as whatever it is. A problem over what the file does not say names the options.
 [[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments);
+
+/// The same; says what the file was taken for, and what had to be assumed.
+[[nodiscard]] Result<laser::Imported> read_with_notes(MessageSink& messages, const std::string& file,
+                                                      const ImportArguments& arguments);
 
 /// Several sets as one. Where two files measured the same line, the runs of the later one are numbered on, and a note
 /// says so. Metadata that differ are kept from the first file, with a note. `refused` if the files name different

@@ -155,15 +155,13 @@ std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& wh
 Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work, const std::string& model_file,
                                     const std::vector<std::string>& after, const ImportArguments& import) {
   ECS_TRY(again, achieved(messages, work, after, import));
-  const auto fit = model::fit(work.model, work.data);
-  if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
-  const auto what = model::what_if(work.model, work.data);
-  if (!what) return tl::unexpected(in_file(what.error(), model_file));
+  ECS_TRY(fit, in_file(model::fit(work.model, work.data), model_file));
+  ECS_TRY(what, in_file(model::what_if(work.model, work.data), model_file));
   std::vector<AfterDirection> directions =
-      after_by_direction(*fit, work.data, again ? (*again).data : model::Observations{});
-  std::vector<std::string> notes = notes_on(work, *what, again, directions);
+      after_by_direction(fit, work.data, again ? (*again).data : model::Observations{});
+  std::vector<std::string> notes = notes_on(work, what, again, directions);
   return WhatIfAnswer{
-      *what, std::move(directions), again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
+      what, std::move(directions), again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
 }
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model, std::string_view unit) {

@@ -113,6 +113,15 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
 
 }  // namespace
 
+cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
+  using A = ModelArguments;
+  return {{"MODEL", &A::model, "model file (.toml)", cli::Need::required},
+          {"DATA", &A::data, "measurement files, any that `laser import` reads, and files of circles and diagonals",
+           data_need},
+          {"--machine", &A::machine, kMachineHelp},
+          &A::import};
+}
+
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& words,
                                           const ImportArguments& import) {
   ECS_TRY(given, given_files(words, true));

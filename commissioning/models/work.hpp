@@ -20,7 +20,9 @@ struct ModelArguments {
   std::vector<std::string> data;
   std::string machine;
   ImportArguments import;
+  static cli::Fields<ModelArguments> fields(cli::Need data_need = cli::Need::required);
 };
+inline constexpr const char* kMachineHelp = "the machine (.toml): datum, travels, lever arms, pitches";
 
 struct ModelWork {
   model::Model model;
@@ -48,6 +50,10 @@ struct ModelWork {
 
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);
+template <class Value>
+[[nodiscard]] Result<Value> in_file(Result<Value> result, const std::string& file) {
+  return std::move(result).map_error([&](Problem why) { return in_file(std::move(why), file); });
+}
 
 /// The model with the values of its fit, as a file keeps it; its ladder begins here, if it has none.
 [[nodiscard]] model::Model model_to_keep(const model::Model& model, const model::Fit& fit,

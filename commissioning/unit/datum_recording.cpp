@@ -89,11 +89,9 @@ Result<DatumRecording> read_recording(protocol::UnitClient& client, Address addr
   const auto header = decode_datum_header(head);
   if (!header) return problem(ProblemKind::link, fmt::format("no datum record at 0x{:06X}", address));
   DatumRecording recording{header->axis, header->sample_period_us, header->um_per_count, {}, {}, {}};
-  const auto bytes =
-      client.read_memory(address + kDatumRecordHeaderBytes, header->samples * kDatumSampleBytes, progress);
-  if (!bytes) return tl::unexpected(bytes.error());
+  ECS_TRY(bytes, client.read_memory(address + kDatumRecordHeaderBytes, header->samples * kDatumSampleBytes, progress));
   for (std::size_t i = 0; i < header->samples; ++i)
-    recording.samples.push_back(decode_datum_sample(ByteView(*bytes).subspan(i * kDatumSampleBytes)));
+    recording.samples.push_back(decode_datum_sample(ByteView(bytes).subspan(i * kDatumSampleBytes)));
   return recording;
 }
 

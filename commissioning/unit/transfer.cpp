@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/logbook/transfers.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
@@ -145,22 +144,9 @@ Result<Image> addressed(std::span<const std::uint8_t> image, const protocol::Ide
 
 namespace {
 
-/// A failed one may have left either image active: its message says which.
-TransferToUnit in_log(const protocol::Identity& unit, const Image& image, const Result<protocol::UploadReport>& sent) {
-  TransferToUnit one;
-  const laser::StatedIdentity stated = laser::stated_identity(image);
-  one.machine = stated.machine.empty() ? unit.machine : stated.machine;
-  one.serial_number = unit.serial_number;
-  one.image = image;
-  one.check = ImageView(image).check();
-  if (sent) {
-    one.bytes_sent = sent->bytes_sent;
-    one.commit_sequence = sent->commit_sequence;
-    one.already_held = sent->already_held;
-  } else {
-    one.problem = to_text(sent.error());
-  }
-  return one;
+std::function<void(const SentImage&)>& watcher() {
+  static std::function<void(const SentImage&)> watch;
+  return watch;
 }
 
 }  // namespace
@@ -226,6 +212,8 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
 
 }  // namespace
 
+void watch_sent_images(std::function<void(const SentImage&)> watch) { watcher() = std::move(watch); }
+
 Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
   ECS_TRY(identity, client.identity());
@@ -238,7 +226,7 @@ Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::I
   if (auto refused = refused_map(no_room_for(bytes, unit), {})) return tl::unexpected(std::move(*refused));
   ECS_TRY(image, addressed(bytes, unit, addressee));
   const auto [sent, not_compared] = upload(client, image, progress);
-  record_transfer(in_log(unit, image, sent));
+  if (watcher()) watcher()({unit, image, sent});
   if (!sent) return tl::unexpected(sent.error());
   if (not_compared) return tl::unexpected(*not_compared);
   return SendReport{image.size(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -69,6 +70,16 @@ enum class Addressee {
 /// or configuration.
 [[nodiscard]] Result<std::vector<std::uint8_t>> addressed(std::span<const std::uint8_t> image,
                                                           const protocol::Identity& unit, Addressee addressee);
+
+/// An image that was sent. One that failed may have left either image active: its problem says which.
+struct SentImage {
+  const protocol::Identity& unit;
+  std::span<const std::uint8_t> image;  ///< as it is in the unit when it is active
+  const Result<protocol::UploadReport>& sent;
+};
+/// @param watch  is told of every image that this process sends, whoever asks for it; empty: nobody is. To be set
+///               before anything is sent
+void watch_sent_images(std::function<void(const SentImage&)> watch);
 
 /// Makes an image active, all or nothing; of it only what the unit does not hold travels. Then the active image is read
 /// back: success means that its values are those sent, also where it was held already. Refused, before anything is

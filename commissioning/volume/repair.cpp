@@ -259,13 +259,12 @@ Result<Vectors> linear_errors(const controllers::ErrorsAt& errors, const Places&
   constexpr double kFar_mm = 1000.0;
   Places few(kAxes + 1);
   for (std::size_t a = 0; a < kAxes; ++a) few[a + 1].position_mm[a] = kFar_mm;
-  const auto at = errors(few);
-  if (!at) return at;
-  Vectors all(places.size(), at->front());
+  ECS_TRY(at, errors(few));
+  Vectors all(places.size(), at.front());
   for (std::size_t k = 0; k < places.size(); ++k)
     for (std::size_t a = 0; a < kAxes; ++a)
       for (std::size_t d = 0; d < kAxes; ++d)
-        all[k][d] += ((*at)[a + 1][d] - at->front()[d]) * places[k].position_mm[a] / kFar_mm;
+        all[k][d] += ((at)[a + 1][d] - at.front()[d]) * places[k].position_mm[a] / kFar_mm;
   return all;
 }
 
@@ -287,11 +286,10 @@ Result<Vectors> errors_of_effect(const model::EffectInstance& effect, const Mode
     if (is_new) different.push_back(place);
     which.push_back(at->second);
   }
-  const auto few = errors(different);
-  if (!few) return few;
+  ECS_TRY(few, errors(different));
   Vectors all;
   all.reserve(places.size());
-  for (const std::size_t k : which) all.push_back((*few)[k]);
+  for (const std::size_t k : which) all.push_back((few)[k]);
   return all;
 }
 
@@ -340,11 +338,10 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   if (!work.machine) return problem(ProblemKind::usage, "expected --machine: its file holds the travels of the axes");
   if (work.data.rotary)
     return problem(ProblemKind::refused, "the volume is of linear axes: `ecs model what-if` takes rotary ones");
-  const auto fit = model::fit(work.model, work.data);
-  if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
+  ECS_TRY(fit, in_file(model::fit(work.model, work.data), model_file));
   model::Model in_map = work.model;
   in_map.effects.clear();
-  for (const model::EffectFit& effect : fit->effects) in_map.effects.push_back(effect.effect);
+  for (const model::EffectFit& effect : fit.effects) in_map.effects.push_back(effect.effect);
   const auto tables_mm = tables_of(*work.machine, in_map);
   std::vector<std::string> steps;
   for (const model::EffectInstance& effect : in_map.effects)
@@ -357,7 +354,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   answer.diameter_mm = circle.diameter_mm;
   answer.plane =
       fmt::format("{}{}", letter_of(static_cast<Axis>(circle.first)), letter_of(static_cast<Axis>(circle.second)));
-  answer.noise_um = fit->noise.noise_um;
+  answer.noise_um = fit.noise.noise_um;
 
   const auto contributions = [&](const model::Fit& of, const auto& contribution) -> Result<std::vector<Contribution>> {
     std::vector<Contribution> each;
@@ -367,13 +364,13 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     }
     return each;
   };
-  std::vector<CauseDraws> draws(fit->effects.size());
+  std::vector<CauseDraws> draws(fit.effects.size());
   VolumePlaces volume;
   Result<std::vector<Contribution>> fitted;
   const auto draw = [&](const model::Fit& possible) -> Result<void> {
     if (volume.places.empty() || !steps.empty()) {
-      volume = volume_places(*work.machine, places, possible, *fit, work.data, tables_mm);
-      fitted = contributions(*fit, [&](const model::EffectFit& effect) {
+      volume = volume_places(*work.machine, places, possible, fit, work.data, tables_mm);
+      fitted = contributions(fit, [&](const model::EffectFit& effect) {
         return contribution_in_map(effect, work, tables_mm, volume.places, circle, model_file);
       });
       if (!fitted) return tl::unexpected(fitted.error());
@@ -381,13 +378,13 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     ECS_TRY(machine, contributions(possible, [&](const model::EffectFit& effect) {
               return contribution_of(effect, work, volume.places, circle, model_file);
             }));
-    Contribution rest{fit->residual, Vectors(volume.places.size()), Vectors(circle.places.size())};
+    Contribution rest{fit.residual, Vectors(volume.places.size()), Vectors(circle.places.size())};
     for (std::size_t i = 0; i < machine.size(); ++i) {
       rest.add(machine[i], 1.0);
-      if (is_carried(fit->effects[i].effect, *work.machine)) rest.add((*fitted)[i], -1.0);
+      if (is_carried(fit.effects[i].effect, *work.machine)) rest.add((*fitted)[i], -1.0);
     }
     for (std::size_t i = 0; i < machine.size(); ++i) {
-      const bool carried = is_carried(fit->effects[i].effect, *work.machine);
+      const bool carried = is_carried(fit.effects[i].effect, *work.machine);
       Contribution other = rest;
       draws[i].compensated.take(sizes_left(other, volume.weight, circle));
       if (carried) other.add((*fitted)[i], 1.0);
@@ -397,12 +394,12 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     }
     return {};
   };
-  for (const model::Fit& possible : refits(work.model, work.data, *fit, kRefits, kRefitSeed)) ECS_DO(draw(possible));
+  for (const model::Fit& possible : refits(work.model, work.data, fit, kRefits, kRefitSeed)) ECS_DO(draw(possible));
   answer.places = volume.places.empty() ? 0 : volume.places.size() / 2 - 1;
   bool unseen = false;
   for (std::size_t i = 0; i < draws.size(); ++i) {
     CauseCost cost;
-    cost.effect = fit->effects[i].effect;
+    cost.effect = fit.effects[i].effect;
     for (std::size_t q = 0; q < std::size(kQuantities); ++q)
       cost.*
           kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
@@ -414,11 +411,11 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   }
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
-  if (!fit->undetermined.empty())
+  if (!fit.undetermined.empty())
     answer.notes.push_back(
         fmt::format("{}: these readings do not determine them, and what is predicted may be far off; "
                     "first measure what separates them (ecs model next)",
-                    fmt::join(fit->undetermined, "; ")));
+                    fmt::join(fit.undetermined, "; ")));
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(

@@ -175,6 +175,46 @@ Result<void> check_travels(const VolumeWork& work) {
 
 }  // namespace
 
+cli::Fields<VolumeArguments> VolumeArguments::fields() {
+  using A = VolumeArguments;
+  using S = volume::UncertaintySettings;
+  using cli::Is, cli::Need, cli::Range;
+  const cli::Fields<S> uncertainty{
+      {"--repeatability", &S::repeatability,
+       "standard uncertainty of every map value [um, um/m]; by default as the header states, else from the roughness "
+       "of each table"},
+      {"--instrument", &S::instrument_um_per_m, "of positioning, standard uncertainty [um/m]", Range{0.0}},
+      {"--temperature", &S::temperature_degC, "of the scale while it was measured, standard uncertainty [degC]",
+       Range{0.0}},
+      {"--expansion", &S::expansion_um_per_m_degC, "that makes a length of it [um/m/degC]", Range{0.0}},
+      {"--zero-uncertainty", &S::declared_zero, "of a component declared zero, standard [um, um/m]", Range{0.0}},
+      {"--square-uncertainty", &S::squareness_um_per_m, "of the squareness reference, standard [um/m]", Range{0.0}},
+      {"--draws", &S::draws, "maps drawn for the 95 % bound", Range{20, 100'000}},
+      {"--seed", &S::seed, "of the draws", Range{0, 1'000'000'000}}};
+  return {{"MAP", &A::map, "error map (.csv)", Need::required},
+          {"--params", &A::params, "parameters that the map goes with", Need::required},
+          {"--errors", &A::errors,
+           "true errors of an emulated machine (errors file of ecs-emulator) in place of the map's"},
+          {"--model", &A::model, "a fitted error model in place of the map's errors; needs the machine"},
+          {"--machine", &A::machine, "machine file: travels, datum; by default machine.toml beside the parameters"},
+          {"--other-machine", &A::other_machine, "although map and parameters name different machines"},
+          {"--points", &A::places, "places in the volume, at most", Range{8, static_cast<double>(volume::kMostPlaces)}},
+          {"--tool-length", &A::tool_length_mm,
+           "along -Z from the point at which the curves were measured [mm]; the unit compensates for the tool of its "
+           "parameters"},
+          {"--tool-offset", &A::tool_offset, "the same along X, Y, Z: 0,0,-250"},
+          {"--rotary", &A::rotary,
+           "errors of the rotary axes of the machine file (.csv: component, approach, p_deg, error)"},
+          {"--at", &A::at, "one place as well: -1000,-200,-350; with rotary axes angles behind it"},
+          {"--slice", &A::plane, "the error in a plane through the place of the largest, as numbers",
+           cli::Words{"XY", "XZ", "YZ"}},
+          {"--between", &A::between,
+           "the largest error between the places as well, on lines along each axis through the largest"},
+          {"-o,--output", &A::picture, "picture (.svg or .png)", Is::output},
+          {"--values", &A::values, "CSV of every value of the map with its standard uncertainty", Is::output},
+          {&A::settings, uncertainty}};
+}
+
 PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters& parameters,
                                const std::optional<params::Machine>& machine, const model::Model* model) {
   PreparedVolume out;
@@ -264,11 +304,10 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   work.answer = std::move(answer);
   work.budget = budget_of(expected, arguments.settings);
   if (expected.rotary) work.rotary_budget = rotary_budget_of(*expected.rotary, arguments.settings);
-  const auto uncertainty =
-      expected.rotary ? uncertainty_of(expected, work.budget, work.rotary_budget, arguments.settings, arguments.places)
-                      : uncertainty_of(expected, work.budget, arguments.settings, arguments.places);
-  if (!uncertainty) return tl::unexpected(uncertainty.error());
-  work.uncertainty = *uncertainty;
+  ECS_TRY(uncertainty, expected.rotary ? uncertainty_of(expected, work.budget, work.rotary_budget, arguments.settings,
+                                                        arguments.places)
+                                       : uncertainty_of(expected, work.budget, arguments.settings, arguments.places));
+  work.uncertainty = uncertainty;
   share_out(work, expected);
   if (auto& rotary = evaluated_machine.rotary)
     rotary->angles_deg = work.answer.settings[work.answer.before.all.setting];  // of slice and picture

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
 #include "commissioning/session/message.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
@@ -36,8 +37,7 @@ inline constexpr const char* kLongestPlane = "longest";
 
 /// As typed; empty: not given.
 struct VolumeArguments {
-  std::string map;
-  std::string params;
+  std::string map, params;
   std::string errors;   ///< errors file of the emulator
   std::string model;    ///< needs the machine
   std::string machine;  ///< default: machine.toml beside the parameters, if it is of the same machine
@@ -49,7 +49,9 @@ struct VolumeArguments {
   std::string at;                        ///< "X,Y,Z" [mm]: one place as well; behind it angles of A, B, C [deg]
   std::string plane;                     ///< "XY", "XZ", "YZ" or kLongestPlane: a slice as well
   bool between = false;                  ///< the largest error between the places as well
+  std::string picture, values;           ///< files to write
   volume::UncertaintySettings settings;
+  static cli::Fields<VolumeArguments> fields();
 };
 
 /// The error at one place, both sides.

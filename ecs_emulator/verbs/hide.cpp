@@ -10,35 +10,36 @@
 namespace ecs::emulator {
 namespace {
 
-struct HideArguments {
+struct HideRequest {
   std::string folder, kind, effect, noise, printed_case;
   bool free_base = false;
   std::optional<std::uint64_t> seed;
   std::optional<double> snr;
   std::optional<std::size_t> readings;
   int count = 1;
+  static Fields<HideRequest> fields() {
+    using R = HideRequest;
+    const auto readings = [](R& r) -> cli::Argument::Target {
+      return cli::OnInteger([&r](long long n) { r.readings = static_cast<std::size_t>(n); });
+    };
+    return {
+        {"--seed", &R::seed, "the same seed gives the same files (1)"},
+        {"-o,--output", &R::folder, "folder that does not exist yet or is empty", Need::required},
+        {"--kind", &R::kind, "what is hidden; drawn where absent",
+         Words{"blank", "single", "pair", "out-of-library", "confounded"}},
+        {"--effect", &R::effect, "the effect to hide, as docs/physics.md names it; of a pair, one of the two"},
+        {"--snr", &R::snr, "rms of what the base model cannot absorb / sigma of one reading"},
+        {{"--readings", {}, "about so many readings, 100 to 20000"}, readings},
+        {"--count", &R::count, "so many cases, seeds counting up, into DIR/0001 …", cli::Range{1, 9999}},
+        {"--free-base", &R::free_base,
+         "any effect may be in the base model, and its periods, places and time constants are not given"},
+        {"--noise", &R::noise, "of --kind blank: how the noise is distributed (usual)",
+         Words{kNoiseLawNames.begin(), kNoiseLawNames.end()}},
+        {"--case", &R::printed_case, "xytz: the XYTZ machine under the thesis's printed equation (27)", Words{"xytz"}}};
+  }
 };
 
-void declare_hide(Verb& verb, HideArguments& arguments) {
-  verb.seed(arguments.seed, "the same seed gives the same files (1)")
-      .text("-o,--output", arguments.folder, "folder that does not exist yet or is empty", Need::required)
-      .choice("--kind", arguments.kind, {"blank", "single", "pair", "out-of-library", "confounded"},
-              "what is hidden; drawn where absent")
-      .text("--effect", arguments.effect, "the effect to hide, as docs/physics.md names it; of a pair, one of the two")
-      .number("--snr", arguments.snr, "rms of what the base model cannot absorb / sigma of one reading")
-      .add({"--readings",
-            cli::OnInteger([&arguments](long long n) { arguments.readings = static_cast<std::size_t>(n); }),
-            "about so many readings, 100 to 20000"})
-      .integer("--count", arguments.count, "so many cases, seeds counting up, into DIR/0001 …", 1, 9999)
-      .flag("--free-base", arguments.free_base,
-            "any effect may be in the base model, and its periods, places and time constants are not given")
-      .choice("--noise", arguments.noise, {kNoiseLawNames.begin(), kNoiseLawNames.end()},
-              "of --kind blank: how the noise is distributed (usual)")
-      .choice("--case", arguments.printed_case, {"xytz"},
-              "xytz: the XYTZ machine under the thesis's printed equation (27)");
-}
-
-Result<Outcome> hide(VerbContext& /*context*/, const HideArguments& arguments) {
+Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
   HiddenCaseRequest request;
   request.seed = arguments.seed.value_or(1);
   request.snr = arguments.snr;
@@ -60,13 +61,12 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kHide =
-    verb<HideArguments>("hide", "measurements with a secret: a machine whose model lacks something",
-                        "ecs-emulator hide --seed 7 -o case\n"
-                        "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
-                        "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
-                        "  ecs-emulator hide --case xytz -o xytz\n"
-                        "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
-                        declare_hide, hide);
+extern const Action kHide = action("hide", "measurements with a secret: a machine whose model lacks something",
+                                   "ecs-emulator hide --seed 7 -o case\n"
+                                   "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
+                                   "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
+                                   "  ecs-emulator hide --case xytz -o xytz\n"
+                                   "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
+                                   hide);
 
 }  // namespace ecs::emulator

@@ -14,15 +14,6 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-struct ProgramArguments {
-  std::string plan;
-  std::string output;
-  std::string machine;
-  bool even = false;
-  bool force = false;
-  Json request = Json::object();
-};
-
 void add_plan_options(RequestVerb verb) {
   verb.word("--axis", "axis", "moving axis");
   verb.word("--sense", "sense", "what is measured (positioning)");
@@ -38,6 +29,21 @@ void add_plan_options(RequestVerb verb) {
   verb.number("--overrun", "overrun", "mm (5)");
 }
 
+struct ProgramRequest {
+  std::string plan, output, machine;
+  bool even = false, force = false;
+  Json request = Json::object();
+  static Fields<ProgramRequest> fields() {
+    using R = ProgramRequest;
+    return {{"PLAN", &R::plan, "plan file (TOML): one program for each row"},
+            request_fields(&R::request, add_plan_options),
+            {"--even", &R::even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks"},
+            {"--machine", &R::machine, "machine file: park the other axes, check the travel"},
+            {"-o,--output", &R::output, "file; with a plan: folder", cli::Is::output, Need::required},
+            {"--force", &R::force, "overwrites files that are there"}};
+  }
+};
+
 Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>& files, bool force) {
   std::vector<std::string> names;
   for (const ProgramFile& file : files) names.push_back((folder / file.name).string());
@@ -48,7 +54,7 @@ Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>
   return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
 }
 
-Result<Outcome> write_one(const ProgramArguments& arguments, const std::optional<fs::path>& machine) {
+Result<Outcome> write_one(const ProgramRequest& arguments, const std::optional<fs::path>& machine) {
   const fs::path output = arguments.output;
   Json request = arguments.request;
   request["action"] = "measure";
@@ -60,7 +66,7 @@ Result<Outcome> write_one(const ProgramArguments& arguments, const std::optional
   return written ? Result<Outcome>(Outcome{}) : tl::unexpected(written.error());
 }
 
-Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramArguments& arguments) {
+Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramRequest& arguments) {
   const auto machine = arguments.machine.empty() ? std::nullopt : std::optional<fs::path>(arguments.machine);
   if (arguments.plan.empty()) return write_one(arguments, machine);
   if (!arguments.request.empty())
@@ -71,18 +77,10 @@ Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramArguments&
 
 }  // namespace
 
-extern const VerbDefinition kProgram = verb<ProgramArguments>(
-    "program", "write the part program that measures a plan (thesis appendix B)",
-    "ecs-emulator program plan.toml --machine machine.toml -o programs\n"
-    "  ecs-emulator program --axis X --from 0 --to -4100 --step 50 --runs 3 --dwell 2 --overrun 5 -o exx.nc",
-    [](Verb& verb, ProgramArguments& arguments) {
-      verb.text("PLAN", arguments.plan, "plan file (TOML): one program for each row");
-      add_plan_options(RequestVerb(verb, arguments.request));
-      verb.flag("--even", arguments.even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks")
-          .text("--machine", arguments.machine, "machine file: park the other axes, check the travel")
-          .output_file("-o,--output", arguments.output, "file; with a plan: folder", Need::required)
-          .flag("--force", arguments.force, "overwrites files that are there");
-    },
-    write_programs);
+extern const Action kProgram =
+    action("program", "write the part program that measures a plan (thesis appendix B)",
+           "ecs-emulator program plan.toml --machine machine.toml -o programs\n"
+           "  ecs-emulator program --axis X --from 0 --to -4100 --step 50 --runs 3 --dwell 2 --overrun 5 -o exx.nc",
+           write_programs);
 
 }  // namespace ecs::emulator

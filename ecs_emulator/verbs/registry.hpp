@@ -11,6 +11,6 @@ inline constexpr const char* kProgramHelp =
     "The virtual workshop: a machine tool with its E.C.S. unit and a laser to measure it.";
 
 /// @param context  takes the arguments that the verbs of a menu share
-[[nodiscard]] cli::VerbRegistry<VerbContext> all_verbs(VerbContext& context);
+[[nodiscard]] Registry all_verbs(VerbContext& context);
 
 }  // namespace ecs::emulator

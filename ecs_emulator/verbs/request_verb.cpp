@@ -56,43 +56,44 @@ ProblemKind kind_of(int exit_code) {
 }  // namespace
 
 void RequestVerb::number(const std::string& option, const std::string& key, const std::string& help, Need need) {
-  verb_.add({option, cli::OnNumber([&request = request_, key](double v) { request[key] = v; }), help, need});
+  arguments_.push_back({option, cli::OnNumber([&request = request_, key](double v) { request[key] = v; }), help, need});
 }
 
 void RequestVerb::integer(const std::string& option, const std::string& key, const std::string& help, Need need) {
-  verb_.add({option, cli::OnInteger([&request = request_, key](long long v) { request[key] = v; }), help, need});
+  arguments_.push_back(
+      {option, cli::OnInteger([&request = request_, key](long long v) { request[key] = v; }), help, need});
 }
 
 void RequestVerb::word(const std::string& option, const std::string& key, const std::string& help, Need need) {
-  verb_.add({option, cli::OnText([&request = request_, key](const auto& v) { request[key] = v; }), help, need});
+  arguments_.push_back(
+      {option, cli::OnText([&request = request_, key](const auto& v) { request[key] = v; }), help, need});
 }
 
 void RequestVerb::flag(const std::string& option, const std::string& key, const std::string& help) {
-  verb_.add({option, cli::OnFlag([&request = request_, key] { request[key] = true; }), help});
+  arguments_.push_back({option, cli::OnFlag([&request = request_, key] { request[key] = true; }), help});
 }
 
 void RequestVerb::numbers(const std::string& option, const std::string& key, const std::string& help) {
-  cli::VerbArgument numbers{option, cli::OnNumbers([&request = request_, key](const auto& v) { request[key] = v; }),
-                            help};
+  cli::Argument numbers{option, cli::OnNumbers([&request = request_, key](const auto& v) { request[key] = v; }), help};
   numbers.by_commas = true;
-  verb_.add(numbers);
+  arguments_.push_back(numbers);
 }
 
 void RequestVerb::words(const std::string& option, const std::string& key, const std::string& help) {
-  cli::VerbArgument words{option, cli::OnTexts([&request = request_, key](const auto& v) { request[key] = v; }), help};
+  cli::Argument words{option, cli::OnTexts([&request = request_, key](const auto& v) { request[key] = v; }), help};
   words.by_commas = true;
-  verb_.add(words);
+  arguments_.push_back(words);
 }
 
 void RequestVerb::coordinates(const std::string& option, const std::string& key, const std::string& help) {
-  cli::VerbArgument places{
+  cli::Argument places{
       option, cli::OnTexts([&request = request_, key](const auto& v) { request[key] = coordinates_in(v); }), help};
   places.by_commas = true;
-  verb_.add(places);
+  arguments_.push_back(places);
 }
 
 void RequestVerb::path(const std::string& option, const std::string& key, const std::string& help, Need need) {
-  verb_.add(
+  arguments_.push_back(
       {option, cli::OnText([&request = request_, key](const auto& v) { request[key] = absolute(v); }), help, need});
 }
 
@@ -101,7 +102,7 @@ void RequestVerb::paths(const std::string& option, const std::string& key, const
     request[key] = Json::array();
     for (const std::string& path : paths) request[key].push_back(absolute(path));
   };
-  verb_.add({option, cli::OnTexts(take), help});
+  arguments_.push_back({option, cli::OnTexts(take), help});
 }
 
 void RequestVerb::force() { flag("--force", kForce, "overwrites output files that are there"); }

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ecs_emulator/verbs/verb.hpp"
 
@@ -13,7 +13,7 @@ namespace ecs::emulator {
 /// Every option that is given appears under its key. The request must live as long as the parsing.
 class RequestVerb {
  public:
-  RequestVerb(Verb& verb, nlohmann::json& request) : verb_(verb), request_(request) {}
+  RequestVerb(cli::Arguments& arguments, nlohmann::json& request) : arguments_(arguments), request_(request) {}
 
   void number(const std::string& option, const std::string& key, const std::string& help = "",
               Need need = Need::optional);
@@ -35,9 +35,25 @@ class RequestVerb {
   void force();
 
  private:
-  Verb& verb_;
+  cli::Arguments& arguments_;
   nlohmann::json& request_;
 };
+
+/// The options that a verb declares, as fields whose request is a member.
+template <class Request>
+[[nodiscard]] Fields<Request> request_fields(nlohmann::json Request::*member, void (*declare)(RequestVerb)) {
+  nlohmann::json nothing;
+  cli::Arguments declared;
+  declare(RequestVerb(declared, nothing));
+  Fields<Request> all;
+  for (std::size_t k = 0; k < declared.size(); ++k)
+    all.add({declared[k], [member, declare, k](Request& request) {
+               cli::Arguments into;
+               declare(RequestVerb(into, request.*member));
+               return into[k].into;
+             }});
+  return all;
+}
 
 /// Options of the verbs that a running workshop and a machine without a unit share.
 void add_measure_options(RequestVerb verb);

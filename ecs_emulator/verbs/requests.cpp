@@ -14,14 +14,15 @@
 namespace ecs::emulator {
 namespace {
 
-struct AloneArguments {
+struct AloneRequest {
   MachineArguments machine;
   nlohmann::json request;
 };
 
-Result<Outcome> act_alone(const AloneArguments& arguments) {
-  const auto& [machine, errors, seed] = arguments.machine;
-  nlohmann::json request = arguments.request;
+Result<Outcome> act_alone(const std::string& name, const AloneRequest& asked) {
+  const auto& [machine, errors, seed] = asked.machine;
+  nlohmann::json request = asked.request;
+  request["action"] = name;
   const bool force = force_in(request);
   ECS_DO(spared_by(request, force));
   ECS_TRY(simulation, simulation_for(machine, errors, seed));
@@ -30,22 +31,20 @@ Result<Outcome> act_alone(const AloneArguments& arguments) {
   return printed(perform({&simulation, nullptr, nullptr}, request.dump(), show_progress));
 }
 
-VerbDefinition without_unit(const std::string& name, std::string help, const std::string& example,
-                            void (*declare)(RequestVerb)) {
-  return {name, std::move(help), "ecs-emulator " + name + " --machine machine.toml " + example,
-          [name, declare](Verb& verb) -> Action {
-            const auto arguments = std::make_shared<AloneArguments>();
-            arguments->request["action"] = name;
-            arguments->machine.declare(verb);
-            declare(RequestVerb(verb, arguments->request));
-            return [arguments](VerbContext& /*context*/) { return act_alone(*arguments); };
-          }};
+Action without_unit(const std::string& name, std::string help, const std::string& example,
+                    void (*declare)(RequestVerb)) {
+  return cli::action<VerbContext, AloneRequest, Outcome>(
+      name, std::move(help), "ecs-emulator " + name + " --machine machine.toml " + example,
+      [name](VerbContext& /*context*/, const AloneRequest& asked) { return act_alone(name, asked); }, {},
+      [declare] {
+        return Fields<AloneRequest>{&AloneRequest::machine, request_fields(&AloneRequest::request, declare)};
+      });
 }
 
 }  // namespace
 
-const std::vector<VerbDefinition>& verbs_without_unit() {
-  static const std::vector<VerbDefinition> verbs{
+const std::vector<Action>& verbs_without_unit() {
+  static const std::vector<Action> verbs{
       without_unit("measure", "measure a machine without a unit",
                    "--axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv", add_measure_options),
       without_unit("capture", "an instrument's display at a constant rate, on a machine without a unit",
@@ -78,18 +77,20 @@ Result<Outcome> ask(const VerbContext& context, const std::string& request) {
 }
 
 /// A verb that sends one request: its name is the action.
-VerbDefinition request(const std::string& name, std::string help, const std::string& example,
-                       void (*declare)(RequestVerb)) {
-  return {"workshop " + name, std::move(help), "ecs-emulator workshop shop.sock " + example,
-          [name, declare](Verb& verb) -> Action {
-            const auto request = std::make_shared<Json>(Json{{"action", name}});
-            declare(RequestVerb(verb, *request));
-            return [request](VerbContext& context) -> Result<Outcome> {
-              const bool force = force_in(*request);
-              ECS_DO(spared_by(*request, force));
-              return ask(context, request->dump());
-            };
-          }};
+struct WorkshopRequest {
+  Json request;
+};
+Action request(const std::string& name, std::string help, const std::string& example, void (*declare)(RequestVerb)) {
+  return cli::action<VerbContext, WorkshopRequest, Outcome>(
+      "workshop " + name, std::move(help), "ecs-emulator workshop shop.sock " + example,
+      [name](VerbContext& context, const WorkshopRequest& asked) -> Result<Outcome> {
+        Json request = asked.request;
+        request["action"] = name;
+        const bool force = force_in(request);
+        ECS_DO(spared_by(request, force));
+        return ask(context, request.dump());
+      },
+      {}, [declare] { return request_fields(&WorkshopRequest::request, declare); });
 }
 
 void add_jog_options(RequestVerb verb) {
@@ -113,15 +114,29 @@ void add_fault_options(RequestVerb verb) {
   verb.number("--slow-ms", "slow_ms");
 }
 
-struct PlanArguments {
-  std::string plan;
-  std::string folder;
+struct PlanRequest {
+  std::string plan, folder;
   bool force = false;
   PlanChoice choice;
+  static Fields<PlanRequest> fields() {
+    using R = PlanRequest;
+    using C = PlanChoice;
+    const auto of_choice = [](const char* name, auto C::*member, const char* help, auto... more) {
+      return Fields<R>(&R::choice, Fields<C>(name, member, help, more...));
+    };
+    return {
+        {"PLAN", &R::plan, "plan file (TOML)", Need::required},
+        of_choice("--phase", &C::phase, "rows of this phase, and of both", Words{"before", "after"}, Need::required),
+        {"-o,--output", &R::folder, "folder for the files", Need::required},
+        {"--force", &R::force, "overwrites files that are there"},
+        of_choice("--moved", &C::moved, "targets off equal steps, as ISO 230-2 asks"),
+        of_choice("--date", &C::date, ""),
+        of_choice("--engineer", &C::engineer, "")};
+  }
 };
 
 /// Every measurement of a plan, one after the other; the first that fails ends it.
-Result<Outcome> follow_plan(VerbContext& context, const PlanArguments& arguments) {
+Result<Outcome> follow_plan(VerbContext& context, const PlanRequest& arguments) {
   PlanChoice choice = arguments.choice;
   choice.folder = std::filesystem::absolute(arguments.folder);
   std::error_code error;
@@ -136,8 +151,8 @@ Result<Outcome> follow_plan(VerbContext& context, const PlanArguments& arguments
 
 }  // namespace
 
-const std::vector<VerbDefinition>& workshop_verbs() {
-  static const std::vector<VerbDefinition> verbs{
+const std::vector<Action>& workshop_verbs() {
+  static const std::vector<Action> verbs{
       request("state", "positions, unit, time and counters", "state", [](RequestVerb /*verb*/) {}),
       request("jog", "move axes", "jog --x -100 --y 50 --feed 2000", add_jog_options),
       request("reference", "run the controller's reference sequence, all axes or --axes X", "reference --axes X",
@@ -168,19 +183,7 @@ const std::vector<VerbDefinition>& workshop_verbs() {
   return verbs;
 }
 
-extern const VerbDefinition kPlan = verb<PlanArguments>(
-    "workshop plan", "every measurement of a plan",
-    "ecs-emulator workshop shop.sock plan PLAN.toml --phase before -o DIR",
-    [](Verb& verb, PlanArguments& arguments) {
-      verb.text("PLAN", arguments.plan, "plan file (TOML)", Need::required)
-          .choice("--phase", arguments.choice.phase, {"before", "after"}, "rows of this phase, and of both",
-                  Need::required)
-          .text("-o,--output", arguments.folder, "folder for the files", Need::required)
-          .flag("--force", arguments.force, "overwrites files that are there")
-          .flag("--moved", arguments.choice.moved, "targets off equal steps, as ISO 230-2 asks")
-          .text("--date", arguments.choice.date, "")
-          .text("--engineer", arguments.choice.engineer, "");
-    },
-    follow_plan);
+extern const Action kPlan = action("workshop plan", "every measurement of a plan",
+                                   "ecs-emulator workshop shop.sock plan PLAN.toml --phase before -o DIR", follow_plan);
 
 }  // namespace ecs::emulator

@@ -7,11 +7,17 @@
 namespace ecs::emulator {
 namespace {
 
-struct RigArguments {
+struct RigRequest {
   std::string folder;
   std::optional<std::uint64_t> seed;
-  bool json = false;
-  bool force = false;
+  bool json = false, force = false;
+  static Fields<RigRequest> fields() {
+    using R = RigRequest;
+    return {{"-o,--output", &R::folder, "folder for data (CSV) and pictures (SVG)", Need::required},
+            {"--seed", &R::seed, "seed of the scatter (7)"},
+            {"--force", &R::force, "overwrites files that are there"},
+            {"--json", &R::json, "the numbers as JSON"}};
+  }
 };
 
 nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
@@ -25,7 +31,7 @@ nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
   return {{"numbers", list}};
 }
 
-Result<Outcome> draw_rig(VerbContext& /*context*/, const RigArguments& arguments) {
+Result<Outcome> draw_rig(VerbContext& /*context*/, const RigRequest& arguments) {
   ECS_DO(spared(rig_files(arguments.folder), arguments.force));
   ECS_TRY(numbers, draw_rig_figures(arguments.folder, arguments.seed.value_or(7)));
   return Outcome{arguments.json ? json_of(numbers).dump(2) : table_of(numbers), {}};
@@ -33,14 +39,7 @@ Result<Outcome> draw_rig(VerbContext& /*context*/, const RigArguments& arguments
 
 }  // namespace
 
-extern const VerbDefinition kRig = verb<RigArguments>(
-    "rig", "the thesis's single-axis rig: figures 3.3, 3.5, 3.9 to 3.12 with numbers", "ecs-emulator rig -o rig",
-    [](Verb& verb, RigArguments& arguments) {
-      verb.text("-o,--output", arguments.folder, "folder for data (CSV) and pictures (SVG)", Need::required)
-          .seed(arguments.seed, "seed of the scatter (7)")
-          .flag("--force", arguments.force, "overwrites files that are there")
-          .flag("--json", arguments.json, "the numbers as JSON");
-    },
-    draw_rig);
+extern const Action kRig = action("rig", "the thesis's single-axis rig: figures 3.3, 3.5, 3.9 to 3.12 with numbers",
+                                  "ecs-emulator rig -o rig", draw_rig);
 
 }  // namespace ecs::emulator

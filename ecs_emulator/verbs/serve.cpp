@@ -48,48 +48,63 @@ namespace {
 
 constexpr std::size_t kLongestSerialNumber = 16;
 
-struct ServeArguments {
+/// A whole number that no plain field takes.
+Fields<ServeOptions> whole_number(const char* name, void (*take)(ServeOptions&, long long), const char* help,
+                                  cli::Range range) {
+  cli::Argument argument{name, {}, help};
+  say(argument, range);
+  return {argument, [take](ServeOptions& options) -> cli::Argument::Target {
+            return cli::OnInteger([&options, take](long long value) { take(options, value); });
+          }};
+}
+
+struct ServeRequest {
   MachineArguments machine;
   std::string memory, workshop;
   int memory_modules = 5;
   std::string mode = "auto";
   bool with_parent = false;
   ServeOptions options;
+  static Fields<ServeRequest> fields() {
+    using R = ServeRequest;
+    using O = ServeOptions;
+    const auto pty = [](O& options) -> cli::Argument::Target {
+      return cli::OnText([&options](const std::string& link) { options.pty = link; });
+    };
+    const Fields<O> of_line{
+        {{"--pty", {}, "make this symbolic link to the pseudo-terminal (RTU)"}, pty},
+        whole_number("--tcp", [](O& o, long long port) { o.tcp = static_cast<std::uint16_t>(port); },
+                     "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", {0, 65535}),
+        {"--also-tcp", &O::also_tcp,
+         "beside the pseudo-terminal Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the "
+         "first line)"},
+        {"--tcp-host", &O::tcp_host, "address of another interface for --tcp; needs --token"},
+        {"--token", &O::token_file, "file with the token that a TCP host must show first"},
+        {"--unit", &O::unit, "Modbus unit number, 1 to 247", cli::Range{1, 247}},
+        {"--serial-number", &O::serial_number, "at most 16 characters"}};
+    const Fields<O> pace = whole_number("--pace", [](O& o, long long baud) { o.pace_baud = static_cast<int>(baud); },
+                                        "make the line as slow as this baud rate, 300 to 921600", {300, 921600});
+    return {
+        &R::machine,
+        {&R::options, of_line},
+        {"--memory", &R::memory, "file that stands for the battery of the axis memory"},
+        {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
+        {&R::options, pace},
+        {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
+        {"--mode", &R::mode, "what the unit finds on its socket at power-up", Words{"auto", "compensate", "integrate"}},
+        {&R::options,
+         Fields<O>{{"--arm-code", &O::arm_code, "that the unit shows; six digits by chance if not given"},
+                   {"--real-time", &O::real_time, "simulated time goes by the clock; `state` counts missed periods"}}},
+        {"--with-parent", &R::with_parent, "end when the parent process ends"}};
+  }
 };
-
-void declare_serve(Verb& verb, ServeArguments& arguments) {
-  ServeOptions& options = arguments.options;
-  arguments.machine.declare(verb);
-  verb.add({"--pty", cli::OnText([&options](const std::string& link) { options.pty = link; }),
-            "make this symbolic link to the pseudo-terminal (RTU)"})
-      .add({"--tcp", cli::OnInteger([&options](long long port) { options.tcp = static_cast<std::uint16_t>(port); }),
-            "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", Need::optional, 0, 65535})
-      .flag(
-          "--also-tcp", options.also_tcp,
-          "beside the pseudo-terminal Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the "
-          "first line)")
-      .text("--tcp-host", options.tcp_host, "address of another interface for --tcp; needs --token")
-      .text("--token", options.token_file, "file with the token that a TCP host must show first")
-      .integer("--unit", options.unit, "Modbus unit number, 1 to 247", 1, 247)
-      .text("--serial-number", options.serial_number, "at most 16 characters")
-      .text("--memory", arguments.memory, "file that stands for the battery of the axis memory")
-      .text("--workshop", arguments.workshop, "socket for `ecs-emulator workshop`")
-      .add({"--pace", cli::OnInteger([&options](long long baud) { options.pace_baud = static_cast<int>(baud); }),
-            "make the line as slow as this baud rate, 300 to 921600", Need::optional, 300, 921600})
-      .integer("--modules", arguments.memory_modules, "axis memory modules in the rack, 1 to 5", 1, 5)
-      .choice("--mode", arguments.mode, {"auto", "compensate", "integrate"},
-              "what the unit finds on its socket at power-up")
-      .text("--arm-code", options.arm_code, "that the unit shows; six digits by chance if not given")
-      .flag("--real-time", options.real_time, "simulated time goes by the clock; `state` counts missed periods")
-      .flag("--with-parent", arguments.with_parent, "end when the parent process ends");
-}
 
 LinkSense link_sense_named(std::string_view name) {
   if (name == "compensate") return LinkSense::compensate;
   return name == "integrate" ? LinkSense::integrate : LinkSense::automatic;
 }
 
-Result<Outcome> run_server(VerbContext& context, const ServeArguments& arguments) {
+Result<Outcome> run_server(VerbContext& context, const ServeRequest& arguments) {
   ServeOptions options = arguments.options;
   if (options.pty && options.tcp) return problem(ProblemKind::usage, "--tcp excludes --pty");
   if (options.also_tcp && options.tcp) return problem(ProblemKind::usage, "--also-tcp excludes --tcp");
@@ -113,8 +128,8 @@ Result<Outcome> run_server(VerbContext& context, const ServeArguments& arguments
 
 }  // namespace
 
-extern const VerbDefinition kServe = verb<ServeArguments>(
-    "serve", "the unit on a line, the machine behind it",
-    "ecs-emulator serve --machine mill.toml --workshop /tmp/shop --memory battery.bin", declare_serve, run_server);
+extern const Action kServe =
+    action("serve", "the unit on a line, the machine behind it",
+           "ecs-emulator serve --machine mill.toml --workshop /tmp/shop --memory battery.bin", run_server);
 
 }  // namespace ecs::emulator

@@ -5,43 +5,36 @@
 #include <atomic>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include <sys/types.h>
 
-#include "base/cli/verb.hpp"
+#include "base/cli/action.hpp"
 
 namespace ecs::emulator {
 
+using cli::action;
+using cli::Fields;
 using cli::Need;
-using cli::Verb;
+using cli::Words;
 
 struct VerbContext {
   std::string workshop;  ///< of the verbs of a running workshop: the server's socket
   pid_t parent = 0;      ///< the process that started this one
 };
 
-using VerbDefinition = cli::VerbDefinition<VerbContext>;
-using Action = VerbDefinition::Action;
-
-/// The definition of a verb with arguments of its own, which live as long as its action.
-template <class Arguments>
-[[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example,
-                                  void (*declare)(Verb&, Arguments&),
-                                  Result<Outcome> (*run)(VerbContext&, const Arguments&)) {
-  return cli::defined_verb<VerbContext, Arguments>(std::move(path), std::move(help), std::move(example), declare, run);
-}
+using Action = cli::Action<VerbContext>;
+using Registry = cli::Registry<VerbContext>;
 
 /// The machine that a verb makes.
 struct MachineArguments {
-  std::string machine;
-  std::string errors;
+  std::string machine, errors;
   std::optional<std::uint64_t> seed;
 
-  void declare(Verb& verb) {
-    verb.text("--machine", machine, "machine file (TOML)", Need::required)
-        .text("--errors", errors, "errors file (TOML); default: the one that the machine file names")
-        .seed(seed, "seed of everything random");
+  static Fields<MachineArguments> fields() {
+    using A = MachineArguments;
+    return {{"--machine", &A::machine, "machine file (TOML)", Need::required},
+            {"--errors", &A::errors, "errors file (TOML); default: the one that the machine file names"},
+            {"--seed", &A::seed, "seed of everything random"}};
   }
 };
 

@@ -33,7 +33,7 @@ TEST_CASE("every verb has a manual page with its options and its example") {
   const std::string pages = folder / "man";
   const Ran written = ran({"manual", "-o", pages});
   REQUIRE_MESSAGE(written.code == 0, written.all());
-  for (const VerbDefinition* verb : all_verbs().verbs) {
+  for (const Action* verb : all_verbs().actions) {
     std::string name = "ecs";
     for (const std::string& word : verb->words()) name += "-" + word;
     const auto page = read_file(pages + "/" + name + ".1");

@@ -53,17 +53,17 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   if (choice == files.end()) return;
   const auto given = given_answers(choice->answers);
   std::vector<LaserField> fields;
-  for (const AnswerField& one : answer_fields()) {
+  for (const commissioning::AnswerField& one : answer_fields()) {
     const auto value = given.find(one.name);
     fields.push_back({one.name, one.help, value == given.end() ? "" : value->second, one.choices,
-                      one.kind == AnswerField::Kind::path});
+                      one.kind == commissioning::AnswerField::Kind::path});
   }
   const std::string name = std::filesystem::path(path).filename().string();
   LaserForm form("what " + name + " does not say", std::move(fields), [this, path](const std::vector<std::string>& v) {
     ImportArguments answers;
     for (std::size_t k = 0; k < v.size(); ++k) {
-      const AnswerField& asked = answer_fields()[k];
-      if (asked.kind == AnswerField::Kind::number && !v[k].empty() && !number_in(v[k]))
+      const commissioning::AnswerField& asked = answer_fields()[k];
+      if (asked.kind == commissioning::AnswerField::Kind::number && !v[k].empty() && !number_in(v[k]))
         return fmt::format("{}: expected a number, found \"{}\"", asked.name, v[k]);
       set_answer(answers, asked.name, v[k]);
     }

@@ -4,27 +4,25 @@
 
 namespace ecs::app {
 
-void FormatArguments::take(Verb& verb, const controllers::FormatOption& option, const std::string& help) {
-  const std::string name = "--" + std::string(option.name);
-  Typed& typed = typed_.emplace_back(Typed{std::string(option.name), std::string(option.fallback)});
-  if (option.is_flag) {
-    verb.flag(name, typed.value.emplace<bool>(false), help);
-  } else if (option.range) {
-    const int fallback = static_cast<int>(integer_in(option.fallback).value_or(0));
-    verb.integer(name, typed.value.emplace<int>(fallback), help, option.range->least, option.range->most);
-  } else if (!option.words.empty()) {
-    verb.choice(name, std::get<std::string>(typed.value), {option.words.begin(), option.words.end()}, help);
-  } else {
-    verb.text(name, std::get<std::string>(typed.value), help);
-  }
+Fields<FormatValues> field_of(const controllers::FormatOption& option, const std::string& help) {
+  cli::Argument argument{"--" + std::string(option.name), {}, help};
+  if (option.range)
+    say(argument, Range{static_cast<double>(option.range->least), static_cast<double>(option.range->most)});
+  if (!option.words.empty()) say(argument, Words(option.words.begin(), option.words.end()));
+  return {std::move(argument), [option](FormatValues& formats) -> cli::Argument::Target {
+            auto& value = formats.typed[std::string(option.name)];
+            if (option.is_flag) return &value.emplace<bool>(false);
+            if (option.range) return &value.emplace<int>(static_cast<int>(integer_in(option.fallback).value_or(0)));
+            return &value.emplace<std::string>(option.fallback);
+          }};
 }
 
-controllers::OptionValues FormatArguments::values() const {
+controllers::OptionValues FormatValues::values() const {
   controllers::OptionValues values;
-  for (const Typed& typed : typed_) {
-    if (const auto* text = std::get_if<std::string>(&typed.value)) values.set(typed.name, *text);
-    if (const auto* number = std::get_if<int>(&typed.value)) values.set(typed.name, std::to_string(*number));
-    if (const auto* given = std::get_if<bool>(&typed.value)) values.set(typed.name, *given ? "1" : "");
+  for (const auto& [name, value] : typed) {
+    if (const auto* text = std::get_if<std::string>(&value)) values.set(name, *text);
+    if (const auto* number = std::get_if<int>(&value)) values.set(name, std::to_string(*number));
+    if (const auto* given = std::get_if<bool>(&value)) values.set(name, *given ? "1" : "");
   }
   return values;
 }

@@ -1,7 +1,7 @@
-// The options of controller formats as options of a command line.
+// The options of controller formats as fields of a request.
 #pragma once
 
-#include <deque>
+#include <map>
 #include <string>
 #include <variant>
 
@@ -10,19 +10,13 @@
 
 namespace ecs::app {
 
-/// What was typed for the options of formats. Must live as long as the verb.
-class FormatArguments {
- public:
-  /// Adds `--name`.
-  void take(Verb& verb, const controllers::FormatOption& option, const std::string& help);
+/// What was typed for the options of formats, by their names.
+struct FormatValues {
+  std::map<std::string, std::variant<std::string, int, bool>> typed;
   [[nodiscard]] controllers::OptionValues values() const;
-
- private:
-  struct Typed {
-    std::string name;
-    std::variant<std::string, int, bool> value;
-  };
-  std::deque<Typed> typed_;  ///< a deque: the verb keeps references to the values
 };
+
+/// `--name`
+[[nodiscard]] Fields<FormatValues> field_of(const controllers::FormatOption& option, const std::string& help);
 
 }  // namespace ecs::app

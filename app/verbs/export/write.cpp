@@ -1,14 +1,13 @@
 // `ecs export <format>`: the map as files that another controller reads, a verb for each format of the registry.
 #include <filesystem>
-#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/export/export_arguments.hpp"
 #include "app/verbs/export/format_arguments.hpp"
+#include "app/verbs/map/unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/overwriting.hpp"
 #include "commissioning/maps/export_files.hpp"
@@ -62,8 +61,22 @@ void note_left_from_before(ExportWork& work, const std::string& folder, const st
     work.notes.push_back(fmt::format("left from before, not of this export: {}", fmt::join(left, ", ")));
 }
 
-Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
-                         const controllers::ControllerFormat& format, const controllers::OptionValues& options) {
+struct WriteRequest {
+  ExportArguments from;
+  FormatValues options;
+};
+
+Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments& arguments) {
+  if (!arguments.model.empty() && arguments.machine.empty())
+    return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
+  ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
+  return export_work(context.console, arguments, std::move(found));
+}
+
+Result<Outcome> exported(VerbContext& context, const WriteRequest& request,
+                         const controllers::ControllerFormat& format) {
+  const ExportArguments& arguments = request.from;
+  const controllers::OptionValues options = request.options.values();
   ECS_TRY(work, read_export_work(context, arguments));
   ECS_TRY(errors, errors_for(context.console, arguments, work));
   auto made = format.write(work.source, options);
@@ -84,28 +97,24 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   return outcome_of(export_cell(report));
 }
 
-struct WriteArguments : ExportArguments {
-  FormatArguments format;
-};
-
-VerbDefinition writer_of(const controllers::ControllerFormat& format) {
-  const auto declare = [&format](Verb& verb) -> Action {
-    const auto arguments = std::make_shared<WriteArguments>();
-    take_export_arguments(verb, *arguments, std::string(format.output_help));
+Action writer_of(const controllers::ControllerFormat& format) {
+  const auto fields = [&format] {
+    Fields<WriteRequest> all(&WriteRequest::from, ExportArguments::fields(std::string(format.output_help)));
     for (const controllers::FormatOption& option : format.write_options)
-      arguments->format.take(verb, option, std::string(option.help));
-    return [arguments, &format](VerbContext& context) {
-      return exported(context, *arguments, format, arguments->format.values());
-    };
+      all.add({&WriteRequest::options, field_of(option, std::string(option.help))});
+    return all;
   };
-  return {fmt::format("export {}", format.id), std::string(format.summary), std::string(format.example), declare};
+  return cli::action<VerbContext, WriteRequest, Outcome>(
+      fmt::format("export {}", format.id), std::string(format.summary), std::string(format.example),
+      [&format](VerbContext& context, const WriteRequest& request) { return exported(context, request, format); },
+      {.link = Link::reads, .logged = Logged::when_written, .kind = "export", .logged_as = "export"}, fields);
 }
 
 }  // namespace
 
-const std::vector<VerbDefinition>& export_writers() {
-  static const std::vector<VerbDefinition> writers = [] {
-    std::vector<VerbDefinition> all;
+const std::vector<Action>& export_writers() {
+  static const std::vector<Action> writers = [] {
+    std::vector<Action> all;
     for (const controllers::ControllerFormat* format : controllers::controller_formats())
       if (format->write) all.push_back(writer_of(*format));
     return all;

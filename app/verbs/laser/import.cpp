@@ -1,4 +1,6 @@
 // `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
+// `ecs laser show`: conditions, measurement lines, and the means at every target.
+
 #include <algorithm>
 #include <filesystem>
 
@@ -6,11 +8,11 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 #include "laser/import/format.hpp"
@@ -26,12 +28,25 @@ std::string output_help() {
   return fmt::format("the file to write: CSV, or {}", fmt::join(extensions, " "));
 }
 
-struct FileImportArguments : VerbArguments {
-  const std::vector<std::string>& files = texts("FILE", "measurement files; several are joined", Need::required);
-  const std::string& output = output_file("-o,--output", output_help());
-  const std::string& save_profile = text("--save-profile", "keep the import options given, under this name or path");
-  const bool& force = flag("--force", "overwrites an output file or a profile that is there");
-  RotaryImportOptions import{*this};
+ImportArguments import_of_any_axis() {
+  ImportArguments any;
+  any.takes_rotary = true;
+  return any;
+}
+
+struct FileImportRequest {
+  std::vector<std::string> files;
+  std::string output, save_profile;
+  bool force = false;
+  ImportArguments import = import_of_any_axis();
+  static Fields<FileImportRequest> fields() {
+    using R = FileImportRequest;
+    return {{"FILE", &R::files, "measurement files; several are joined", Need::required},
+            {"-o,--output", &R::output, output_help(), Is::output},
+            {"--save-profile", &R::save_profile, "keep the import options given, under this name or path"},
+            {"--force", &R::force, "overwrites an output file or a profile that is there"},
+            &R::import};
+  }
 };
 
 /// A plate or a probed surface has hundreds of lines; the first of them show what was read.
@@ -78,38 +93,103 @@ Result<void> write_set(const std::string& output, const laser::MeasurementSet& s
   return write_file(output, content);
 }
 
-Result<Outcome> import(VerbContext& context, const FileImportArguments& arguments) {
-  ECS_TRY(given, given_files(arguments.files));
+Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
+  ECS_TRY(given, given_files(request.files));
   for (const std::string& note : given.notes) context.console.note(note);
-  ECS_DO(check_output_not_input(arguments.output, given.files));
+  ECS_DO(check_output_not_input(request.output, given.files));
   std::vector<laser::MeasurementSet> sets;
   Cell files{Json::array(), {}};
   for (const std::string& file : given.files) {
-    ECS_TRY(imported, read_measurements(file, arguments.import));
+    ECS_TRY(imported, read_measurements(file, request.import));
     files.add(file_cell(file, imported));
     sets.push_back(std::move(imported.set));
   }
   std::string profile;
-  if (!arguments.save_profile.empty()) {
-    ECS_TRY(kept, with_profile(arguments.import));
-    ECS_TRY(saved, save_profile(arguments.save_profile, kept, arguments.force));
+  if (!request.save_profile.empty()) {
+    ECS_TRY(kept, with_profile(request.import));
+    ECS_TRY(saved, save_profile(request.save_profile, kept, request.force));
     profile = fmt::format("import options kept in {}\n", saved.string());
   }
   ECS_TRY(all, joined(sets));
-  if (!arguments.output.empty()) {
+  if (!request.output.empty()) {
     if (all.readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
-    ECS_DO(write_set(arguments.output, all));
+    ECS_DO(write_set(request.output, all));
   }
-  return outcome_of(answer_cell(files, all, arguments.output, profile));
+  return outcome_of(answer_cell(files, all, request.output, profile));
+}
+
+struct ShowRequest {
+  std::string file;
+  ImportArguments import = import_of_any_axis();
+  static Fields<ShowRequest> fields() {
+    using R = ShowRequest;
+    return {{"FILE", &R::file, "measurement file", Need::required}, &R::import};
+  }
+};
+
+std::optional<double> reversal(const laser::TargetReadings& target) {
+  const auto forward = laser::mean_of(target.forward), reverse = laser::mean_of(target.reverse);
+  if (!forward || !reverse) return std::nullopt;
+  return *forward - *reverse;
+}
+
+Cell mean_cell(const std::vector<double>& readings) { return number_cell(laser::mean_of(readings), 3); }
+/// All of them in JSON, how many in the text.
+Cell readings_cell(const std::vector<double>& readings) { return {readings, fmt::format("{}", readings.size())}; }
+
+Cell target_cell(const laser::TargetReadings& t, bool rotary) {
+  const char* const position = rotary ? "position_deg" : "position_mm";
+  return record_cell(fmt::format("{{{}:>12}} ", position) +
+                         "{mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
+                         "{undirected:>4} {reversal:>12}\n",
+                     {{position, number_cell(t.position_mm, 4)},
+                      {"mean_forward", mean_cell(t.forward)},
+                      {"forward", readings_cell(t.forward)},
+                      {"mean_reverse", mean_cell(t.reverse)},
+                      {"reverse", readings_cell(t.reverse)},
+                      {"mean_undirected", mean_cell(t.undirected)},
+                      {"undirected", readings_cell(t.undirected)},
+                      {"reversal", shown_cell(number_cell(reversal(t), 3).text)}});
+}
+
+Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary) {
+  return list_cell(
+      targets, [&](const laser::TargetReadings& t) { return target_cell(t, rotary); },
+      fmt::format("{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n",
+                  fmt::format("target [{}]", laser::target_unit(rotary)), "forward", "n", "reverse", "n", "unknown",
+                  "n", "reversal"));
+}
+
+Result<Outcome> show(VerbContext&, const ShowRequest& request) {
+  ECS_TRY(imported, read_measurements(request.file, request.import));
+  const laser::MeasurementSet& set = imported.set;
+  AnswerFields fields{{"file", word_cell(request.file)}, {"format", word_cell(imported.format->title)}};
+  append(fields, set_fields(set));
+  const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported.environment), "rows")
+                                               : conditions_cell(conditions_in(set), "readings");
+  fields.push_back({"conditions", conditions.json.empty() ? shown_cell({}) : conditions});
+  Cell answer = record_cell("{file}: {format}, {readings} readings\n{metadata}{notes}{conditions}\n{lines}", fields);
+  const auto groups = laser::groups_of(set);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Cell targets =
+        targets_cell(laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i])), groups[i].rotary);
+    answer.text += laid_out("\n{component} ({sense} along {axis}), parked at {parked_mm} mm, in {unit}\n",
+                            measured_line_fields(groups[i])) +
+                   targets.text;
+    answer.json["lines"][i]["by_target"] = targets.json;
+  }
+  return outcome_of(answer);
 }
 
 }  // namespace
 
-extern const VerbDefinition kLaserImport = verb<FileImportArguments>(
-    "laser import", "any instrument's file as a measurement set (CSV); names the format it recognised",
-    "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
-    "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
-    "--skip 3 --save-profile gauge -o table.csv",
-    import);
+extern const std::vector<Action> kLaserReading{
+    action("laser import", "any instrument's file as a measurement set (CSV); names the format it recognised",
+           "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
+           "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
+           "--skip 3 --save-profile gauge -o table.csv",
+           import, {.logged = Logged::when_written, .kind = "measurement"}),
+    action("laser show", "conditions, lines, sensors and the means at every target of a measurement file",
+           "ecs laser show x_axis.csv", show)};
 
 }  // namespace ecs::app

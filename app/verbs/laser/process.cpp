@@ -1,4 +1,7 @@
-// `ecs laser process`: runs left out, slope removed, curve smoothed; what that changed, as numbers, CSV and plot.
+// What changes measured curves. `ecs laser process`: runs left out, slope removed, curve smoothed; what that changed,
+// as numbers, CSV and plot. `prepare`: one measured line as a file of its own, without what is left out. `normalise`:
+// errors referred to 20 degC by a coefficient, and back. `air`: the index of air.
+
 #include <algorithm>
 #include <set>
 
@@ -6,11 +9,14 @@
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
+#include "base/text.hpp"
+#include "commissioning/laser_session/prepared_lines.hpp"
 #include "commissioning/measurements/fields.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/plot/curves.hpp"
+#include "laser/analysis/normalise.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/writers/measurement_writer.hpp"
@@ -18,17 +24,23 @@
 namespace ecs::app {
 namespace {
 
-struct ProcessArguments : VerbArguments {
-  const std::string& file = text("FILE", "measurement file", Need::required);
-  const std::string& slope = choice("--slope", {"none", "end_points", "least_squares"},
-                                    "slope to remove; least_squares for straightness, else none");
-  const double& smooth_mm =
-      number("--smooth", "window of the local quadratic [mm]; 0: none", 0.0, Need::optional, 0.0, 1e6);
-  const std::vector<std::string>& exclude_runs = texts("--exclude-run", "runs to leave out: 3 or 3,5");
-  const std::vector<std::string>& exclude_rows = texts("--exclude-row", "data rows to leave out, from 1");
-  const std::string& output = output_file("-o,--output", "CSV of the processed means");
-  const std::string& plot = output_file("--plot", "before and after on the same scale: OUT.svg or OUT.png");
-  ImportOptions import{*this};
+struct ProcessRequest {
+  std::string file, slope, output, plot;
+  double smooth_mm = 0.0;
+  std::vector<std::string> exclude_runs, exclude_rows;
+  ImportArguments import;
+  static Fields<ProcessRequest> fields() {
+    using R = ProcessRequest;
+    return {{"FILE", &R::file, "measurement file", Need::required},
+            {"--slope", &R::slope, "slope to remove; least_squares for straightness, else none",
+             Words{"none", "end_points", "least_squares"}},
+            {"--smooth", &R::smooth_mm, "window of the local quadratic [mm]; 0: none", Range{0.0, 1e6}},
+            {"--exclude-run", &R::exclude_runs, "runs to leave out: 3 or 3,5"},
+            {"--exclude-row", &R::exclude_rows, "data rows to leave out, from 1"},
+            {"-o,--output", &R::output, "CSV of the processed means", Is::output},
+            {"--plot", &R::plot, "before and after on the same scale: OUT.svg or OUT.png", Is::output},
+            &R::import};
+  }
 };
 
 /// One measurement line, processed.
@@ -38,14 +50,14 @@ struct Processed {
   [[nodiscard]] const laser::Curve& curve() const { return readings.curve(); }
 };
 
-laser::SlopeMethod method_for(const ProcessArguments& arguments, const laser::Group& group) {
-  const auto chosen = laser::slope_method_named(arguments.slope);
+laser::SlopeMethod method_for(const ProcessRequest& request, const laser::Group& group) {
+  const auto chosen = laser::slope_method_named(request.slope);
   return chosen ? *chosen : laser::default_slope(curve_of(group.sense, group.axis));
 }
 
 Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group,
-                            const ProcessArguments& arguments) {
-  ECS_TRY(readings, laser::processed_readings(set, group, {method_for(arguments, group), arguments.smooth_mm}));
+                            const ProcessRequest& request) {
+  ECS_TRY(readings, laser::processed_readings(set, group, {method_for(request, group), request.smooth_mm}));
   if (readings.smoothing_fault) return tl::unexpected(*readings.smoothing_fault);
   return Processed{group, std::move(readings)};
 }
@@ -168,26 +180,25 @@ laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::M
   return set;
 }
 
-Result<void> write_before_after(const std::vector<Processed>& lines, const ProcessArguments& arguments) {
+Result<void> write_before_after(const std::vector<Processed>& lines, const ProcessRequest& request) {
   if (lines.size() != 1)
     return problem(ProblemKind::usage, fmt::format("--plot: expected one measurement line in {}, found {}: split the "
                                                    "file",
-                                                   arguments.file, lines.size()));
+                                                   request.file, lines.size()));
   const Processed& p = lines.front();
   const Component component = curve_of(p.group.sense, p.group.axis);
   PlotFigure figure{fmt::format("{}  {}", name_of(component), laser::description_of(component)), {}, 1, true};
   figure.panels.push_back(panel_of(p.readings.before, p.readings.before_curve, "as measured"));
   figure.panels.push_back(panel_of(p.readings.after, p.curve(), "processed"));
-  return write_plot(arguments.plot, figure);
+  return write_plot(request.plot, figure);
 }
 
 Result<void> write_files(const std::vector<Processed>& lines, const laser::MeasurementSet& from,
-                         const ProcessArguments& arguments) {
-  if (!arguments.output.empty())
-    if (auto written = laser::write_measurement_set(arguments.output, as_set(lines, from, arguments.smooth_mm));
-        !written)
+                         const ProcessRequest& request) {
+  if (!request.output.empty())
+    if (auto written = laser::write_measurement_set(request.output, as_set(lines, from, request.smooth_mm)); !written)
       return written;
-  return arguments.plot.empty() ? Result<void>() : write_before_after(lines, arguments);
+  return request.plot.empty() ? Result<void>() : write_before_after(lines, request);
 }
 
 /// An exclusion that matches no reading is probably a typing error.
@@ -213,41 +224,209 @@ Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const lase
   return tl::unexpected(folded(std::move(problems)));
 }
 
-Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments) {
-  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
-  for (const std::string& output : {arguments.output, arguments.plot})
-    ECS_DO(check_output_not_input(output, {arguments.file}));
-  ECS_TRY(exclusions, exclusions_of(arguments.exclude_runs, arguments.exclude_rows));
-  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+Result<Outcome> process(VerbContext& context, const ProcessRequest& request) {
+  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  for (const std::string& output : {request.output, request.plot})
+    ECS_DO(check_output_not_input(output, {request.file}));
+  ECS_TRY(exclusions, exclusions_of(request.exclude_runs, request.exclude_rows));
+  ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
   const laser::Selection selection = laser::selected(imported.set, exclusions);
-  ECS_DO(all_fit(exclusions, selection, imported.set, arguments.file));
+  ECS_DO(all_fit(exclusions, selection, imported.set, request.file));
   std::vector<Processed> lines;
   for (const laser::Group& group : laser::groups_of(selection.chosen)) {
-    auto line = processed(selection.chosen, group, arguments);
+    auto line = processed(selection.chosen, group, request);
     if (!line) {
       Problem why = line.error();
-      if (why.file.empty()) why.file = arguments.file;
+      if (why.file.empty()) why.file = request.file;
       return tl::unexpected(why);
     }
     lines.push_back(std::move(*line));
   }
-  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", arguments.file));
-  ECS_DO(write_files(lines, imported.set, arguments));
+  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", request.file));
+  ECS_DO(write_files(lines, imported.set, request));
   const std::size_t readings = imported.set.readings.size();
   return outcome_of(record_cell(
       "{lines}{excluded} of {readings} readings left out\n{output}{plot}",
-      {{"file", word_cell(arguments.file)},
-       {"lines", list_cell(lines, [&](const Processed& line) { return processed_cell(line, arguments.smooth_mm); })},
+      {{"file", word_cell(request.file)},
+       {"lines", list_cell(lines, [&](const Processed& line) { return processed_cell(line, request.smooth_mm); })},
        {"readings", count_cell(readings)},
        {"excluded", count_cell(readings - selection.chosen.readings.size())},
-       {"output", written_cell("means", arguments.output)},
-       {"plot", written_cell("plot", arguments.plot)}}));
+       {"output", written_cell("means", request.output)},
+       {"plot", written_cell("plot", request.plot)}}));
+}
+
+struct PrepareRequest {
+  std::vector<std::string> files, runs, readings;
+  std::string line, place, output;
+  ImportArguments import;
+  static Fields<PrepareRequest> fields() {
+    using R = PrepareRequest;
+    return {{"FILE", &R::files, "files that measured the line; joined", Need::required},
+            {"--line", &R::line, "which line, where they hold several: \"EX along X at Y -1400, Z 0\""},
+            {"--place", &R::place, "where the other axes stood, where the files state it wrongly: y=-1400,z=0"},
+            {"--leave-out-run", &R::runs, "a run to leave out, with the reason: 3=vibration"},
+            {"--leave-out-reading", &R::readings, "a reading of the line to leave out, from 1: \"17=beam broken\""},
+            {"-o,--output", &R::output, "measurement CSV to write", Is::output, Need::required},
+            &R::import};
+  }
+};
+
+/// "3=vibration", "3".
+struct LeftOut {
+  int number = 0;
+  std::string reason;
+};
+Result<LeftOut> left_out_in(const std::string& word, const char* option) {
+  const std::size_t equals = word.find('=');
+  const auto number = integer_in(word.substr(0, equals));
+  if (!number || *number < 1 || *number > 1'000'000'000)
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: expected a number from 1, or number=reason; found \"{}\"", option, word));
+  return LeftOut{static_cast<int>(*number), equals == std::string::npos ? std::string() : word.substr(equals + 1)};
+}
+
+Result<Outcome> prepare(VerbContext&, const PrepareRequest& request) {
+  ECS_DO(check_output_not_input(request.output, request.files));
+  commissioning::PreparedLineRequest line{request.files, request.import, request.line, request.place, {}};
+  for (const std::string& word : request.runs) {
+    ECS_TRY(run, left_out_in(word, "--leave-out-run"));
+    line.left_out.runs[run.number] = run.reason;
+  }
+  for (const std::string& word : request.readings) {
+    ECS_TRY(reading, left_out_in(word, "--leave-out-reading"));
+    line.left_out.readings[static_cast<std::size_t>(reading.number) - 1] = reading.reason;
+  }
+  ECS_TRY(set, commissioning::prepared_line(line));
+  ECS_DO(laser::write_measurement_set(request.output, set));
+  AnswerFields fields{{"output", word_cell(request.output)},
+                      {"count", shown_cell(fmt::format("{}", set.readings.size()))}};
+  append(fields, set_fields(set));
+  return outcome_of(record_cell("{lines}{count} readings written to {output}", fields));
+}
+
+struct NormaliseRequest {
+  std::string file, output;
+  std::optional<double> coefficient, instrument, material_degC;
+  std::string sensor = "t_material_degC";
+  double fixed_mm = 0.0;
+  bool back = false;
+  ImportArguments import;
+  static Fields<NormaliseRequest> fields() {
+    using R = NormaliseRequest;
+    return {{"FILE", &R::file, "measurement file", Need::required},
+            {"--coefficient", &R::coefficient, "expansion of the result [um per metre and degC]; 0: none"},
+            {"--instrument", &R::instrument,
+             "what the instrument applied already; from the file if not given (Renishaw Exp coeff)"},
+            {"--material-sensor", &R::sensor, "column with the temperature of the material"},
+            {"--material", &R::material_degC, "one material temperature for all readings [degC]"},
+            {"--fixed", &R::fixed_mm, "position that expansion leaves where it is [mm]"},
+            {"--back", &R::back, "take it back, to the last digit"},
+            {"-o,--output", &R::output, "the CSV to write", Is::output},
+            &R::import};
+  }
+};
+
+Result<void> written(const std::string& output, const laser::MeasurementSet& set) {
+  if (output.empty()) return {};
+  return laser::write_measurement_set(output, set);
+}
+
+Result<Outcome> taken_back(const NormaliseRequest& request, const laser::MeasurementSet& set) {
+  ECS_TRY(back, laser::denormalised(set));
+  ECS_DO(written(request.output, back));
+  return outcome_of(record_cell("{readings} readings as they were before they were referred to 20 degC\n",
+                                {{"file", word_cell(request.file)},
+                                 {"readings", count_cell(back.readings.size())},
+                                 {"output", text_cell(request.output)}}));
+}
+
+Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request) {
+  if (request.back == request.coefficient.has_value())
+    return problem(
+        ProblemKind::usage,
+        "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
+  ECS_DO(check_output_not_input(request.output, {request.file}));
+  ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
+  if (request.back) return taken_back(request, imported.set);
+  laser::Normalisation how;
+  how.coefficient_um_per_m_degC = *request.coefficient;
+  how.instrument_um_per_m_degC = request.instrument;
+  how.material_degC = request.material_degC;
+  how.sensor = request.sensor;
+  how.fixed_mm = request.fixed_mm;
+  const auto done = laser::normalised(imported.set, how);
+  if (!done) {
+    Problem why = done.error();
+    why.file = request.file;
+    return tl::unexpected(why);
+  }
+  ECS_DO(written(request.output, done->set));
+  return outcome_of(record_cell(
+      "{changed} of {readings} readings referred to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
+      {{"file", word_cell(request.file)},
+       {"coefficient_um_per_m_degC", plain_cell(how.coefficient_um_per_m_degC)},
+       {"instrument_um_per_m_degC", plain_cell(done->instrument_um_per_m_degC)},
+       {"least_degC", plain_cell(done->least_degC)},
+       {"most_degC", plain_cell(done->most_degC)},
+       {"fixed_mm", plain_cell(how.fixed_mm)},
+       {"changed", count_cell(done->changed)},
+       {"readings", count_cell(done->set.readings.size())},
+       {"largest_um", number_cell(done->largest_um, 3)},
+       {"per_coefficient_um", {number_or_null(done->per_coefficient_um), {}}},
+       {"notes", lines_cell(done->notes, "  ")},
+       {"output", request.output.empty()
+                      ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                      : Cell{request.output, fmt::format("written to {}; --back takes it back\n", request.output)}}}));
+}
+
+struct AirRequest {
+  double temperature_degC = laser::BeamAir{}.temperature_degC, pressure_hPa = laser::BeamAir{}.pressure_hPa,
+         humidity_pct = laser::BeamAir{}.humidity_pct, co2_ppm = laser::BeamAir{}.co2_ppm,
+         wavelength_nm = laser::kRedHeNe_nm;
+  static Fields<AirRequest> fields() {
+    using R = AirRequest;
+    return {{"--temperature", &R::temperature_degC, "[degC]"},
+            {"--pressure", &R::pressure_hPa, "[hPa]"},
+            {"--humidity", &R::humidity_pct, "relative [%]"},
+            {"--co2", &R::co2_ppm, "carbon dioxide [ppm]"},
+            {"--wavelength", &R::wavelength_nm, "in vacuum [nm]"}};
+  }
+};
+
+Result<Outcome> air(VerbContext&, const AirRequest& request) {
+  const laser::BeamAir beam{request.temperature_degC, request.pressure_hPa, request.humidity_pct, request.co2_ppm};
+  const auto ciddor = laser::refractive_index(beam, request.wavelength_nm);
+  if (!ciddor) return tl::unexpected(Problem{ProblemKind::usage, ciddor.error().message, {}, 0, 0, {}});
+  const auto edlen = laser::refractive_index(beam, request.wavelength_nm, laser::AirEquation::modified_edlen);
+  const auto standard = laser::refractive_index({}, request.wavelength_nm);
+  if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
+  const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
+  return outcome_of(
+      record_cell("refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
+                  "wavelength in air   {wavelength_in_air_nm} nm\n"
+                  "against 20 degC, 1013.25 hPa, 50 %: {against_standard_um_per_m} um per metre\n",
+                  {{"ciddor", number_cell(*ciddor, 9)},
+                   {"modified_edlen", number_cell(*edlen, 9)},
+                   {"wavelength_in_air_nm", number_cell(request.wavelength_nm / *ciddor, 6)},
+                   {"against_standard_um_per_m",
+                    {number_or_null(against_standard_um_per_m), fmt::format("{:+.3f}", against_standard_um_per_m)}}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kLaserProcess = verb<ProcessArguments>(
-    "laser process", "slope removal, smoothing and exclusion of runs; before and after",
-    "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg", process);
+extern const std::vector<Action> kLaserProcessing{
+    action("laser process", "slope removal, smoothing and exclusion of runs; before and after",
+           "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg", process,
+           {.logged = Logged::when_written, .kind = "processing"}),
+    action(
+        "laser prepare", "a measured line as a file of its own: joined, corrected, without what is left out",
+        "ecs laser prepare EXX.csv --line \"EX along X at Y -1400, Z 0\" --leave-out-run 3=vibration -o exx_line.csv",
+        prepare, {.logged = Logged::when_written, .kind = "processing"}),
+    action("laser normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
+           "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
+           "  ecs laser normalise exx20.csv --back -o exx.csv",
+           normalise, {.logged = Logged::when_written, .kind = "processing"}),
+    action("laser air", "refractive index of air by Ciddor and modified Edlen",
+           "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42", air)};
 
 }  // namespace ecs::app

@@ -1,42 +1,239 @@
 // `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files; files of one line
-// are its runs.
+// are its runs. Many lines are summed up in few rows.
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/stats_summary.hpp"
-#include "app/verbs/laser/stats_uncertainty.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/fields.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/given_files.hpp"
 #include "commissioning/measurements/quantities.hpp"
+#include "commissioning/measurements/summary.hpp"
 #include "commissioning/session/shell_word.hpp"
 #include "laser/analysis/growth.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/analysis/run_drift.hpp"
 #include "laser/analysis/turn.hpp"
+#include "laser/standards/iso230_uncertainty.hpp"
 
 namespace ecs::app {
+
+/// One measurement line of the answer.
+struct LineStatistics {
+  laser::Iso230 iso;
+  laser::Group group;
+  std::vector<std::string> files;
+  std::size_t outliers = 0;
+  bool drifts = false;   ///< or a run is apart from the others
+  double largest = 0.0;  ///< the reading farthest from 0, um or um/m
+};
+
+/// Up to so many lines are shown whole.
+inline constexpr std::size_t kMostWholeLines = 6;
+
 namespace {
+
+/// Rows of the table of the worst lines, all components together; at least one each.
+constexpr std::size_t kWorstLines = 20;
+constexpr std::size_t kMostNotes = 8;
+
+using Lines = std::vector<const LineStatistics*>;
+
+std::string value_text(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
+
+std::string component_text(const LineStatistics& line) {
+  return laser::curve_name(line.iso.sense, line.iso.axis, line.iso.rotary);
+}
+
+auto badness(const LineStatistics& line) {
+  return std::tuple(line.iso.A.value_or(-1.0), line.iso.range, std::abs(line.largest));
+}
+
+/// In the order of their first line.
+std::vector<Lines> by_component(const std::vector<LineStatistics>& lines) {
+  std::vector<Lines> components;
+  for (const LineStatistics& line : lines) {
+    const auto same = std::find_if(components.begin(), components.end(), [&](const Lines& of) {
+      return component_text(*of.front()) == component_text(line);
+    });
+    (same == components.end() ? components.emplace_back() : *same).push_back(&line);
+  }
+  return components;
+}
+
+std::string component_row(const Lines& of) {
+  std::size_t readings = 0, outliers = 0, drifting = 0;
+  double largest = 0.0, range = 0.0;
+  std::optional<double> accuracy;
+  for (const LineStatistics* line : of) {
+    readings += line->group.readings.size();
+    outliers += line->outliers;
+    drifting += line->drifts ? 1 : 0;
+    if (std::abs(line->largest) > std::abs(largest)) largest = line->largest;
+    range = std::max(range, line->iso.range);
+    if (line->iso.A) accuracy = std::max(accuracy.value_or(0.0), *line->iso.A);
+  }
+  return fmt::format("{:<5} {:>6} {:>9} {:>11.3f} {:>10.3f} {:>9} {:>9} {:>9}  {}\n", component_text(*of.front()),
+                     of.size(), readings, largest, range, value_text(accuracy), outliers, drifting,
+                     laser::unit_of(of.front()->iso.sense));
+}
+
+std::string line_row(const LineStatistics& line, bool with_file) {
+  std::string text =
+      fmt::format("{:<5} {:<22} {:>3} {:>9.3f} {:>9.3f} {:>8} {:>8} {:>8}", component_text(line),
+                  commissioning::parked_text(line.group), line.iso.targets.size(), line.largest, line.iso.range,
+                  value_text(line.iso.A), value_text(line.iso.R), value_text(line.iso.B));
+  if (with_file) text += fmt::format("  {}", fmt::join(line.files, " + "));
+  return text + "\n";
+}
+
+std::string worst_rows(std::vector<Lines> components) {
+  const std::size_t most = std::max<std::size_t>(1, kWorstLines / components.size());
+  std::string rows;
+  for (Lines& of : components) {
+    const bool one_file =
+        std::all_of(of.begin(), of.end(), [&](const auto* line) { return line->files == of.front()->files; });
+    std::stable_sort(of.begin(), of.end(), [](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
+    for (std::size_t i = 0; i < std::min(most, of.size()); ++i) rows += line_row(*of[i], !one_file);
+  }
+  return rows;
+}
+
+std::string note_rows(const std::vector<LineStatistics>& lines) {
+  std::map<std::string, std::size_t> counts;
+  for (const LineStatistics& line : lines)
+    for (const std::string& note : line.iso.notes) ++counts[note];
+  std::vector<std::pair<std::string, std::size_t>> notes(counts.begin(), counts.end());
+  std::stable_sort(notes.begin(), notes.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostNotes, notes.size()); ++i)
+    text += fmt::format("note on {} of {} lines: {}\n", notes[i].second, lines.size(), notes[i].first);
+  if (notes.size() > kMostNotes) text += fmt::format("and {} more kinds of notes\n", notes.size() - kMostNotes);
+  return text;
+}
+
+/// A row for each component, then the worst lines (by A; without A by range, then by the largest reading), then the
+/// notes with the number of lines that have them. @param lines  at least one
+std::string summary_text(const std::vector<LineStatistics>& lines) {
+  const auto components = by_component(lines);
+  std::string text = fmt::format("{:<5} {:>6} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9}\n", "", "lines", "readings",
+                                 "largest", "max range", "max A", "outliers", "drifting");
+  for (const Lines& of : components) text += component_row(of);
+  text += fmt::format("\nthe worst:\n{:<5} {:<22} {:>3} {:>9} {:>9} {:>8} {:>8} {:>8}\n", "", "parked [mm]", "n",
+                      "largest", "range", "A", "R", "B");
+  text += worst_rows(components);
+  text += "\n" + note_rows(lines);
+  return text + fmt::format(
+                    "{} measurement lines: --all shows each with all its quantities, --json gives them to "
+                    "programs\n",
+                    lines.size());
+}
+
+constexpr double kMostUncertain = 1e6;
+
+struct UncertainQuantity {
+  const char* symbol;
+  std::optional<double> laser::Iso230Uncertainty::*U;
+};
+constexpr UncertainQuantity kUncertainQuantities[] = {{"A", &laser::Iso230Uncertainty::A},
+                                                      {"A_forward", &laser::Iso230Uncertainty::A_forward},
+                                                      {"A_reverse", &laser::Iso230Uncertainty::A_reverse},
+                                                      {"E", &laser::Iso230Uncertainty::E},
+                                                      {"E_forward", &laser::Iso230Uncertainty::E_forward},
+                                                      {"E_reverse", &laser::Iso230Uncertainty::E_reverse},
+                                                      {"M", &laser::Iso230Uncertainty::M},
+                                                      {"R", &laser::Iso230Uncertainty::R},
+                                                      {"R_forward", &laser::Iso230Uncertainty::R_forward},
+                                                      {"R_reverse", &laser::Iso230Uncertainty::R_reverse},
+                                                      {"B", &laser::Iso230Uncertainty::B},
+                                                      {"B_mean", &laser::Iso230Uncertainty::B_mean}};
+
+/// Whether anything that contributes was given.
+bool contributes(const laser::Iso230Conditions& c) {
+  return c.instrument_um_per_m > 0.0 || c.instrument_um > 0.0 || c.misalignment_mm > 0.0 || c.environment_um > 0.0 ||
+         c.temperature_range_degC > 0.0 || (c.expansion_range_um_per_m_degC > 0.0 && c.off_20_degC != 0.0);
+}
+
+/// Below a heading of their own.
+Fields<laser::Iso230Conditions> uncertainty_fields() {
+  using C = laser::Iso230Conditions;
+  constexpr Range kSize{0.0, kMostUncertain}, kSigned{-kMostUncertain, kMostUncertain};
+  return Fields<C>{
+      {"--instrument-um-per-m", &C::instrument_um_per_m, "of the instrument, expanded, in proportion to the length",
+       kSize},
+      {"--instrument-um", &C::instrument_um, "of the instrument, expanded, the constant part", kSize},
+      {"--misalignment-mm", &C::misalignment_mm, "lateral offset of beam and axis over the measured length", kSize},
+      {"--environment-um", &C::environment_um, "environmental variation error EVE: range of a drift test", kSize},
+      {"--temperature-range", &C::temperature_range_degC, "range of the error of the machine's temperature [degC]",
+       kSize},
+      {"--off-20", &C::off_20_degC, "the machine's temperature less 20 degC", kSigned},
+      {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/m/degC]", kSize},
+      {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/m/degC]", kSize}}
+      .under("Uncertainty (ISO 230-2 annex A, k = 2)");
+}
+
+/// null and no text where nothing was given, or no uncertainty exists.
+Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& conditions) {
+  if (!contributes(conditions)) return null_cell("");
+  const auto uncertainty = laser::iso230_uncertainty_of(iso, conditions);
+  if (!uncertainty) return null_cell("  no uncertainty: the options are for lengths at two targets or more\n");
+  Json parts = Json::array();
+  std::string text = "  uncertainty (k = 2)";
+  AnswerFields fields{{"coverage_factor", {laser::kCoverage, {}}},
+                      {"length_mm", {number_or_null(uncertainty->length_mm), {}}}};
+  const char* separator = ": ";
+  for (const UncertainQuantity& quantity : kUncertainQuantities) {
+    const auto& U = *uncertainty.*quantity.U;
+    fields.push_back({quantity.symbol, {number_or_null(U), {}}});
+    if (U && std::string_view(quantity.symbol).size() == 1) {
+      text += fmt::format("{}U({}) {:.2f}", separator, quantity.symbol, *U);
+      separator = ", ";
+    }
+  }
+  text += " um\n";
+  for (const laser::UncertaintyPart& part : uncertainty->parts) {
+    parts.push_back({{"name", part.name}, {"U_um", number_or_null(part.U_um)}});
+    text += fmt::format("    {:<28} {:>8.2f} um\n", part.name, part.U_um);
+  }
+  fields.push_back({"parts", {std::move(parts), {}}});
+  return {object_of(fields), std::move(text)};
+}
 
 /// Outliers of a line in the text without --all.
 constexpr std::size_t kMostOutliers = 10;
 
-struct StatsArguments : VerbArguments {
-  const std::vector<std::string>& files =
-      texts("FILE", "measurement files; those of one line are joined as its runs", Need::required);
-  const bool& all = flag("--all", "each measurement line whole, however many");
-  UncertaintyOptions uncertainty{*this};
-  RotaryImportOptions import{*this};
+struct StatsRequest {
+  std::vector<std::string> files;
+  bool all = false;
+  laser::Iso230Conditions uncertainty;
+  ImportArguments import = [] {
+    ImportArguments any;
+    any.takes_rotary = true;
+    return any;
+  }();
+  static Fields<StatsRequest> fields() {
+    using R = StatsRequest;
+    return {{"FILE", &R::files, "measurement files; those of one line are joined as its runs", Need::required},
+            {"--all", &R::all, "each measurement line whole, however many"},
+            {&R::uncertainty, uncertainty_fields()},
+            &R::import};
+  }
 };
 
 Json target_json(const laser::Iso230Target& t, bool rotary) {
@@ -212,7 +409,7 @@ Cell turn_cell(const MeasuredLine& line) {
           std::move(text)};
 }
 
-Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsArguments& arguments) {
+Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsRequest& request) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
@@ -226,14 +423,14 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
   }
   append(fields, {{"unit_of_targets", word_cell(laser::target_unit(iso.rotary))},
                   {"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
-                  {"uncertainty", uncertainty_cell(iso, arguments.uncertainty)},
+                  {"uncertainty", uncertainty_cell(iso, request.uncertainty)},
                   {"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}},
                   {"targets", list_cell(iso.targets,
                                         [&](const auto& target) {
                                           return Cell{target_json(target, iso.rotary), {}};
                                         })},
                   {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
-                  {"outliers", outliers_cell(line, arguments.all ? SIZE_MAX : kMostOutliers, arguments.import)},
+                  {"outliers", outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)},
                   {"drift", drift_cell(line)},
                   {"growth", growth_cell(line)},
                   {"turn", turn_cell(line)},
@@ -293,12 +490,12 @@ std::vector<JoinedFiles> joined_by_machine(const std::vector<laser::MeasurementS
   return machines;
 }
 
-Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
-  ECS_TRY(given, given_files(arguments.files));
+Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
+  ECS_TRY(given, given_files(request.files));
   for (const std::string& note : given.notes) context.console.note(note);
   std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : given.files) {
-    ECS_TRY(imported, read_with_notes(context, file, arguments.import));
+    ECS_TRY(imported, read_with_notes(context.console, file, request.import));
     if (imported.set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
     imported.set.source = file;
@@ -314,18 +511,18 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
       if (!lines.text.empty()) lines.text += "\n";
       const MeasuredLine line{machine.all, group, machine.files_of(group),
                               [&](std::size_t i) { return machine.file_of(i); }};
-      lines.add(iso230_cell(iso, line, arguments));
+      lines.add(iso230_cell(iso, line, request));
       statistics.push_back(line_statistics(iso, line, lines.json.back()));
     }
   }
-  if (!arguments.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);
+  if (!request.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);
   return outcome_of(record_cell("{lines}", {{"lines", lines}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kLaserStats = verb<StatsArguments>(
+extern const std::vector<Action> kLaserStatistics{action(
     "laser stats", "accuracy and repeatability by ISO 230-2, outliers, drift between runs, the conditions not met",
-    "ecs laser stats x_axis.csv y_axis.rtl --json", stats);
+    "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
 
 }  // namespace ecs::app

@@ -18,13 +18,18 @@ namespace {
 
 constexpr int kBadFile = 3;
 
-struct TableArguments : VerbArguments {
-  const std::string& plan = text("PLAN", "plan with a [[measure]] for each measurement", Need::required);
-  const std::string& before = text("--before", "folder of NAME.csv, measured without compensation", Need::required);
-  const std::string& after = text("--after", "folder of NAME.csv, measured with compensation", Need::required);
-  const std::string& plots = text("--plots", "folder for a plot NAME.svg of each row");
-  const bool& png = flag("--png", "with --plots: NAME.png as well");
-  const bool& force = flag("--force", "overwrites plots that are there");
+struct TableRequest {
+  std::string plan, before, after, plots;
+  bool png = false, force = false;
+  static Fields<TableRequest> fields() {
+    using R = TableRequest;
+    return {{"PLAN", &R::plan, "plan with a [[measure]] for each measurement", Need::required},
+            {"--before", &R::before, "folder of NAME.csv, measured without compensation", Need::required},
+            {"--after", &R::after, "folder of NAME.csv, measured with compensation", Need::required},
+            {"--plots", &R::plots, "folder for a plot NAME.svg of each row"},
+            {"--png", &R::png, "with --plots: NAME.png as well"},
+            {"--force", &R::force, "overwrites plots that are there"}};
+  }
 };
 
 PlotFigure figure_of(const TableRow& row) {
@@ -42,23 +47,23 @@ PlotFigure figure_of(const TableRow& row) {
   return figure;
 }
 
-Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, const TableArguments& arguments) {
-  if (arguments.plots.empty()) return std::vector<std::string>();
+Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, const TableRequest& request) {
+  if (request.plots.empty()) return std::vector<std::string>();
   std::vector<std::pair<std::string, PlotFigure>> plots;
   std::vector<std::string> names;
   for (const TableRow& row : rows) {
     const PlotFigure figure = figure_of(row);
     if (figure.panels.empty()) continue;
     for (const char* extension : {".svg", ".png"}) {
-      if (std::string_view(extension) == ".png" && !arguments.png) continue;
-      names.push_back((std::filesystem::path(arguments.plots) / (row.planned.name + extension)).string());
+      if (std::string_view(extension) == ".png" && !request.png) continue;
+      names.push_back((std::filesystem::path(request.plots) / (row.planned.name + extension)).string());
       plots.emplace_back(names.back(), figure);
     }
   }
-  ECS_DO(spared(names, arguments.force));
+  ECS_DO(spared(names, request.force));
   std::error_code error;
-  std::filesystem::create_directories(arguments.plots, error);
-  if (error) return problem(ProblemKind::output, fmt::format("{}: {}", arguments.plots, error.message()));
+  std::filesystem::create_directories(request.plots, error);
+  if (error) return problem(ProblemKind::output, fmt::format("{}: {}", request.plots, error.message()));
   for (const auto& [path, figure] : plots) ECS_DO(write_plot(path, figure));
   return names;
 }
@@ -79,14 +84,14 @@ std::optional<Problem> unfit_files(const std::vector<TableRow>& rows) {
   return folded(std::move(all));
 }
 
-Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
-  ECS_TRY(plan, read_plan(arguments.plan));
-  const auto rows = table_of(plan, arguments.before, arguments.after);
-  ECS_TRY(plots, write_plots(rows, arguments));
+Result<Outcome> table(VerbContext&, const TableRequest& request) {
+  ECS_TRY(plan, read_plan(request.plan));
+  const auto rows = table_of(plan, request.before, request.after);
+  ECS_TRY(plots, write_plots(rows, request));
   Cell drawn = lines_cell(plots, "  ");
   if (!plots.empty()) drawn.text.insert(0, "\nplots:\n");
   const auto unfit = unfit_files(rows);
-  return outcome_of(record_cell("{rows}{plots}", {{"plan", word_cell(arguments.plan)},
+  return outcome_of(record_cell("{rows}{plots}", {{"plan", word_cell(request.plan)},
                                                   {"band", word_cell(laser::kBandDefinition)},
                                                   {"rows", table_cell(rows)},
                                                   {"plots", drawn},
@@ -96,8 +101,8 @@ Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kLaserTable =
-    verb<TableArguments>("laser table", "a commissioning: error bands before and after beside the published ones",
-                         "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/", table);
+extern const std::vector<Action> kLaserTables{
+    action("laser table", "a commissioning: error bands before and after beside the published ones",
+           "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/", table)};
 
 }  // namespace ecs::app

@@ -1,6 +1,5 @@
 // `ecs log export`: the logbook as text, one JSON object a line; the files that an entry keeps; a calibration
 // certificate.
-#include <array>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -20,54 +19,55 @@
 namespace ecs::app {
 namespace {
 
-struct UncertaintyWord {
-  const char* name;
-  const char* help;
-};
-/// Those of `laser stats`.
-constexpr std::array<UncertaintyWord, 8> kUncertaintyWords{{
-    {"--instrument-um-per-m", "of the instrument, expanded, in proportion to the length"},
-    {"--instrument-um", "of the instrument, expanded, the constant part"},
-    {"--misalignment-mm", "lateral offset of beam and axis over the measured length"},
-    {"--environment-um", "environmental variation error EVE: range of a drift test"},
-    {"--temperature-range", "range of the error of the machine's temperature [degC]"},
-    {"--off-20", "the machine's temperature less 20 degC"},
-    {"--expansion", "expansion coefficient of the correction [um/m/degC]"},
-    {"--expansion-range", "range of the expansion coefficient [um/m/degC]"},
-}};
-
-struct ExportLogArguments : LogArguments {
-  const std::string& output = output_file("-o,--output", "file for all entries, one JSON object a line");
-  const std::string& entry = text("--entry", "number of the entry whose files are wanted");
-  const std::string& folder = text("--files", "folder for the files of --entry");
-  const std::string& dcc = output_file("--dcc", "a Digital Calibration Certificate (XML) of what was measured");
-  const std::string& schema =
-      text("--schema", "folder with the schemas of the certificate; by default $ECS_DCC_SCHEMA");
-  const bool& all = flag("--all", "certify every measurement, not only those since the last certificate");
-  const std::string& laboratory = text("--laboratory", "who calibrates");
-  const std::string& city = text("--city", "of the laboratory");
-  const std::string& country = text("--country", "of the laboratory, two letters (ISO 3166-1)");
-  const std::string& customer = text("--customer", "who owns the machine");
-  const std::string& person = text("--person", "who answers for it; by default the operator");
-  const std::string& sign = text("--sign", "private key (PEM) to sign with: needs the program xmlsec1");
-  const std::string& signer = text("--signer", "certificate (PEM) of that key, kept in the signature");
-  std::array<const std::optional<double>*, kUncertaintyWords.size()> uncertainty = uncertainty_options();
-
-  [[nodiscard]] std::vector<std::string> uncertainty_words() const {
+/// Those of `laser stats`, where they were given.
+struct GivenUncertainty {
+  std::optional<double> instrument_um_per_m, instrument_um, misalignment_mm, environment_um, temperature_range, off_20,
+      expansion, expansion_range;
+  static Fields<GivenUncertainty> fields() {
+    using U = GivenUncertainty;
+    return Fields<U>{
+        {"--instrument-um-per-m", &U::instrument_um_per_m, "of the instrument, expanded, in proportion to the length"},
+        {"--instrument-um", &U::instrument_um, "of the instrument, expanded, the constant part"},
+        {"--misalignment-mm", &U::misalignment_mm, "lateral offset of beam and axis over the measured length"},
+        {"--environment-um", &U::environment_um, "environmental variation error EVE: range of a drift test"},
+        {"--temperature-range", &U::temperature_range, "range of the error of the machine's temperature [degC]"},
+        {"--off-20", &U::off_20, "the machine's temperature less 20 degC"},
+        {"--expansion", &U::expansion, "expansion coefficient of the correction [um/m/degC]"},
+        {"--expansion-range", &U::expansion_range, "range of the expansion coefficient [um/m/degC]"}}
+        .under("Uncertainty of the certificate (ISO 230-2 annex A, k = 2)");
+  }
+  /// As words of a command line.
+  [[nodiscard]] std::vector<std::string> words() const {
     std::vector<std::string> words;
-    for (std::size_t k = 0; k < kUncertaintyWords.size(); ++k)
-      if (*uncertainty[k]) words.insert(words.end(), {kUncertaintyWords[k].name, shortest(**uncertainty[k])});
+    GivenUncertainty given = *this;
+    for (const cli::Argument& one : fields_of<GivenUncertainty>().arguments_for(given))
+      if (const auto& value = *std::get<std::optional<double>*>(one.into))
+        words.insert(words.end(), {one.name, shortest(*value)});
     return words;
   }
+};
 
- private:
-  std::array<const std::optional<double>*, kUncertaintyWords.size()> uncertainty_options() {
-    std::array<const std::optional<double>*, kUncertaintyWords.size()> all_of_them{};
-    group("Uncertainty of the certificate (ISO 230-2 annex A, k = 2)");
-    for (std::size_t k = 0; k < kUncertaintyWords.size(); ++k)
-      all_of_them[k] = &optional_number(kUncertaintyWords[k].name, kUncertaintyWords[k].help);
-    group({});
-    return all_of_them;
+struct ExportLogRequest : CertificateWishes {
+  LogChoice book;
+  std::string output, entry, folder, dcc, schema, sign, signer;
+  GivenUncertainty given;
+  static Fields<ExportLogRequest> fields() {
+    using R = ExportLogRequest;
+    return {&R::book,
+            {"-o,--output", &R::output, "file for all entries, one JSON object a line", Is::output},
+            {"--entry", &R::entry, "number of the entry whose files are wanted"},
+            {"--files", &R::folder, "folder for the files of --entry"},
+            {"--dcc", &R::dcc, "a Digital Calibration Certificate (XML) of what was measured", Is::output},
+            {"--schema", &R::schema, "folder with the schemas of the certificate; by default $ECS_DCC_SCHEMA"},
+            {"--all", &R::all, "certify every measurement, not only those since the last certificate"},
+            {"--laboratory", &R::laboratory, "who calibrates"},
+            {"--city", &R::city, "of the laboratory"},
+            {"--country", &R::country, "of the laboratory, two letters (ISO 3166-1)"},
+            {"--customer", &R::customer, "who owns the machine"},
+            {"--person", &R::person, "who answers for it; by default the operator"},
+            {"--sign", &R::sign, "private key (PEM) to sign with: needs the program xmlsec1"},
+            {"--signer", &R::signer, "certificate (PEM) of that key, kept in the signature"},
+            &R::given};
   }
 };
 
@@ -100,21 +100,21 @@ struct WrittenCertificate {
   std::string schema;  ///< version that it was validated against; empty: it was not
 };
 
-Result<void> check_words(const ExportLogArguments& arguments) {
-  if (arguments.output.empty() && arguments.entry.empty() && arguments.dcc.empty())
+Result<void> check_words(const ExportLogRequest& request) {
+  if (request.output.empty() && request.entry.empty() && request.dcc.empty())
     return problem(ProblemKind::usage, "give -o FILE for all entries, --entry NUMBER --files FOLDER, or --dcc FILE");
-  if (arguments.entry.empty() != arguments.folder.empty())
+  if (request.entry.empty() != request.folder.empty())
     return problem(ProblemKind::usage, "--entry and --files go together");
-  const std::string& country = arguments.country;
+  const std::string& country = request.country;
   if (!country.empty() &&
       (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
     return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, found {}", country));
-  if (!arguments.signer.empty() && arguments.sign.empty())
+  if (!request.signer.empty() && request.sign.empty())
     return problem(ProblemKind::usage, "--signer: give the key with --sign");
   return {};
 }
 
-void log_certificate(const Logbook& book, const ExportLogArguments& arguments, const WrittenCertificate& written,
+void log_certificate(const Logbook& book, const ExportLogRequest& request, const WrittenCertificate& written,
                      const std::string& xml) {
   const auto owner = book.owner();
   if (!owner) return;
@@ -129,22 +129,17 @@ void log_certificate(const Logbook& book, const ExportLogArguments& arguments, c
                                  {"schema_version", written.certificate.schema_version},
                                  {"validated", !written.schema.empty()},
                                  {"signed", written.certificate.to_be_signed}});
-  record.files.push_back({"output", arguments.dcc, std::make_shared<const std::string>(xml)});
+  record.files.push_back({"output", request.dcc, std::make_shared<const std::string>(xml)});
   (void)record_in(book.path(), std::move(record));
 }
 
-Result<WrittenCertificate> certified(VerbContext& context, const ExportLogArguments& arguments, const Logbook& book) {
-  CertificateWishes wishes;
-  wishes.laboratory = arguments.laboratory;
-  wishes.city = arguments.city;
-  wishes.country = arguments.country;
-  wishes.customer = arguments.customer;
-  wishes.person = arguments.person.empty() ? operator_name() : arguments.person;
-  wishes.all = arguments.all;
-  wishes.to_be_signed = !arguments.sign.empty();
-  wishes.uncertainty = arguments.uncertainty_words();
+Result<WrittenCertificate> certified(VerbContext& context, const ExportLogRequest& request, const Logbook& book) {
+  CertificateWishes wishes = request;
+  if (wishes.person.empty()) wishes.person = operator_name();
+  wishes.to_be_signed = !request.sign.empty();
+  wishes.uncertainty = request.given.words();
   std::optional<SchemaFolder> schema;
-  if (const std::string folder = schema_folder_or_empty(arguments.schema); !folder.empty()) {
+  if (const std::string folder = schema_folder_or_empty(request.schema); !folder.empty()) {
     ECS_TRY(found, schema_in(folder));
     schema = std::move(found);
     wishes.schema_version = schema->version;
@@ -153,18 +148,18 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogArgume
   WrittenCertificate written{std::move(certificate), {}, {}};
   std::string xml = dcc_xml(written.certificate);
   if (wishes.to_be_signed) {
-    ECS_TRY(with_signature, signed_by(xml, arguments.sign, arguments.signer));
+    ECS_TRY(with_signature, signed_by(xml, request.sign, request.signer));
     xml = std::move(with_signature);
   }
   if (schema) {
-    ECS_DO(valid_by_schema(xml, *schema, arguments.dcc));
+    ECS_DO(valid_by_schema(xml, *schema, request.dcc));
     written.schema = schema->version;
   } else {
     context.console.note("not validated: name the folder of the published schema with --schema or ECS_DCC_SCHEMA");
   }
-  ECS_DO(write_file(arguments.dcc, xml));
+  ECS_DO(write_file(request.dcc, xml));
   written.sha256 = sha256_hex(xml);
-  log_certificate(book, arguments, written, xml);
+  log_certificate(book, request, written, xml);
   return written;
 }
 
@@ -187,50 +182,50 @@ Cell certificate_cell(const std::optional<WrittenCertificate>& written, const st
        {"remarks", lines_cell(written->certificate.remarks, "- ")}});
 }
 
-Result<Outcome> export_log(VerbContext& context, const ExportLogArguments& arguments) {
-  ECS_DO(check_words(arguments));
-  ECS_TRY(book, chosen_logbook(context, arguments));
+Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request) {
+  ECS_DO(check_words(request));
+  ECS_TRY(book, chosen_logbook(context, request.book));
   std::vector<std::string> names;
-  if (!arguments.entry.empty()) {
-    const auto number = integer_in(arguments.entry);
+  if (!request.entry.empty()) {
+    const auto number = integer_in(request.entry);
     ECS_TRY(entry, number ? book.entry(*number) : problem(ProblemKind::usage, "--entry: expected a number"));
-    ECS_TRY(written, files_written(book, entry, arguments.folder));
+    ECS_TRY(written, files_written(book, entry, request.folder));
     names = std::move(written);
   }
   std::size_t count = 0;
-  if (!arguments.output.empty()) {
+  if (!request.output.empty()) {
     ECS_TRY(entries, book.entries());
     std::string lines;
     for (const LogbookEntry& entry : entries) lines += one_line(whole_entry_cell(entry).json) + "\n";
-    ECS_DO(write_file(arguments.output, lines));
+    ECS_DO(write_file(request.output, lines));
     count = entries.size();
   }
   std::optional<WrittenCertificate> certificate;
-  if (!arguments.dcc.empty()) {
-    ECS_TRY(written, certified(context, arguments, book));
+  if (!request.dcc.empty()) {
+    ECS_TRY(written, certified(context, request, book));
     certificate = std::move(written);
   }
   const std::string entries_text =
-      arguments.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, arguments.output);
+      request.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, request.output);
   const std::string files_text =
-      names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), arguments.folder);
+      names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), request.folder);
   return outcome_of(record_cell("{entries_text}{files_text}{certificate}",
                                 {{"log", word_cell(book.path().string())},
-                                 {"output", text_cell(arguments.output)},
+                                 {"output", text_cell(request.output)},
                                  {"entries", count_cell(count)},
                                  {"files", {names, {}}},
-                                 {"certificate", certificate_cell(certificate, arguments.dcc)},
+                                 {"certificate", certificate_cell(certificate, request.dcc)},
                                  {"entries_text", shown_cell(entries_text)},
                                  {"files_text", shown_cell(files_text)}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kLogExport = verb<ExportLogArguments>(
+extern const std::vector<Action> kLogExporting{action(
     "log export", "every entry as text, the files of one entry, or a Digital Calibration Certificate",
     "ecs log export -o log.jsonl\n  ecs log export --entry 12 --files entry12/\n  ecs log export --dcc certificate.xml "
     "--schema "
     "schemas/ --laboratory \"Example Ltd\" --customer Works --instrument-um-per-m 0.5",
-    export_log);
+    export_log)};
 
 }  // namespace ecs::app

@@ -1,14 +1,16 @@
-// `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest.
+// `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest; from readings of
+// rotary axes their error motions over the angle, for `ecs volume --rotary` (the map of a unit knows linear axes only).
+
 #include "laser/map/build.hpp"
 
 #include <algorithm>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/map/rotary.hpp"
 #include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
@@ -23,37 +25,90 @@
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
+#include "volume/rotary_errors.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct BuildArguments : VerbArguments {
-  const std::vector<std::string>& files = texts("FILE", "a recipe (.toml), or measurement files");
-  const std::string& params =
-      text("--params", "parameters of the unit; with --from-model those of the machine by default");
-  const std::string& from_model = text("--from-model", "a fitted model (.toml) in place of measured files");
-  const std::string& machine = text("--machine",
-                                    "the machine (.toml): for --from-model, else for the travels to cover; "
-                                    "by default machine.toml beside the parameters");
-  const std::optional<double>& increment_mm =
-      optional_number("--increment", "of the tables of --from-model [mm]; fine enough if not given");
-  const std::string& output = output_file("-o,--output", "map CSV to write");
-  const std::string& params_out =
-      output_file("--params-out", "parameters to write, with the squareness that was measured");
-  const std::vector<std::string>& zero = texts("--zero", "declare a component zero: EBY=\"too small to measure\"");
-  const std::string& zero_missing =
-      text("--zero-missing", "with --from-model: declare every component that the model lacks zero, for this reason");
-  const std::string& customer = text("--customer", "for the header");
-  const std::string& engineer = text("--engineer", "for the header");
-  const std::string& date = text("--date", "for the header, as in 2026-03-12");
-  const bool& shrink =
-      flag("--shrink", "shrink every curve below its own noise, as its repeats show it (docs/volume.md)");
-  ImportOptions import{*this};
+Cell rotary_table_cell(const volume::RotaryTable& table) {
+  const auto [least, greatest] = std::minmax_element(table.error.begin(), table.error.end());
+  double mean = 0.0;
+  for (const double error : table.error) mean += error / static_cast<double>(table.error.size());
+  return record_cell(
+      "{component:<9} {approach:>8} {unit:<4} {first_deg:>8} {last_deg:>8} {points:>6} {mean:>8} {band:>8}\n",
+      {{"component", word_cell(volume::rotary_name(table.joint, table.sense))},
+       {"approach", {static_cast<int>(table.approach), fmt::format("{}", static_cast<int>(table.approach))}},
+       {"unit", word_cell(laser::unit_of(table.sense))},
+       {"first_deg", number_cell(table.p_deg.front(), 1)},
+       {"last_deg", number_cell(table.p_deg.back(), 1)},
+       {"points", count_cell(table.p_deg.size())},
+       {"mean", number_cell(mean, 2)},
+       {"band", number_cell(*greatest - *least, 2)}});
+}
 
-  [[nodiscard]] laser::FileReader reader() const {
-    return [this](const std::filesystem::path& file) { return read_measurements(file.string(), import); };
+/// True where the first of these files holds readings of a rotary axis.
+bool measures_rotary_axes(const std::vector<std::string>& files, ImportArguments import) {
+  if (files.empty() || lower(files.front()).ends_with(".toml")) return false;
+  import.takes_rotary = true;
+  const auto first = read_measurements(files.front(), import);
+  return first && std::any_of(first->set.readings.begin(), first->set.readings.end(),
+                              [](const laser::Reading& reading) { return reading.rotary; });
+}
+
+/// Every file read, the table written to `output` if one is given.
+Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std::string>& files, ImportArguments import,
+                                    const std::string& output) {
+  import.takes_rotary = true;
+  std::vector<laser::MeasurementSet> sets;
+  for (const std::string& file : files) {
+    ECS_TRY(read, read_with_notes(context.console, file, import));
+    sets.push_back(std::move(read.set));
+    sets.back().source = file;
+  }
+  ECS_TRY(set, joined(sets));
+  ECS_TRY(errors, volume::measured_rotary_errors(set));
+  if (!output.empty())
+    ECS_DO(write_file(output, volume::rotary_csv(errors, metadata_value(set, "machine").value_or(""))));
+  return outcome_of(record_cell(
+      "{tables}errors, not compensation: the unit compensates X, Y, Z and takes no table of a\nrotary axis; `ecs "
+      "volume "
+      "--rotary` does\n{rotary}",
+      {{"rotary", written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")},
+       {"tables", list_cell(errors.tables, rotary_table_cell,
+                            fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
+                                        "from deg", "to deg", "points", "mean", "band"))}}));
+}
+
+/// With what the map of a model takes as well.
+struct BuildRequest : FromModelArguments {
+  std::vector<std::string> files;
+  bool shrink = false;
+  ImportArguments import;
+  static Fields<BuildRequest> fields() {
+    using R = BuildRequest;
+    return {{"FILE", &R::files, "a recipe (.toml), or measurement files"},
+            {"--params", &R::params, "parameters of the unit; with --from-model those of the machine by default"},
+            {"--from-model", &R::model, "a fitted model (.toml) in place of measured files"},
+            {"--machine", &R::machine,
+             "the machine (.toml): for --from-model, else for the travels to cover; "
+             "by default machine.toml beside the parameters"},
+            {"--increment", &R::increment_mm, "of the tables of --from-model [mm]; fine enough if not given"},
+            {"-o,--output", &R::output, "map CSV to write", Is::output},
+            {"--params-out", &R::params_out, "parameters to write, with the squareness that was measured", Is::output},
+            {"--zero", &R::zero, "declare a component zero: EBY=\"too small to measure\""},
+            {"--zero-missing", &R::zero_missing,
+             "with --from-model: declare every component that the model lacks zero, for this reason"},
+            {"--customer", &R::customer, "for the header"},
+            {"--engineer", &R::engineer, "for the header"},
+            {"--date", &R::date, "for the header, as in 2026-03-12"},
+            {"--shrink", &R::shrink, "shrink every curve below its own noise, as its repeats show it (docs/volume.md)"},
+            &R::import};
   }
 };
+
+laser::FileReader reader(const BuildRequest& request) {
+  return [import = request.import](const auto& file) { return read_measurements(file.string(), import); };
+}
 
 struct Recipe {
   laser::MapRecipe recipe;
@@ -61,16 +116,16 @@ struct Recipe {
   std::vector<std::string> unused;
 };
 
-Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& parameters) {
-  const bool by_recipe = lower(arguments.files.front()).ends_with(".toml");
-  if (by_recipe && arguments.files.size() > 1)
+Result<Recipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters) {
+  const bool by_recipe = lower(request.files.front()).ends_with(".toml");
+  if (by_recipe && request.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
   if (by_recipe) {
-    ECS_TRY(recipe, laser::read_map_recipe(arguments.files.front()));
-    return Recipe{std::move(recipe), arguments.files.front(), {}};
+    ECS_TRY(recipe, laser::read_map_recipe(request.files.front()));
+    return Recipe{std::move(recipe), request.files.front(), {}};
   }
-  ECS_TRY(given, given_files(arguments.files));
-  ECS_TRY(suggested, laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, arguments.reader()));
+  ECS_TRY(given, given_files(request.files));
+  ECS_TRY(suggested, laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, reader(request)));
   return Recipe{std::move(suggested.recipe), {}, std::move(suggested.unused)};
 }
 
@@ -87,12 +142,12 @@ Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::strin
   return {};
 }
 
-Result<void> complete(laser::MapRecipe& recipe, const BuildArguments& arguments) {
-  if (!arguments.customer.empty()) recipe.customer = arguments.customer;
-  if (!arguments.engineer.empty()) recipe.engineer = arguments.engineer;
-  if (!arguments.date.empty()) recipe.date = arguments.date;
-  recipe.shrink = recipe.shrink || arguments.shrink;
-  return declare_zero(recipe, arguments.zero);
+Result<void> complete(laser::MapRecipe& recipe, const BuildRequest& request) {
+  if (!request.customer.empty()) recipe.customer = request.customer;
+  if (!request.engineer.empty()) recipe.engineer = request.engineer;
+  if (!request.date.empty()) recipe.date = request.date;
+  recipe.shrink = recipe.shrink || request.shrink;
+  return declare_zero(recipe, request.zero);
 }
 
 std::vector<std::string> files_for(const Recipe& recipe, Component component) {
@@ -112,17 +167,17 @@ struct Built {
   bool complete = false;
 };
 
-Result<Built> built(const BuildArguments& arguments) {
-  ECS_TRY(parameters, arguments.params_out.empty() ? params::read_parameters(arguments.params)
-                                                   : params::read_whole_parameters(arguments.params));
-  ECS_TRY(recipe, recipe_of(arguments, parameters.parameters));
-  ECS_DO(complete(recipe.recipe, arguments));
-  auto travels = travels_beside(arguments.params, parameters);
-  if (!arguments.machine.empty()) {
-    ECS_TRY(machine, params::read_machine(arguments.machine));
+Result<Built> built(const BuildRequest& request) {
+  ECS_TRY(parameters, request.params_out.empty() ? params::read_parameters(request.params)
+                                                 : params::read_whole_parameters(request.params));
+  ECS_TRY(recipe, recipe_of(request, parameters.parameters));
+  ECS_DO(complete(recipe.recipe, request));
+  auto travels = travels_beside(request.params, parameters);
+  if (!request.machine.empty()) {
+    ECS_TRY(machine, params::read_machine(request.machine));
     travels = travels_of(machine.machine);
   }
-  ECS_TRY(made, made_map(recipe.recipe, parameters, travels, arguments.reader()));
+  ECS_TRY(made, made_map(recipe.recipe, parameters, travels, reader(request)));
   const bool complete = made.complete();
   return Built{std::move(recipe), std::move(made.map), parameters.identity, std::move(made.findings), complete};
 }
@@ -153,21 +208,21 @@ std::string declared_text(const Built& b) {
   return text;
 }
 
-Cell squareness_of(const Built& b, const BuildArguments& arguments) {
+Cell squareness_of(const Built& b, const BuildRequest& request) {
   std::vector<std::pair<Component, double>> values;
   for (const laser::ComponentOutcome& one : b.map.outcomes)
     if (is_squareness(one.component))
       values.emplace_back(one.component, squareness_um_per_m(b.map.parameters, one.component));
-  return squareness_cell(values, "measured", arguments.params_out);
+  return squareness_cell(values, "measured", request.params_out);
 }
 
-Cell built_cell(const Built& b, const BuildArguments& arguments) {
+Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
       "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\n"
       "taken away, per m; smth: rms that smoothing removed; n: points per table\n"
       "{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
-      {{"map", written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")},
-       {"params_out", written_cell("parameters", arguments.params_out)},
+      {{"map", written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")},
+       {"params_out", written_cell("parameters", request.params_out)},
        {"recipe", text_cell(b.recipe.file)},
        {"complete", yes_cell(b.complete, "", "")},
        {"components", list_cell(
@@ -175,7 +230,7 @@ Cell built_cell(const Built& b, const BuildArguments& arguments) {
                           fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit",
                                       "band", "most", "slope", "smth", "n"))},
        {"declared", shown_cell(declared_text(b))},
-       {"squareness", squareness_of(b, arguments)},
+       {"squareness", squareness_of(b, request)},
        {"missing", lines_cell(objections_in(b.findings), "")},
        {"findings", findings_cell(b.findings)},
        {"verdict", shown_cell(verdict_text(b.findings, !made_for_two_machines(b.map.map.header, b.identity).empty()))},
@@ -184,11 +239,9 @@ Cell built_cell(const Built& b, const BuildArguments& arguments) {
        {"header", header_cell(b.map.map.header)}});
 }
 
-Result<void> write(const Built& b, const BuildArguments& arguments) {
-  if (!arguments.output.empty())
-    if (auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
-  if (!arguments.params_out.empty())
-    return params::write_parameters(arguments.params_out, b.map.parameters, b.identity);
+Result<void> write(const Built& b, const BuildRequest& request) {
+  if (!request.output.empty()) ECS_DO(write_file(request.output, laser::to_map_csv(b.map.map)));
+  if (!request.params_out.empty()) return params::write_parameters(request.params_out, b.map.parameters, b.identity);
   return {};
 }
 
@@ -210,53 +263,51 @@ Problem nothing_built(const Built& b) {
   return folded(std::move(problems));
 }
 
-Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
-  if (!a.files.empty())
+Result<Outcome> from_model(VerbContext& context, const BuildRequest& request) {
+  if (!request.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
-  if (a.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
-  const FromModelArguments arguments{a.from_model, a.machine,      a.increment_mm, a.params,   a.output, a.params_out,
-                                     a.zero,       a.zero_missing, a.customer,     a.engineer, a.date,   {}};
-  ECS_TRY(map, map_from_model(context.console, arguments));
-  return outcome_of(from_model_cell(map, arguments));
+  if (request.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
+  ECS_TRY(map, map_from_model(context.console, request));
+  return outcome_of(from_model_cell(map, request));
 }
 
-Result<void> enough_given(const BuildArguments& arguments) {
-  if (arguments.files.empty())
+Result<void> enough_given(const BuildRequest& request) {
+  if (request.files.empty())
     return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
-  if (arguments.params.empty())
+  if (request.params.empty())
     return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
-  if (!arguments.zero_missing.empty())
+  if (!request.zero_missing.empty())
     return problem(ProblemKind::usage, "--zero-missing needs --from-model; without a model give --zero for each");
-  if (arguments.increment_mm)
+  if (request.increment_mm)
     return problem(ProblemKind::usage,
                    "--increment needs --from-model; a recipe gives increment_mm for each component");
   return {};
 }
 
-Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
-  if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
-  if (!arguments.from_model.empty()) return from_model(context, arguments);
-  if (measures_rotary_axes(arguments.files, arguments.import)) {
-    ECS_DO(check_output_not_input(arguments.output, arguments.files));
-    return rotary_errors_built(context, arguments.files, arguments.import, arguments.output);
+Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
+  if (const auto wrong = wrong_date(request.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
+  if (!request.model.empty()) return from_model(context, request);
+  if (measures_rotary_axes(request.files, request.import)) {
+    ECS_DO(check_output_not_input(request.output, request.files));
+    return rotary_errors_built(context, request.files, request.import, request.output);
   }
-  ECS_DO(enough_given(arguments));
-  for (const std::string& output : {arguments.output, arguments.params_out})
-    ECS_DO(check_output_not_input(output, arguments.files));
-  ECS_TRY(b, built(arguments));
+  ECS_DO(enough_given(request));
+  for (const std::string& output : {request.output, request.params_out})
+    ECS_DO(check_output_not_input(output, request.files));
+  ECS_TRY(b, built(request));
   if (b.map.outcomes.empty() && b.map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(b));
-  ECS_DO(write(b, arguments));
+  ECS_DO(write(b, request));
   warn_about_header(context, b);
-  return outcome_of(built_cell(b, arguments));
+  return outcome_of(built_cell(b, request));
 }
 
 }  // namespace
 
-extern const VerbDefinition kMapBuild =
-    verb<BuildArguments>("map build", "the error map from measured files, by a recipe or as the files suggest",
-                         "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
-                         "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
-                         "  ecs map build EXC.csv ECC.csv -o rotary.csv",
-                         build);
+extern const std::vector<Action> kMapBuilding{
+    action("map build", "the error map from measured files, by a recipe or as the files suggest",
+           "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+           "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
+           "  ecs map build EXC.csv ECC.csv -o rotary.csv",
+           build, {.logged = Logged::when_written, .kind = "map"})};
 
 }  // namespace ecs::app

@@ -1,45 +1,214 @@
-// `ecs map receive` and `ecs map verify`: the map in the unit as a file, and against a file.
+// `ecs map show` and `header`: a map from a file or from the unit, as text, JSON or plot. `send`: a complete map of
+// this machine, with its parameters, into the unit; checked there. `receive` and `verify`: the map in the unit as a
+// file, and against a file.
+#include "app/verbs/map/unit.hpp"
 
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/map/map_source.hpp"
+#include "app/cli/verb_unit.hpp"
+#include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "commissioning/maps/prepared_map.hpp"
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/maps/view.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "commissioning/unit/parameters_view.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
+
+Result<FoundMap> map_in(VerbContext& context, UnitLink& unit) {
+  auto found = commissioning::map_in(unit.client(), progress_bar(context, "map"));
+  context.console.end_progress();
+  return found;
+}
+
+Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit) {
+  if (file.empty() != from_unit) return problem(ProblemKind::usage, "expected a map FILE or --unit, one of the two");
+  if (!from_unit) {
+    ECS_TRY(map, laser::read_map_csv(file));
+    return FoundMap{std::move(map), std::nullopt, file};
+  }
+  ECS_TRY(unit, open_unit(context));
+  return map_in(context, unit);
+}
+
 namespace {
+
+struct ShowRequest {
+  std::string file, component, params, machine, plot;
+  bool unit = false;
+  static Fields<ShowRequest> fields() {
+    using R = ShowRequest;
+    return {{"FILE", &R::file, "map CSV; or give --unit"},
+            {"--unit", &R::unit, "the map in the unit"},
+            {"--component", &R::component, "one of the 18 curves, with its values in --json"},
+            {"--params", &R::params, "parameters to judge the map by; with --unit the unit's own"},
+            {"--machine", &R::machine,
+             "the machine (.toml): the travels to cover; by default machine.toml beside the parameters"},
+            {"--plot", &R::plot, "OUT.svg or OUT.png", Is::output}};
+  }
+};
+
+Result<std::optional<Component>> chosen(const std::string& name) {
+  if (name.empty()) return std::optional<Component>();
+  const auto component = component_of(name);
+  if (!component || is_squareness(*component))
+    return problem(ProblemKind::usage,
+                   fmt::format("--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
+                               component ? "; squareness is held in the parameters" : ""));
+  return component;
+}
+
+using Judged = std::optional<std::vector<laser::MapFinding>>;
+
+/// By --params, else by the parameters of the unit; nothing if neither. Travels: of --machine, else beside --params.
+Result<Judged> judged(const ShowRequest& request, const FoundMap& found) {
+  params::ParametersFile by;
+  if (!request.params.empty()) {
+    ECS_TRY(file, params::read_parameters(request.params));
+    by = std::move(file);
+  } else if (found.parameters) {
+    by.parameters = *found.parameters;
+  } else {
+    return Judged();
+  }
+  if (request.machine.empty()) return Judged(findings_with_travels(found.map, by, request.params));
+  ECS_TRY(machine, params::read_machine(request.machine));
+  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine.machine)));
+}
+
+Cell judged_cell(const Judged& findings) {
+  if (!findings) return null_cell("not checked: give --params for the objections to sending it\n");
+  Cell cell = findings_cell(*findings);
+  if (findings->empty()) cell.text = "no findings\n";
+  return cell;
+}
+
+Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
+  ECS_TRY(only, chosen(request.component));
+  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  ECS_TRY(found, found_map(context, request.file, request.unit));
+  ECS_TRY(findings, judged(request, found));
+  std::vector<laser::MapTable> tables;
+  for (const laser::MapTable& table : found.map.tables)
+    if (!only || table.component == *only) tables.push_back(table);
+  if (only && tables.empty())
+    return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found.name, name_of(*only)));
+  if (!request.plot.empty()) {
+    const std::string title = fmt::format("Error map of {}: compensation",
+                                          found.map.header.machine.empty() ? found.name : found.map.header.machine);
+    ECS_DO(write_plot(request.plot, figure_of(found.map, only, title)));
+  }
+  return outcome_of(
+      record_cell("{header}\n{tables}{findings}{plot}", {{"map", word_cell(found.name)},
+                                                         {"header", header_cell(found.map.header)},
+                                                         {"tables", tables_cell(tables, only.has_value())},
+                                                         {"findings", judged_cell(findings)},
+                                                         {"plot", written_cell("plot", request.plot)}}));
+}
+
+struct HeaderRequest {
+  std::string file;
+  bool unit = false;
+  static Fields<HeaderRequest> fields() {
+    using R = HeaderRequest;
+    return {{"FILE", &R::file, "map CSV; or give --unit"}, {"--unit", &R::unit, "the map in the unit"}};
+  }
+};
+
+Result<Outcome> header(VerbContext& context, const HeaderRequest& request) {
+  ECS_TRY(found, found_map(context, request.file, request.unit));
+  const Cell header = header_cell(found.map.header);
+  return outcome_of({object_of({{"map", word_cell(found.name)}, {{}, header}}), header.text});
+}
+
+constexpr std::string_view kBeforeFirstCompensation =
+    "check polarity and scale of every axis with `ecs utility output` before the first compensation";
+
+struct SendRequest {
+  std::string file, params;
+  bool other_machine = false, accept_incomplete = false, accept_resampling = false;
+  static Fields<SendRequest> fields() {
+    using R = SendRequest;
+    return {{"FILE", &R::file, "map CSV", Need::required},
+            {"--params", &R::params, "parameters of the unit, sent with the map", Need::required},
+            {"--other-machine", &R::other_machine, "send although map, parameters and unit name other machines"},
+            {"--accept-incomplete", &R::accept_incomplete,
+             "send although the parameter file does not end with its closing line"},
+            {"--accept-resampling", &R::accept_resampling,
+             "send although resampling changes a table by more than its resolution"}};
+  }
+};
+
+Result<Outcome> send(VerbContext& context, const SendRequest& request) {
+  ECS_TRY(ready,
+          prepared_map(request.file, request.params,
+                       {request.other_machine, request.accept_incomplete ? Incomplete::accept : Incomplete::refuse,
+                        request.accept_resampling}));
+  for (const std::string& note : ready.image.notes) context.console.note(note);
+  for (const std::string& remark : ready.remarks) context.console.warn(remark);
+  ECS_TRY(unit, open_unit(context));
+  const auto sent =
+      send_map(unit.client(), ready, request.file, request.other_machine, {}, progress_bar(context, "map"));
+  context.console.end_progress();
+  if (!sent) return tl::unexpected(sent.error());
+  if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
+  return finished_outcome_of(record_cell(
+      sent->report.already_held
+          ? "unit {serial_number} holds {map} already, block check {check}, commit {commit_sequence}: nothing was sent"
+          : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, "
+            "commit "
+            "{commit_sequence}",
+      {{"map", word_cell(request.file)},
+       {"bytes", count_cell(sent->report.bytes)},
+       {"bytes_sent", count_cell(sent->report.bytes_sent)},
+       {"already_held", yes_cell(sent->report.already_held, "", "")},
+       {"seconds", number_cell(sent->seconds, 1)},
+       {"check", word_cell(fmt::format("{:08X}", sent->check))},
+       {"verified", yes_cell(true, "", "")},
+       {"commit_sequence", count_cell(sent->report.commit_sequence)},
+       {"serial_number", text_cell(sent->identity.serial_number)},
+       {"notes", lines_cell(ready.image.notes, "")}}));
+}
 
 constexpr std::size_t kMostShown = 20;
 
-struct ReceiveArguments : VerbArguments {
-  const std::string& output = output_file("-o,--output", "file to write; without it the CSV goes to stdout");
-  const Access access = uses_link();
+struct ReceiveRequest {
+  std::string output;
+  static Fields<ReceiveRequest> fields() {
+    using R = ReceiveRequest;
+    return {{"-o,--output", &R::output, "file to write; without it the CSV goes to stdout", Is::output}};
+  }
 };
 
-Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
+Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   ECS_TRY(found, found_map(context, {}, true));
   if (found.map.tables.empty() && found.map.header.declared_zero.empty())
     return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
-  const bool to_stdout = arguments.output.empty();
+  const bool to_stdout = request.output.empty();
   const std::string csv = laser::to_map_csv(found.map);
-  if (!to_stdout) ECS_DO(write_file(arguments.output, csv));
+  if (!to_stdout) ECS_DO(write_file(request.output, csv));
   return outcome_of(record_cell(to_stdout ? "{csv}" : "map of the unit written to {map}: {count} tables",
-                                {{"map", text_cell(arguments.output)},
+                                {{"map", text_cell(request.output)},
                                  {"header", header_cell(found.map.header)},
                                  {"tables", tables_cell(found.map.tables, to_stdout)},
                                  {"count", shown_cell(fmt::format("{}", found.map.tables.size()))},
                                  {"csv", shown_cell(csv)}}));
 }
 
-struct VerifyArguments : VerbArguments {
-  const std::string& file = text("FILE", "map CSV", Need::required);
-  const std::string& params = text("--params", "parameter file to compare as well");
-  const Access access = uses_link();
+struct VerifyRequest {
+  std::string file, params;
+  static Fields<VerifyRequest> fields() {
+    using R = VerifyRequest;
+    return {{"FILE", &R::file, "map CSV", Need::required},
+            {"--params", &R::params, "parameter file to compare as well"}};
+  }
 };
 
 Cell difference_cell(const MapDifference& d) {
@@ -77,16 +246,16 @@ Cell largest_cell(const std::optional<LargestDifference>& largest) {
        {"unit", shown_cell(std::string(unit_of(largest->component)))}});
 }
 
-Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
-  ECS_DO(laser::read_map_csv(arguments.file));
+Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
+  ECS_DO(laser::read_map_csv(request.file));
   ECS_TRY(found, found_map(context, {}, true));
-  ECS_TRY(verdict, verdict_on(found, arguments.file, arguments.params));
+  ECS_TRY(verdict, verdict_on(found, request.file, request.params));
   const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}",
-                  {{"map", word_cell(arguments.file)},
-                   {"same", yes_cell(verdict.same(), fmt::format("the unit holds {}", arguments.file),
-                                     fmt::format("the unit does not hold {}: {} differences", arguments.file, count))},
+                  {{"map", word_cell(request.file)},
+                   {"same", yes_cell(verdict.same(), fmt::format("the unit holds {}", request.file),
+                                     fmt::format("the unit does not hold {}: {} differences", request.file, count))},
                    {"differences", places_cell(verdict.differences)},
                    {"parameters", differences_cell(verdict.parameters, "expected", "found", "file", "unit")},
                    {"largest_difference", largest_cell(verdict.largest)}}),
@@ -95,12 +264,18 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kMapReceive =
-    verb<ReceiveArguments>("map receive", "the map in the unit as a map CSV",
-                           "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502", receive);
-
-extern const VerbDefinition kMapVerify =
-    verb<VerifyArguments>("map verify", "whether the unit holds this map, to the resolution of its memory",
-                          "ecs map verify map.csv --params mill.toml", verify);
+extern const std::vector<Action> kMapOfUnit{
+    action("map show", "header, tables and findings of a map file or of the map in the unit",
+           "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show, {.link = Link::reads}),
+    action("map header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit",
+           header, {.link = Link::reads}),
+    action("map send",
+           "a complete map with its parameters to the unit: whole or not at all, checked in the unit's memory",
+           "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
+    action("map receive", "the map in the unit as a map CSV",
+           "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502", receive,
+           {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
+    action("map verify", "whether the unit holds this map, to the resolution of its memory",
+           "ecs map verify map.csv --params mill.toml", verify, {.link = Link::reads})};
 
 }  // namespace ecs::app

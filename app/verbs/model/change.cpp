@@ -1,81 +1,252 @@
-// `ecs model remove` and `ecs model decide`: an effect taken out of a model, one kept without its alternatives.
+// The ladder of a model. `ecs model add` and `undo`: one effect more or less, and how far the error falls. `remove` and
+// `decide`: an effect taken out, one kept without its alternatives. `history`: the steps as a table and as bars.
+
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/model/model_arguments.hpp"
+#include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_changes.hpp"
 #include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+#include "model/diagnosis/ladder.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct RemoveArguments : VerbArguments {
-  const std::string& effect = text("EFFECT", "effect of the model, as in cyclic:X:EX", Need::required);
-  ModelOptions common{*this};
-  const std::string& output = output_file("-o,--output", "the model to write; MODEL itself if not given");
+struct AddRequest {
+  std::string model, effect, output, approach, sensor, sensor2, sense, code, machine;
+  std::vector<std::string> data, alternatives;
+  ImportArguments import;
+  static Fields<AddRequest> fields() {
+    using R = AddRequest;
+    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"EFFECT", &R::effect, "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them",
+             Need::required},
+            {"--data", &R::data, "measurement files to fit to", Need::required},
+            {"-o,--output", &R::output, "the model with the effect; may be MODEL itself", Is::output},
+            {"--approach", &R::approach, "on which approach it acts", Words{"both", "forward", "reverse"}},
+            {"--sensor", &R::sensor, "column of the sensor that it follows"},
+            {"--sensor2", &R::sensor2, "column of the second sensor, where it follows the difference of two"},
+            {"--sense", &R::sense, "of the effect", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+            {"--code", &R::code,
+             "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation; XOC "
+             "and so on of location"},
+            {"--machine", &R::machine, kMachineHelp},
+            {"--or", &R::alternatives, "what `diagnose` cannot tell it from: kept with it until a measurement decides"},
+            {&R::import, ImportArguments::fields("--reading-sense")}};
+  }
 };
 
-Result<Outcome> remove(VerbContext& context, const RemoveArguments& given) {
-  const ModelArguments& arguments = given.common;
-  const std::string output = given.output.empty() ? arguments.model : given.output;
-  ECS_DO(check_output_not_input(output, arguments.data));
-  ECS_TRY(work, model_work(context.console, arguments));
+/// "servo_lag:X:EX, scale:X:EX", as a model keeps them.
+Result<std::string> tied_with(const std::vector<std::string>& alternatives) {
+  for (const std::string& one : alternatives) ECS_DO(model::parse_add_request(one));
+  return fmt::format("{}", fmt::join(alternatives, ", "));
+}
+
+Result<model::AddRequest> request_of(const AddRequest& request) {
+  auto wanted = model::parse_add_request(request.effect);
+  if (!wanted) return wanted;
+  if (!request.approach.empty()) wanted->approach = model::approach_mode_named(request.approach);
+  if (!request.sensor.empty()) wanted->sensor = request.sensor;
+  if (!request.sensor2.empty()) wanted->sensor2 = request.sensor2;
+  if (!request.sense.empty()) wanted->sense = sense_named(request.sense);
+  if (request.code.empty()) return wanted;
+  if (const auto coded = model::code_named(wanted->id, request.code)) {
+    if (coded->axis) {
+      wanted->axis = coded->axis;
+      wanted->rotary = true;
+    }
+    if (coded->sense) wanted->sense = coded->sense;
+    if (coded->code) wanted->code = coded->code;
+    return wanted;
+  }
+  return problem(ProblemKind::usage,
+                 fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, or EA, "
+                             "EB, EC of set_up_rotation, XOC … of location, got \"{}\"",
+                             request.code));
+}
+
+/// --sense means the effect's here.
+Problem with_hint(Problem why) {
+  if (const std::size_t at = why.message.find("--sense EX"); at != std::string::npos)
+    why.message.replace(at, 7, "--reading-sense");
+  return why;
+}
+
+Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
+  Json effect = effect_json(added.effect.effect);
+  effect["parameters"] = parameters_cell(added.effect.parameters).json;
+  const int outliers = added.step.outliers;
+  const std::string summary = paragraph(fmt::format(
+      "added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
+      name_with_alternatives(added.effect.effect), added.rms_before_um, added.rms_after_um, unit,
+      outliers > 0 ? fmt::format(" with {} outlier{}", outliers, outliers == 1 ? "" : "s") : "", added.noise_um, unit));
+  return record_cell("{summary}{effect}\n{history}{model}\n",
+                     {{"summary", shown_cell(summary)},
+                      {"rms_before_um", {number_or_null(added.rms_before_um), ""}},
+                      {"rms_after_um", {number_or_null(added.rms_after_um), ""}},
+                      {"noise_um", {number_or_null(added.noise_um), ""}},
+                      {"peak_um", {number_or_null(added.step.peak_um), ""}},
+                      {"held_out_rms_um", {number_or_null(added.step.held_out_rms_um), ""}},
+                      {"effect", {std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)}},
+                      {"history", ladder_cell(added.model)},
+                      {"model", output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
+                                               : Cell{output, "model written to " + output}}});
+}
+
+Result<Outcome> add(VerbContext& context, const AddRequest& request) {
+  ECS_TRY(wanted, request_of(request));
+  ECS_TRY(alternatives, tied_with(request.alternatives));
+  std::vector<std::string> inputs = request.data;
+  inputs.push_back(request.machine);
+  ECS_DO(check_output_not_input(request.output, inputs));
+  const auto work = model_work(context.console, {request.model, request.data, request.machine, request.import});
+  if (!work) return tl::unexpected(with_hint(work.error()));
+  if (!work->data.clock_note.empty()) context.console.note(work->data.clock_note);
+  ECS_TRY(added, in_file(model::add_effect(work->model, work->data, wanted, work->data_name), request.model));
+  added.effect.effect.tied_with = added.model.effects.back().tied_with = alternatives;
+  if (!request.output.empty()) ECS_DO(model::write_model(request.output, added.model, request.model));
+  return outcome_of(added_cell(added, work->data.reading_unit(), request.output));
+}
+
+struct UndoRequest {
+  std::string model, output, machine;
+  static Fields<UndoRequest> fields() {
+    using R = UndoRequest;
+    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output},
+            {"--machine", &R::machine, kMachineHelp}};
+  }
+};
+
+/// A ladder that holds nothing but its beginning has nothing to take back.
+bool nothing_added(const model::Model& model) {
+  return std::all_of(model.history.begin(), model.history.end(),
+                     [](const model::LadderStep& step) { return step.effect.empty(); });
+}
+
+Result<Outcome> undo(VerbContext&, const UndoRequest& request) {
+  const auto model = model::read_model(request.model);
+  if (!model) return tl::unexpected(model.error());
+  if (nothing_added(*model))
+    return tl::unexpected(
+        Problem{ProblemKind::refused, "nothing to undo: no effect was added to this model", request.model, 0, 0, {}});
+  ECS_TRY(before, model::undo(*model));
+  const std::string output = request.output.empty() ? request.model : request.output;
+  ECS_DO(model::write_model(output, before, request.model));
+  const std::string taken = model->history.back().effect;
+  return outcome_of(
+      record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
+                  {{"undone", word_cell(taken)}, {"history", ladder_cell(before)}, {"model", word_cell(output)}}));
+}
+
+struct RemoveRequest {
+  std::string effect, output;
+  ModelArguments common;
+  static Fields<RemoveRequest> fields() {
+    using R = RemoveRequest;
+    return {{"EFFECT", &R::effect, "effect of the model, as in cyclic:X:EX", Need::required},
+            &R::common,
+            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output}};
+  }
+};
+
+Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
+  const ModelArguments& request = given.common;
+  const std::string output = given.output.empty() ? request.model : given.output;
+  ECS_DO(check_output_not_input(output, request.data));
+  ECS_TRY(work, model_work(context.console, request));
   ECS_TRY(effect, effect_in(work.model, given.effect));
-  const auto before = model::fit(work.model, work.data);
-  if (!before) return tl::unexpected(in_file(before.error(), arguments.model));
-  const auto without = without_effect(work.model, work.data, effect, *before, work.data_name);
-  if (!without) return tl::unexpected(in_file(without.error(), arguments.model));
-  const model::Model kept = model_to_keep(without->model, without->fit, work.data, work.data_name);
-  ECS_DO(model::write_model(output, kept, arguments.model));
+  ECS_TRY(before, in_file(model::fit(work.model, work.data), request.model));
+  ECS_TRY(without, in_file(without_effect(work.model, work.data, effect, before, work.data_name), request.model));
+  const model::Model kept = model_to_keep(without.model, without.fit, work.data, work.data_name);
+  ECS_DO(model::write_model(output, kept, request.model));
   return outcome_of(
       record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
                   "to {model}\n",
-                  {{"effect", word_cell(without->name)},
-                   {"rms_before_um", number_cell(without->rms_before_um, 3)},
-                   {"rms_after_um", number_cell(without->fit.rms_um, 3)},
+                  {{"effect", word_cell(without.name)},
+                   {"rms_before_um", number_cell(without.rms_before_um, 3)},
+                   {"rms_after_um", number_cell(without.fit.rms_um, 3)},
                    {"unit", shown_cell(std::string(work.data.reading_unit()))},
                    {"history", ladder_cell(kept)},
                    {"model", word_cell(output)}}));
 }
 
-struct DecideArguments : VerbArguments {
-  const std::string& effect = text("EFFECT", "effect of the model, as in cyclic:X:EX", Need::required);
-  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
-  const std::string& output = output_file("-o,--output", "the model to write; MODEL itself if not given");
+struct DecideRequest {
+  std::string effect, model, output;
+  static Fields<DecideRequest> fields() {
+    using R = DecideRequest;
+    return {{"EFFECT", &R::effect, "effect of the model, as in cyclic:X:EX", Need::required},
+            {"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output}};
+  }
 };
 
-Result<Outcome> decide(VerbContext&, const DecideArguments& arguments) {
-  auto model = model::read_model(arguments.model);
+Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
+  auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
-  ECS_TRY(effect, effect_in(*model, arguments.effect));
+  ECS_TRY(effect, effect_in(*model, request.effect));
   model::EffectInstance& decided = model->effects[effect];
   const std::string alternatives = decided.tied_with;
   if (alternatives.empty())
     return tl::unexpected(Problem{ProblemKind::refused,
-                                  fmt::format("{} has no alternatives: nothing to decide", arguments.effect),
-                                  arguments.model,
+                                  fmt::format("{} has no alternatives: nothing to decide", request.effect),
+                                  request.model,
                                   0,
                                   0,
                                   {}});
   keep_alternatives(decided, {});
-  const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
-  ECS_DO(model::write_model(output, *model, arguments.model));
+  const std::string output = request.output.empty() ? request.model : request.output;
+  ECS_DO(model::write_model(output, *model, request.model));
   return outcome_of(record_cell("it is {effect}, not {alternatives}\nmodel written to {model}\n",
-                                {{"effect", word_cell(arguments.effect)},
+                                {{"effect", word_cell(request.effect)},
                                  {"alternatives", word_cell(alternatives)},
                                  {"model", word_cell(output)}}));
 }
 
+struct HistoryRequest {
+  std::string model, plot, machine;
+  static Fields<HistoryRequest> fields() {
+    using R = HistoryRequest;
+    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"--plot", &R::plot, "bars falling towards the noise, as .svg or .png", Is::output},
+            {"--machine", &R::machine, kMachineHelp}};
+  }
+};
+
+Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
+  ECS_TRY(model, model::read_model(request.model));
+  Cell ladder = ladder_cell(model);
+  if (!request.plot.empty()) {
+    ECS_DO(write_plot(request.plot, ladder_figure(model.history, "Error after every step")));
+    ladder.text += "plot written to " + request.plot + "\n";
+  }
+  return outcome_of(record_cell("{history}", {{"model", word_cell(request.model)}, {"history", ladder}}));
+}
+
 }  // namespace
 
-extern const VerbDefinition kModelRemove =
-    verb<RemoveArguments>("model remove", "a model without one of its effects, fitted to the data again",
-                          "ecs model remove cyclic:X:EX model.toml data.csv --machine machine.toml", remove);
-
-extern const VerbDefinition kModelDecide =
-    verb<DecideArguments>("model decide", "an effect without the alternatives that `model add --or` kept with it",
-                          "ecs model decide cyclic:X:EX model.toml", decide);
+extern const std::vector<Action> kModelLadder{
+    action("model add", "an effect more, in the place that fits best; shows how far the error falls",
+           "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml", add,
+           {.logged = Logged::when_written, .kind = "model"}),
+    action("model undo", "a model without the effect that was added last", "ecs model undo model.toml", undo,
+           {.logged = Logged::when_written, .kind = "model"}),
+    action("model remove", "a model without one of its effects, fitted to the data again",
+           "ecs model remove cyclic:X:EX model.toml data.csv --machine machine.toml", remove,
+           {.logged = Logged::when_written, .kind = "model"}),
+    action("model decide", "an effect without the alternatives that `model add --or` kept with it",
+           "ecs model decide cyclic:X:EX model.toml", decide, {.logged = Logged::when_written, .kind = "model"}),
+    action("model history", "the ladder: how far the error fell with every effect",
+           "ecs model history model.toml --plot ladder.svg", history)};
 
 }  // namespace ecs::app

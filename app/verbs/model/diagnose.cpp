@@ -1,54 +1,273 @@
-// `ecs model diagnose`: which effect is missing from a model, with the evidence.
+// `ecs model diagnose`: which effect is missing from a model, with the evidence. `check`: whether a kept diagnosis
+// holds on its data, without the search. `next`: the measurement that separates the rivals, and whether a planned one
+// can determine a model.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/model_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "base/interrupt.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/models/answer_check.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/plan.hpp"
 #include "commissioning/models/plots.hpp"
+#include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
 #include "model/planning/next_measurement.hpp"
+#include "model/planning/part_program.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct DiagnoseArguments : VerbArguments {
-  ModelOptions common{*this};
-  const int& blanks = integer("--blanks", "simulated data sets of noise alone that a finding must beat",
-                              static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
-  const bool& plain = flag("--plain", "ordinary least squares: no reading counts as an outlier");
-  const std::string& plot = output_file("--plot", "measured against model, and what is left, as .svg or .png");
+struct DiagnoseRequest {
+  ModelArguments common;
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
+  bool plain = false;
+  std::string plot;
+  static Fields<DiagnoseRequest> fields() {
+    using R = DiagnoseRequest;
+    return {&R::common,
+            {"--blanks", &R::blanks, "simulated data sets of noise alone that a finding must beat", Range{50, 20'000}},
+            {"--plain", &R::plain, "ordinary least squares: no reading counts as an outlier"},
+            {"--plot", &R::plot, "measured against model, and what is left, as .svg or .png", Is::output}};
+  }
 };
 
-Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseArguments& arguments) {
-  ECS_TRY(figure, diagnosis_figure(work.model, work.data, diagnosis, arguments.plain));
-  return write_plot(arguments.plot, figure);
+Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseRequest& request) {
+  ECS_TRY(figure, diagnosis_figure(work.model, work.data, diagnosis, request.plain));
+  return write_plot(request.plot, figure);
 }
 
-Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& arguments) {
-  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
-  ECS_TRY(work, model_work(context.console, arguments.common));
+Result<Outcome> diagnose(VerbContext& context, const DiagnoseRequest& request) {
+  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  ECS_TRY(work, model_work(context.console, request.common));
   model::DiagnoseOptions options;
-  options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
-  options.plain = arguments.plain;
+  options.noise_replicates = static_cast<std::size_t>(request.blanks);
+  options.plain = request.plain;
   options.cancelled = &interrupted();
-  auto diagnosis = model::diagnose(work.model, work.data, options);
-  if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  (void)model::planned_next(work.model, work.data, *diagnosis);  // the proposal of `ecs model next`
-  Cell answer = diagnosis_cell(*diagnosis);
-  ECS_DO(add_check_inputs(answer, arguments.common, work, arguments.plain));
-  if (!arguments.plot.empty()) {
-    ECS_DO(draw(work, *diagnosis, arguments));
-    answer.text += "\nplot written to " + arguments.plot + "\n";
+  ECS_TRY(diagnosis, in_file(model::diagnose(work.model, work.data, options), request.common.model));
+  (void)model::planned_next(work.model, work.data, diagnosis);  // the proposal of `ecs model next`
+  Cell answer = diagnosis_cell(diagnosis);
+  ECS_DO(add_check_inputs(answer, request.common, work, request.plain));
+  if (!request.plot.empty()) {
+    ECS_DO(draw(work, diagnosis, request));
+    answer.text += "\nplot written to " + request.plot + "\n";
   }
   return outcome_of(answer);
 }
 
+struct CheckRequest {
+  std::string answer, machine;
+  std::vector<std::string> data;
+  ImportArguments import;
+  static Fields<CheckRequest> fields() {
+    using R = CheckRequest;
+    return {{"ANSWER", &R::answer, "saved answer of `ecs model diagnose --json`", Need::required},
+            {"DATA", &R::data, "the measurement files that it was made from, in the same order", Need::required},
+            {"--machine", &R::machine, "a machine (.toml) in place of that of the answer"},
+            &R::import};
+  }
+};
+
+Result<Outcome> check_saved(VerbContext& context, const CheckRequest& request) {
+  ECS_TRY(checked, check_answer(context.console, request.answer, request.data, request.machine, request.import));
+  return outcome_of(check_cell(checked), checked.holds() ? kDone : kDoesNotHold);
+}
+
+using model::MeasurementProposal;
+using model::PlanCheck;
+
+struct NextRequest {
+  ModelArguments common;
+  std::string check, program, targets;
+  int proposal = 1;
+  bool ball_bar = false;
+  double noise_um = 0.5;
+  static Fields<NextRequest> fields() {
+    using R = NextRequest;
+    return {{&R::common, ModelArguments::fields(Need::optional)},
+            {"--check", &R::check,
+             "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL"},
+            {"--proposal", &R::proposal, "which of the proposals --program and --targets are for", Range{1, 100}},
+            {"--program", &R::program, "part program of the proposal to write", Is::output},
+            {"--targets", &R::targets, "target list of the proposal to write, a measurement set without readings",
+             Is::output},
+            {"--ball-bar", &R::ball_bar,
+             "a ball bar is at hand: circles are proposed too; where DATA hold circles they are"},
+            {"--noise", &R::noise_um, "of one reading, for --check without DATA [um]", Range{1e-6, 1e6}}};
+  }
+};
+
+// --- proposals
+
+Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
+  Json pairs = Json::array();
+  for (const model::PairSeparation& pair : one.pairs)
+    pairs.push_back(
+        {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
+  Json separation;  // null: a repetition separates nothing by itself
+  if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
+  AnswerFields fields = {{"tells", {one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)}},
+                         {"axis", word_cell(axis_json(one.axis))},
+                         {"sense", word_cell(name_of(one.sense))},
+                         {"targets_mm", {one.targets_mm, ""}},
+                         {"parked_mm", {position_json(one.parked_mm), ""}},
+                         {"bidirectional", {one.bidirectional, ""}},
+                         {"approach", integer_cell(one.approach)},
+                         {"runs", integer_cell(one.runs)},
+                         {"feed_mm_min", {number_or_null(one.feed_mm_min), ""}},
+                         {"second_feed_mm_min", {number_or_null(one.second_feed_mm_min), ""}},
+                         {"dwell_s", {number_or_null(one.dwell_s), ""}},
+                         {"new_set_up", {one.new_set_up, ""}},
+                         {"temperatures_degC", {one.temperatures_degC, ""}},
+                         {"pressure_hPa", {number_or_null(one.pressure_hPa), ""}},
+                         {"humidity_pct", {number_or_null(one.humidity_pct), ""}},
+                         {"load_kg", {number_or_null(one.load_kg), ""}},
+                         {"compensated", {one.compensated ? Json(*one.compensated) : Json(nullptr), ""}},
+                         {"reversed", {one.reversed ? Json(*one.reversed) : Json(nullptr), ""}},
+                         {"condition", word_cell(one.condition)},
+                         {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
+                         {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
+                         {"minutes", {number_or_null(one.minutes), ""}},
+                         {"separation_sigma", {std::move(separation), ""}},
+                         {"pairs", {std::move(pairs), ""}},
+                         {"sentence", {one.sentence, paragraph(one.sentence, 3)}}};
+  if (one.circle)
+    fields.push_back({"circle", {{{"path", to_text(*one.circle)}, {"step_deg", one.circle_step_deg}}, ""}});
+  return record_cell("\n{tells}{sentence}", fields);
+}
+
+std::string rivals_text(const std::vector<std::string>& rivals) {
+  if (rivals.size() > 1) return paragraph(fmt::format("to be separated: {}", fmt::join(rivals, ", ")), 0, 2);
+  return rivals.empty() ? std::string() : paragraph("to be confirmed: " + rivals.front());
+}
+
+Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
+  Cell proposals{Json::array(), {}};
+  for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
+  if (proposals.json.size() > 1) proposals.text += "\nFirst the run that decides the most in a minute.\n";
+  return record_cell("{verdict}{rivals}{proposals}{notes}",
+                     {{"verdict", {name_of(diagnosis.verdict), paragraph(diagnosis.headline)}},
+                      {"rivals", {next.rivals, rivals_text(next.rivals)}},
+                      {"proposals", std::move(proposals)},
+                      {"program", text_cell(request.program)},
+                      {"targets", text_cell(request.targets)},
+                      {"notes", {next.notes, notes_text(next.notes)}}});
+}
+
+/// Part program and target list of the chosen proposal; says what was written.
+Result<std::string> written_for(const model::NextMeasurement& next, const std::optional<params::Machine>& machine,
+                                const NextRequest& request) {
+  std::string text;
+  if (request.program.empty() && request.targets.empty()) return text;
+  if (!request.program.empty() && !machine)
+    return problem(ProblemKind::usage, "--program needs --machine: no motion may leave its travels");
+  const auto place = static_cast<std::size_t>(request.proposal - 1);
+  if (next.proposals.empty())
+    return problem(ProblemKind::refused,
+                   fmt::format("no measurement is proposed, so nothing was written: {}", fmt::join(next.notes, "; ")));
+  if (place >= next.proposals.size())
+    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, the last one is {}: nothing was written",
+                                                     request.proposal, next.proposals.size()));
+  const MeasurementProposal& proposal = next.proposals[place];
+  if (!request.program.empty()) {
+    text += fmt::format("\npart program of proposal {} written to {}", request.proposal, request.program);
+    ECS_DO(write_file(request.program, part_program(proposal, *machine)));
+  }
+  if (!request.targets.empty()) {
+    text += fmt::format("\ntarget list of proposal {} written to {}", request.proposal, request.targets);
+    ECS_DO(write_file(request.targets, target_list(proposal)));
+  }
+  return text + "\n";
+}
+
+model::MeasuringTimes times_of(const NextRequest& request) {
+  model::MeasuringTimes times;
+  times.ball_bar = request.ball_bar;
+  return times;
+}
+
+Result<Outcome> propose(VerbContext& context, const NextRequest& request) {
+  if (request.common.data.empty())
+    return problem(ProblemKind::usage, "expected DATA to propose from, or --check PLAN to judge a plan");
+  std::vector<std::string> inputs = request.common.data;
+  inputs.insert(inputs.end(), {request.common.model, request.common.machine});
+  for (const std::string& output : {request.program, request.targets}) ECS_DO(check_output_not_input(output, inputs));
+  ECS_TRY(work, model_work(context.console, request.common));
+  ECS_TRY(diagnosis, in_file(model::diagnose(work.model, work.data), request.common.model));
+  const model::NextMeasurement next = model::planned_next(work.model, work.data, diagnosis, times_of(request));
+  ECS_TRY(written, written_for(next, work.machine, request));
+  Cell answer = proposals_cell(next, diagnosis, request);
+  answer.text += written;
+  return outcome_of(answer);
+}
+
+// --- the check of a plan
+
+/// Of one reading: from the data where there are any, else as given.
+Result<double> noise_to_expect(VerbContext& context, const NextRequest& request) {
+  if (request.common.data.empty()) return request.noise_um;
+  ECS_TRY(work, model_work(context.console, request.common));
+  ECS_TRY(fit, in_file(model::fit(work.model, work.data), request.common.model));
+  return fit.noise.noise_um;
+}
+
+Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
+  Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "sigma to expect")};
+  for (const model::EffectFit& effect : check.effects)
+    effects.add(record_cell("{place}  ({readings} readings)\n{parameters}",
+                            {{"", {effect_json(effect.effect), ""}},
+                             {"place", shown_cell(place_text(effect.effect))},
+                             {"parameters", parameters_cell(effect.parameters, "  {name:<38} {sigma:>15}  {unit}\n")},
+                             {"readings", count_cell(effect.readings)}}));
+  std::string undetermined, assumed;
+  for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
+  for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
+  return record_cell(
+      "{determines}\n{readings} readings, noise {noise_um} um, condition {condition}\n\n{effects}"
+      "{undetermined}{assumed}",
+      {{"determines", yes_cell(check.determines, "The plan determines every parameter of the model.",
+                               "The plan does not determine the model.")},
+       {"readings", count_cell(readings)},
+       {"noise_um", number_cell(noise_um, 3)},
+       {"condition", {number_or_null(check.condition), few_digits(check.condition)}},
+       {"undetermined", {check.undetermined, undetermined}},
+       {"effects", std::move(effects)},
+       {"assumed", shown_cell(assumed)}});
+}
+
+Result<Outcome> check_planned(VerbContext& context, const NextRequest& request) {
+  const auto model = model::read_model(request.common.model);
+  if (!model) return tl::unexpected(model.error());
+  ECS_TRY(machine, machine_in(context.console, request.common.machine));
+  ECS_TRY(plan, plan_in(request.check, request.common.import));
+  ECS_TRY(noise_um, noise_to_expect(context, request));
+  const model::Observations rows = model::observations_of(plan.set, *model, machine);
+  ECS_TRY(result, in_file(model::check_plan(*model, rows, noise_um), request.common.model));
+  return outcome_of(check_cell(result, noise_um, rows.size()), result.determines ? kDone : kDoesNotHold);
+}
+
+Result<Outcome> next(VerbContext& context, const NextRequest& request) {
+  return request.check.empty() ? propose(context, request) : check_planned(context, request);
+}
+
 }  // namespace
 
-extern const VerbDefinition kModelDiagnose = verb<DiagnoseArguments>(
-    "model diagnose", "which effect is missing from a model, with proof, rivals and doubts",
-    "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg", diagnose);
+extern const std::vector<Action> kModelDiagnosis{
+    action("model diagnose", "which effect is missing from a model, with proof, rivals and doubts",
+           "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg", diagnose,
+           {.logged = Logged::always, .kind = "diagnosis"}),
+    action("model check", "recomputes a saved diagnosis from its data; exit 1 if it does not hold",
+           "ecs model check answer.json data.csv", check_saved),
+    action("model next", "the measurement that separates rivals best per minute; --check judges a plan",
+           "ecs model next model.toml data.csv --machine machine.toml\n"
+           "  ecs model next model.toml --check plan.csv --machine machine.toml",
+           next)};
 
 }  // namespace ecs::app

@@ -1,6 +1,9 @@
-// `ecs model effects`: the effect library, or one effect explained.
+// `ecs model effects`: the effect library, or one effect explained. `new`: a model to begin with, of what every
+// measured curve has. `predict`: the predictions of a model at given places.
 
+#include <algorithm>
 #include <map>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,8 +12,15 @@
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
+#include "commissioning/laser_session/choices.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/plan.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+#include "commissioning/session/shell_word.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
@@ -66,13 +76,17 @@ Result<Outcome> one_effect(const std::string& name) {
                              like.empty() ? "" : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", ")));
 }
 
-struct EffectsArguments : VerbArguments {
-  const std::string& name = text("EFFECT", "explain this one");
-  const std::string& machine = text("--machine", "taken as by every verb of MODEL; the library is the same for all");
+struct EffectsRequest {
+  std::string name, machine;
+  static Fields<EffectsRequest> fields() {
+    using R = EffectsRequest;
+    return {{"EFFECT", &R::name, "explain this one"},
+            {"--machine", &R::machine, "taken as by every verb of MODEL; the library is the same for all"}};
+  }
 };
 
-Result<Outcome> effects(VerbContext&, const EffectsArguments& arguments) {
-  if (!arguments.name.empty()) return one_effect(arguments.name);
+Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
+  if (!request.name.empty()) return one_effect(request.name);
   Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
@@ -80,10 +94,133 @@ Result<Outcome> effects(VerbContext&, const EffectsArguments& arguments) {
   return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {{"effects", std::move(all)}}));
 }
 
+struct NewRequest {
+  ModelArguments common;
+  static Fields<NewRequest> fields() {
+    using R = NewRequest;
+    return {&R::common};
+  }
+};
+
+Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
+  const ModelArguments& request = given.common;
+  ECS_TRY(work, begun_model(context.console, request));
+  std::vector<std::string> effects;
+  for (const model::EffectInstance& effect : work.model.effects) effects.push_back(name_with_alternatives(effect));
+  std::vector<std::string> next{"ecs", "model", "diagnose", request.model};
+  next.insert(next.end(), request.data.begin(), request.data.end());
+  if (!request.machine.empty()) next.insert(next.end(), {"--machine", request.machine});
+  const std::vector<std::string> import = commissioning::import_words(request.import);
+  next.insert(next.end(), import.begin(), import.end());
+  return outcome_of(
+      record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
+                  {{"model", word_cell(request.model)},
+                   {"usual", shown_cell(usual_in_words(work.data))},
+                   {"of_paths", shown_cell(work.data.paths.empty() ? "" : "; of circles and diagonals nothing")},
+                   {"effects", lines_cell(effects, "  ")},
+                   {"next", shown_cell(shell_command(next))}}));
+}
+
+struct PredictRequest {
+  std::string model, points, output, machine;
+  ImportArguments import;
+  static Fields<PredictRequest> fields() {
+    using R = PredictRequest;
+    return {
+        {"MODEL", &R::model, "model file (.toml) with values: given, or from `model fit -o`", Need::required},
+        {"POINTS", &R::points, "measurement set; the column reading does not count and may be absent", Need::required},
+        {"-o,--output", &R::output, "measurement set to write, predictions in the column reading", Is::output},
+        {"--machine", &R::machine, kMachineHelp},
+        &R::import};
+  }
+};
+
+/// The rows with the prediction as reading; what the file had there goes into the column `measured`.
+struct Predicted {
+  laser::MeasurementSet set;
+  bool has_readings = true;
+  std::string clock_note{};  ///< as of Observations
+};
+
+Result<Predicted> predicted(const model::Model& model, const std::optional<params::Machine>& machine, Plan plan,
+                            const std::string& model_file) {
+  const model::Observations at = model::all_observations_of(plan.set, model, machine);
+  ECS_TRY(values, in_file(model::predicted(model, at), model_file));
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    laser::Reading& reading = plan.set.readings[at.file_order[k]];
+    if (plan.has_readings) reading.extras["measured"] = reading.error;
+    reading.error = values[k];
+  }
+  plan.set.metadata.push_back({"predicted_by", model_file});
+  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note};
+}
+
+Cell prediction_cell(const laser::Reading& r, bool has_readings) {
+  const bool forward = r.approach == Approach::forward;
+  AnswerFields fields{{"row", integer_cell(r.row)},
+                      {"axis", word_cell(axis_json(r.axis, r.rotary))},
+                      {"sense", word_cell(name_of(r.sense))}};
+  add_position(fields, r.rotary ? r.angle_deg : r.position_mm, r.rotary);
+  fields.insert(
+      fields.end(),
+      {{"approach", {static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")}},
+       {"unit", word_cell(laser::unit_of(r.sense))},
+       {"predicted", number_cell(r.error, 3)},
+       {"measured", number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)}});
+  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
+                                 position_layout(r.rotary), has_readings ? " {measured:>10}" : ""),
+                     fields);
+}
+
+/// The text has the first rows only.
+Cell predictions_cell(const Predicted& p) {
+  constexpr std::size_t kMostRows = 40;
+  const auto& rows = p.set.readings;
+  const bool rotary = !rows.empty() && rows.front().rotary;
+  Cell list{Json::array(), fmt::format("   row axis sense          {} dir  predicted",
+                                       rotary ? "a          b          c" : "x          y          z")};
+  list.text += p.has_readings ? "   measured\n" : "\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Cell one = prediction_cell(rows[i], p.has_readings);
+    if (i >= kMostRows) one.text.clear();
+    list.add(one);
+  }
+  if (rows.size() > kMostRows)
+    list.text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
+  return list;
+}
+
+Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
+  if (const auto distinct = check_output_not_input(request.output, {request.points, request.model, request.machine});
+      !distinct)
+    return tl::unexpected(distinct.error());
+  const auto model = model::read_model(request.model);
+  if (!model) return tl::unexpected(model.error());
+  ECS_TRY(machine, machine_in(context.console, request.machine));
+  ECS_TRY(plan, plan_in(request.points, request.import));
+  ECS_TRY(result, predicted(*model, machine, std::move(plan), request.model));
+  const bool of_fit = std::any_of(model->history.begin(), model->history.end(),
+                                  [&](const model::LadderStep& step) { return step.data == request.points; });
+  if (!result.clock_note.empty() && !of_fit) context.console.note(result.clock_note);
+  Cell predictions = predictions_cell(result);
+  if (!request.output.empty()) {
+    ECS_DO(laser::write_measurement_set(request.output, result.set));
+    predictions.text = fmt::format("{} predictions written to {}\n", result.set.readings.size(), request.output);
+  }
+  return outcome_of(record_cell("{predictions}", {{"points", count_cell(result.set.readings.size())},
+                                                  {"output", text_cell(request.output)},
+                                                  {"predictions", predictions}}));
+}
+
 }  // namespace
 
-extern const VerbDefinition kModelEffects = verb<EffectsArguments>(
-    "model effects", "the library of effects: cause, formula, how to distinguish each from similar ones",
-    "ecs model effects cyclic", effects);
+extern const std::vector<Action> kModelBeginning{
+    action("model effects", "the library of effects: cause, formula, how to distinguish each from similar ones",
+           "ecs model effects cyclic", effects),
+    action("model new", "a model to begin with: offset, slope, backlash of what was measured; of a ball its place",
+           "ecs model new model.toml data.csv --machine machine.toml", begin,
+           {.logged = Logged::when_written, .kind = "model"}),
+    action("model predict", "the predictions of a fitted model at given places",
+           "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv", predict)};
 
 }  // namespace ecs::app

@@ -1,19 +1,27 @@
-// `ecs model fit`: the parameters of a model from measured data, with how far they can be trusted.
+// `ecs model fit`: the parameters of a model from measured data, with how far they can be trusted. `compare`: where a
+// model fails, what it says at one place, and over the whole volume.
+
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
+#include "commissioning/models/compare_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
+#include "commissioning/models/place.hpp"
 #include "commissioning/models/plots.hpp"
+#include "commissioning/models/trace.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
 #include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ladder.hpp"
+#include "model/effects/definition.hpp"
 #include "volume/rotary_errors.hpp"
 
 namespace ecs::app {
@@ -24,13 +32,19 @@ using model::Fit;
 
 constexpr double kStrongCorrelation = 0.9;
 
-struct FitArguments : VerbArguments {
-  ModelOptions common{*this};
-  const bool& plain = flag("--plain", "ordinary least squares: every reading counts the same");
-  const std::string& output = output_file("-o,--output", "the model with its values; may be MODEL itself");
-  const std::string& rotary =
-      output_file("--rotary", "errors of the rotary axes that were found, for `ecs volume --rotary` (.csv)");
-  const std::string& plot = output_file("--plot", "measured against model, as .svg or .png");
+struct FitRequest {
+  ModelArguments common;
+  bool plain = false;
+  std::string output, rotary, plot;
+  static Fields<FitRequest> fields() {
+    using R = FitRequest;
+    return {&R::common,
+            {"--plain", &R::plain, "ordinary least squares: every reading counts the same"},
+            {"-o,--output", &R::output, "the model with its values; may be MODEL itself", Is::output},
+            {"--rotary", &R::rotary, "errors of the rotary axes that were found, for `ecs volume --rotary` (.csv)",
+             Is::output},
+            {"--plot", &R::plot, "measured against model, as .svg or .png", Is::output}};
+  }
 };
 
 Cell effect_cell(const EffectFit& effect) {
@@ -119,48 +133,158 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
        {"model", text_cell(output)}});
 }
 
-Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
-  if (!arguments.output.empty())
-    if (auto kept = model::write_model(arguments.output, model_to_keep(model, fit, work.data, work.data_name),
-                                       arguments.common.model);
+Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitRequest& request) {
+  if (!request.output.empty())
+    if (auto kept = model::write_model(request.output, model_to_keep(model, fit, work.data, work.data_name),
+                                       request.common.model);
         !kept)
       return kept;
-  if (arguments.plot.empty()) return {};
-  return write_plot(arguments.plot,
+  if (request.plot.empty()) return {};
+  return write_plot(request.plot,
                     fit_figure(fit, work.data,
                                fmt::format("rms {:.2f} {}, noise {:.2f} {}", fit.rms_um, plot_unit(fit.noise.unit),
                                            fit.noise.noise_um, plot_unit(fit.noise.unit))));
 }
 
-Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
-  if (!arguments.plot.empty()) ECS_DO(plot_format_of(arguments.plot));
-  for (const std::string& output : {arguments.output, arguments.plot, arguments.rotary})
-    ECS_DO(check_output_not_input(output, arguments.common.data));
-  ECS_TRY(work, model_work(context.console, arguments.common));
-  auto result = model::fit(work.model, work.data, {arguments.plain});
-  if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
-  const auto ties = model::decided_ties(work.model, work.data);
-  if (!ties) return tl::unexpected(in_file(ties.error(), arguments.common.model));
-  result->notes.insert(result->notes.end(), ties->notes.begin(), ties->notes.end());
-  ECS_DO(write(ties->model, work, *result, arguments));
-  Cell answer = fit_cell(*result, work.data.size(), work.data.rotary, arguments.output);
-  if (!arguments.output.empty()) answer.text += fmt::format("model written to {}\n", arguments.output);
-  if (!arguments.rotary.empty()) {
-    ECS_TRY(found, fitted_rotary(ties->model, *result, work.machine, work.data));
+Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
+  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  for (const std::string& output : {request.output, request.plot, request.rotary})
+    ECS_DO(check_output_not_input(output, request.common.data));
+  ECS_TRY(work, model_work(context.console, request.common));
+  ECS_TRY(result, in_file(model::fit(work.model, work.data, {request.plain}), request.common.model));
+  ECS_TRY(ties, in_file(model::decided_ties(work.model, work.data), request.common.model));
+  result.notes.insert(result.notes.end(), ties.notes.begin(), ties.notes.end());
+  ECS_DO(write(ties.model, work, result, request));
+  Cell answer = fit_cell(result, work.data.size(), work.data.rotary, request.output);
+  if (!request.output.empty()) answer.text += fmt::format("model written to {}\n", request.output);
+  if (!request.rotary.empty()) {
+    ECS_TRY(found, fitted_rotary(ties.model, result, work.machine, work.data));
     const std::string text = volume::rotary_csv(found.errors, work.machine ? work.machine->name : "");
-    ECS_DO(write_file(arguments.rotary, text));
+    ECS_DO(write_file(request.rotary, text));
     for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
     for (const std::string& one : found.left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
-    answer.text += fmt::format("errors of rotary axes written to {}\n", arguments.rotary);
+    answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
   }
-  if (!arguments.plot.empty()) answer.text += fmt::format("plot written to {}\n", arguments.plot);
+  if (!request.plot.empty()) answer.text += fmt::format("plot written to {}\n", request.plot);
+  return outcome_of(answer);
+}
+
+struct CompareRequest {
+  ModelArguments common;
+  bool refit = false;
+  int worst = 10;
+  std::string at, output, plot;
+  int volume = 0;
+  static Fields<CompareRequest> fields() {
+    using R = CompareRequest;
+    return {&R::common,
+            {"--refit", &R::refit, "fit the model to these data first; otherwise its values are kept"},
+            {"--worst", &R::worst, "so many of the worst places", Range{0, 10'000}},
+            {"--at", &R::at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1"},
+            {"--volume", &R::volume, "predicted error over the volume, so many places along each axis", Range{2, 60}},
+            {"-o,--output", &R::output, "CSV of the volume to write", Is::output},
+            {"--plot", &R::plot, "measured against model, as .svg or .png", Is::output}};
+  }
+};
+
+Result<void> sound(const CompareRequest& request) {
+  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  if (request.output.empty()) return {};
+  if (request.volume == 0) return problem(ProblemKind::usage, "-o takes the map of --volume N: give both");
+  std::vector<std::string> inputs = request.common.data;
+  inputs.push_back(request.common.model);
+  inputs.push_back(request.common.machine);
+  return check_output_not_input(request.output, inputs);
+}
+
+Result<void> tell_place(Cell& answer, const ModelWork& work, const model::Model& fitted,
+                        const CompareRequest& request) {
+  if (request.at.empty()) return {};
+  ECS_TRY(shares, shares_at(fitted, work.machine, request.at));
+  const Cell cell = shares_cell(shares);
+  answer.text += cell.text;
+  answer.json["at"] = cell.json;
+  return {};
+}
+
+Result<void> tell_volume(Cell& answer, const ModelWork& work, const model::Model& fitted,
+                         const CompareRequest& request) {
+  if (request.volume == 0) return {};
+  ECS_TRY(volume, volume_of(fitted, work.machine, static_cast<std::size_t>(request.volume)));
+  const Cell cell = volume_cell(volume);
+  answer.text += cell.text;
+  answer.json["volume"] = cell.json;
+  if (request.output.empty()) return {};
+  answer.text += "  written to " + request.output + "\n";
+  answer.json["volume"]["output"] = request.output;
+  return write_file(request.output, to_csv(volume));
+}
+
+Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, const CompareRequest& request) {
+  if (request.plot.empty()) return {};
+  answer.text += "\nplot written to " + request.plot + "\n";
+  return write_plot(request.plot, fit_figure(fit, work.data, "model against measurement"));
+}
+
+bool any_trace(const std::vector<std::string>& files) {
+  return std::any_of(files.begin(), files.end(), [](const std::string& file) { return is_trace_file(file); });
+}
+
+/// A recorded step has no places, no volume and no company.
+Result<Outcome> compare_step(const CompareRequest& request) {
+  if (request.common.data.size() != 1)
+    return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
+  if (!request.at.empty() || request.volume != 0)
+    return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
+  ECS_TRY(comparison, compare_trace(request.common.model, request.common.data.front()));
+  if (!request.plot.empty()) {
+    ECS_DO(write_plot(request.plot, comparison.figure));
+    comparison.outcome.text += "\nplot written to " + request.plot + "\n";
+  }
+  return std::move(comparison.outcome);
+}
+
+/// At the values of the model; what was never fitted is fitted, and so is everything with --refit.
+Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
+  if (refit) return model::fit(work.model, work.data);
+  auto fit = model::fit(with_values_held(work.model), work.data);
+  if (!fit) return fit;
+  std::string fitted;
+  for (const model::EffectFit& effect : fit->effects) {
+    if (effect.effect.traits().fixed_size) continue;
+    if (const auto& all = effect.parameters; std::any_of(all.begin(), all.end(), [](const auto& p) { return !p.held; }))
+      fitted += (fitted.empty() ? "" : ", ") + to_text(effect.effect);
+  }
+  if (!fitted.empty())
+    fit->notes.push_back(fmt::format("fitted to these data, since the model has no values for it: {}", fitted));
+  return fit;
+}
+
+Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
+  ECS_DO(sound(request));
+  if (any_trace(request.common.data)) return compare_step(request);
+  ECS_TRY(work, model_work(context.console, request.common));
+  ECS_TRY(fit, in_file(fit_of(work, request.refit), request.common.model));
+  const model::Comparison comparison = model::compare(fit, work.data, static_cast<std::size_t>(request.worst));
+  Cell answer = comparison_cell(comparison, work.data.size());
+  answer.json["notes"] = fit.notes;
+  if (!fit.notes.empty()) answer.text += "\n" + notes_text(fit.notes);
+  const model::Model fitted = with_values(work.model, fit);
+  ECS_DO(tell_place(answer, work, fitted, request));
+  ECS_DO(tell_volume(answer, work, fitted, request));
+  ECS_DO(draw(answer, work, fit, request));
   return outcome_of(answer);
 }
 
 }  // namespace
 
-extern const VerbDefinition kModelFit =
-    verb<FitArguments>("model fit", "the parameters of a model from measured data, with sigmas and correlations",
-                       "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml", fit);
+extern const std::vector<Action> kModelFitting{
+    action("model fit", "the parameters of a model from measured data, with sigmas and correlations",
+           "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml", fit,
+           {.logged = Logged::when_written, .kind = "model"}),
+    action("model compare", "where a model fails: residuals by direction and by every variable",
+           "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
+           "ecs model compare drive_as_printed.toml step_recorded.csv",
+           compare)};
 
 }  // namespace ecs::app

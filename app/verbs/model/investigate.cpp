@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/model/model_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/interrupt.hpp"
 #include "base/paragraph.hpp"
@@ -18,19 +17,23 @@ namespace {
 
 constexpr double kMostMinutes = 100'000.0;
 
-struct InvestigateArguments : VerbArguments {
-  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
-  const std::string& machine = text("--machine", "the machine (.toml): travels, lever arms, pitches", Need::required);
-  const std::string& params = text(
-      "--params", "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it");
-  const std::string& workshop = text(
-      "--workshop", "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well");
-  const std::string& watch =
-      text("--watch", "folder into which a person puts the readings; what was given is kept in its ledger.json");
-  const double& minutes = number("--minutes", "that the runs may take, set-up and waiting included", 0.0,
-                                 Need::required, 0.0, kMostMinutes);
-  const std::string& output = output_file("-o,--output", "the model with the causes found; may be MODEL itself");
-  const Access access = may_write_to_unit();
+struct InvestigateRequest : commissioning::WorkshopChoice {
+  std::string output;
+  double minutes = 0.0;
+  static Fields<InvestigateRequest> fields() {
+    using R = InvestigateRequest;
+    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"--machine", &R::machine, "the machine (.toml): travels, lever arms, pitches", Need::required},
+            {"--params", &R::params,
+             "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it"},
+            {"--workshop", &R::socket,
+             "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well"},
+            {"--watch", &R::folder,
+             "folder into which a person puts the readings; what was given is kept in its ledger.json"},
+            {"--minutes", &R::minutes, "that the runs may take, set-up and waiting included", Need::required,
+             Range{0.0, kMostMinutes}},
+            {"-o,--output", &R::output, "the model with the causes found; may be MODEL itself", Is::output}};
+  }
 };
 
 /// Lines of the ledger as they come; on a terminal the whole ledger, drawn anew with every change.
@@ -64,47 +67,42 @@ class ShownLedger {
   double minutes_ = 0.0;
 };
 
-Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& arguments) {
-  if (arguments.workshop.empty() == arguments.watch.empty())
+Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& request) {
+  if (request.socket.empty() == request.folder.empty())
     return problem(ProblemKind::usage, "expected either --workshop SOCKET or --watch FOLDER");
-  for (const std::string& input : {arguments.machine, arguments.params})
-    ECS_DO(check_output_not_input(arguments.output, {input}));
-  const auto model = model::read_model(arguments.model);
+  for (const std::string& input : {request.machine, request.params})
+    ECS_DO(check_output_not_input(request.output, {input}));
+  const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
-  ECS_TRY(machine, machine_in(context.console, arguments.machine));
-  commissioning::WorkshopChoice choice;
-  choice.socket = arguments.workshop;
-  choice.folder = arguments.watch;
+  ECS_TRY(machine, machine_in(context.console, request.machine));
+  commissioning::WorkshopChoice choice = request;
   choice.link = context.link_option;
-  choice.model = arguments.model;
-  choice.machine = arguments.machine;
-  choice.params = arguments.params;
   choice.map_is_modelled = model->map.has_value();
   choice.arm_code = context.arm_code;
   ECS_TRY(opened, commissioning::open_workshop(context.console, choice, *machine, interrupted()));
   if (!opened.link.empty()) context.link_name = opened.link;
   commissioning::InvestigationOptions options;
-  options.minutes = arguments.minutes;
-  if (!arguments.workshop.empty()) options.times = commissioning::workshop_times();
+  options.minutes = request.minutes;
+  if (!request.socket.empty()) options.times = commissioning::workshop_times();
   options.cancelled = &interrupted();
   commissioning::FollowedInvestigation followed;
   ShownLedger ledger(context.console);
   commissioning::FollowedWorkshop workshop(followed, *opened.workshop, [&] { ledger.show(followed.progress()); });
   const auto investigation = commissioning::investigate(*model, *machine, workshop, options);
   ledger.end(followed.progress());
-  if (!investigation) return tl::unexpected(in_file(investigation.error(), arguments.model));
+  if (!investigation) return tl::unexpected(in_file(investigation.error(), request.model));
   Cell answer = commissioning::investigation_cell(*investigation);
-  if (!arguments.output.empty()) ECS_DO(model::write_model(arguments.output, investigation->model, arguments.model));
-  answer.text += written_cell("model", arguments.output).text;
+  if (!request.output.empty()) ECS_DO(model::write_model(request.output, investigation->model, request.model));
+  answer.text += written_cell("model", request.output).text;
   return outcome_of(answer);
 }
 
 }  // namespace
 
-extern const VerbDefinition kModelInvestigate = verb<InvestigateArguments>(
-    "model investigate", "measure and diagnose until one cause is left, then compensate and measure again",
-    "ecs model investigate model.toml --machine machine.toml --workshop /tmp/shop --minutes 120 -o found.toml\n"
-    "  ecs model investigate model.toml --machine machine.toml --watch readings --minutes 240",
-    investigate);
+extern const std::vector<Action> kModelInvestigation{
+    action("model investigate", "measure and diagnose until one cause is left, then compensate and measure again",
+           "ecs model investigate model.toml --machine machine.toml --workshop /tmp/shop --minutes 120 -o found.toml\n"
+           "  ecs model investigate model.toml --machine machine.toml --watch readings --minutes 240",
+           investigate, {.link = Link::may_write, .logged = Logged::always, .kind = "investigation"})};
 
 }  // namespace ecs::app

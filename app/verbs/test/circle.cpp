@@ -1,4 +1,6 @@
-// `ecs test circle`: a circular test by ISO 230-4, and its causes ranked by their share.
+// `ecs test circle`: a circular test by ISO 230-4, and its causes ranked by their share. `ecs test diagonals`: body,
+// face and step diagonals by ISO 230-6.
+
 #include "laser/standards/circle.hpp"
 
 #include <cmath>
@@ -9,17 +11,24 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/standards/circle_work.hpp"
 #include "commissioning/standards/polar.hpp"
+#include "laser/standards/diagonals.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct CircleArguments : VerbArguments {
-  const std::string& file = text("FILE", "radial deviations: angle_deg,deviation_um,direction,run", Need::required);
-  const std::string& machine = text("--machine", "machine file, for the pitches of its axes");
-  const bool& draw = flag("--draw", "the polar plot in characters");
-  const std::string& plot = output_file("--plot", "the polar plot: OUT.svg or OUT.png");
+struct CircleRequest {
+  std::string file, machine, plot;
+  bool draw = false;
+  static Fields<CircleRequest> fields() {
+    using R = CircleRequest;
+    return {{"FILE", &R::file, "radial deviations: angle_deg,deviation_um,direction,run", Need::required},
+            {"--machine", &R::machine, "machine file, for the pitches of its axes"},
+            {"--draw", &R::draw, "the polar plot in characters"},
+            {"--plot", &R::plot, "the polar plot: OUT.svg or OUT.png", Is::output}};
+  }
 };
 
 Cell centre_cell(const std::array<double, 2>& centre_um) {
@@ -95,20 +104,20 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
        {"notes", lines_cell(diagnosis.notes, "  note: ")}});
 }
 
-Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
+Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   std::optional<params::Machine> machine;
-  if (!arguments.machine.empty()) {
-    ECS_TRY(file, params::read_machine(arguments.machine));
+  if (!request.machine.empty()) {
+    ECS_TRY(file, params::read_machine(request.machine));
     machine = file.machine;
   }
-  ECS_TRY(work, circle_work(arguments.file, machine ? &*machine : nullptr));
+  ECS_TRY(work, circle_work(request.file, machine ? &*machine : nullptr));
   const laser::CircleTest& test = work.test;
   const laser::CircleValues& values = work.values;
-  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, polar_figure(test, values)));
+  if (!request.plot.empty()) ECS_DO(write_plot(request.plot, polar_figure(test, values)));
   return outcome_of(
       record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
                   "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
-                  {{"file", word_cell(arguments.file)},
+                  {{"file", word_cell(request.file)},
                    {"plane", word_cell(laser::plane_name(test.plane))},
                    {"radius_mm", plain_cell(test.radius_mm)},
                    {"feed_mm_min", {number_or_null(test.feed_mm_min), {}}},
@@ -117,14 +126,91 @@ Result<Outcome> circle(VerbContext&, const CircleArguments& arguments) {
                    {"passes", list_cell(values.passes, pass_cell)},
                    {"pairs", list_cell(values.pairs, pair_cell)},
                    {"causes", diagnosis_cell(work.diagnosis)},
-                   {"drawn", shown_cell(arguments.draw ? polar_text(values) : "")},
-                   {"plot", written_cell("plot", arguments.plot)}}));
+                   {"drawn", shown_cell(request.draw ? polar_text(values) : "")},
+                   {"plot", written_cell("plot", request.plot)}}));
+}
+
+struct DiagonalRequest {
+  std::string file;
+  static Fields<DiagonalRequest> fields() {
+    using R = DiagonalRequest;
+    return {{"FILE", &R::file, "deviations along diagonals: diagonal,position_mm,deviation_um,approach,run",
+             Need::required}};
+  }
+};
+
+Cell diagonal_cell(const laser::DiagonalValues& values) {
+  const laser::Iso230& iso = values.iso;
+  return record_cell(
+      "  {name:<8} {length_mm:>10} {E:>8} {R:>8} {A:>8} {B:>8} {M:>8} {growth_um_per_m:>9} +- "
+      "{growth_sigma}\n",
+      {{"name", word_cell(values.name)},
+       {"length_mm", number_cell(values.length_mm, 1)},
+       {"E", number_cell(iso.E, 2)},
+       {"R", number_cell(iso.R, 2)},
+       {"A", number_cell(iso.A, 2)},
+       {"B", number_cell(iso.B, 2)},
+       {"M", number_cell(iso.M, 2)},
+       {"growth_um_per_m", number_cell(values.growth_um_per_m, 2)},
+       {"growth_sigma", number_cell(values.growth_sigma, 2)}});
+}
+
+Cell squareness_cell(const laser::DiagonalSquareness& squareness) {
+  return record_cell("  squareness {name}: {um_per_m} +- {sigma} um/m\n",
+                     {{"name", word_cell(squareness.name)},
+                      {"um_per_m", number_cell(squareness.um_per_m, 2)},
+                      {"sigma", number_cell(squareness.sigma, 2)}});
+}
+
+/// Of step diagonals: what came while one axis moved.
+Cell moving_cell(const laser::DiagonalReadings& diagonal) {
+  Json axes = Json::object();
+  std::string text = fmt::format("  {:<8} while", diagonal.name);
+  for (const Axis axis : kAllAxes)
+    if (const auto& sum_um = diagonal.while_moving_um[index_of(axis)]) {
+      axes[std::string(1, letter_of(axis))] = number_or_null(*sum_um);
+      text += fmt::format("  {} moved {:+.2f} um", letter_of(axis), *sum_um);
+    }
+  if (axes.empty()) return {Json(), {}};
+  return {{{"name", diagonal.name}, {"um", std::move(axes)}}, text + "\n"};
+}
+
+std::string body_text(const laser::DiagonalResults& results) {
+  if (!results.body_difference_um) return {};
+  return fmt::format("  body diagonals: largest E {} um, largest B {} um, difference of their growth {:.2f} um\n",
+                     number_cell(results.E_body_um, 2).text, number_cell(results.B_body_um, 2).text,
+                     *results.body_difference_um);
+}
+
+Result<Outcome> diagonals(VerbContext&, const DiagonalRequest& request) {
+  ECS_TRY(text, read_file_of(FileKind::diagonal_test, request.file));
+  ECS_TRY(test, laser::parse_diagonals(text, request.file));
+  ECS_TRY(results, laser::diagonal_results_of(test));
+  Cell moving{Json::array(), {}};
+  if (test.steps)
+    for (const laser::DiagonalReadings& diagonal : test.diagonals) moving.add(moving_cell(diagonal));
+  const std::string heading = fmt::format("  {:<8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "diagonal",
+                                          "length mm", "E [um]", "R", "A", "B", "M", "um/m");
+  return outcome_of(record_cell("{file}: {kind}\n{diagonals}{body}{squareness}{while_moving}{notes}",
+                                {{"file", word_cell(request.file)},
+                                 {"kind", word_cell(test.steps ? "step diagonals" : "diagonals")},
+                                 {"diagonals", list_cell(results.diagonals, diagonal_cell, heading)},
+                                 {"body", shown_cell(body_text(results))},
+                                 {"E_body_um", {number_or_null(results.E_body_um), {}}},
+                                 {"B_body_um", {number_or_null(results.B_body_um), {}}},
+                                 {"body_difference_um", {number_or_null(results.body_difference_um), {}}},
+                                 {"squareness", list_cell(results.squareness, squareness_cell)},
+                                 {"while_moving", moving},
+                                 {"notes", lines_cell(results.notes, "  note: ")}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kTestCircle =
-    verb<CircleArguments>("test circle", "ISO 230-4: circular deviations G, F and D, and their causes by share",
-                          "ecs test circle circle.csv --machine machine.toml --plot circle.svg", circle);
+extern const std::vector<Action> kTestsOfPaths{
+    action("test circle", "ISO 230-4: circular deviations G, F and D, and their causes by share",
+           "ecs test circle circle.csv --machine machine.toml --plot circle.svg", circle,
+           {.logged = Logged::always, .kind = "test"}),
+    action("test diagonals", "ISO 230-6: body and face diagonals, step diagonals with their warning",
+           "ecs test diagonals diagonals.csv --json", diagonals, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

@@ -1,21 +1,33 @@
-// `ecs test drift`: drift at one place over time, by ISO 230-3.
+// `ecs test drift` and `warm-up`: drift at one place over time, distortion by a moving linear axis (ISO 230-3).
+// `ecs test flatness`: the heights of a surface from the eight lines of a union jack (ISO 230-1).
+
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "base/file_kind.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "laser/standards/plate.hpp"
 #include "laser/standards/warm_up.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct DriftArguments : VerbArguments {
-  const std::string& file = text("FILE", "readings at one place over time (time_s)", Need::required);
-  const double& window_h =
-      number("--window", "length of the windows: that of a measurement [h]", 1.0, Need::optional, 1e-3, 1e3);
-  const std::string& plot = output_file("--plot", "drift and temperatures over time: OUT.svg or OUT.png");
-  ImportOptions import{*this};
+struct DriftRequest {
+  std::string file, plot;
+  double window_h = 1.0;
+  ImportArguments import;
+  static Fields<DriftRequest> fields() {
+    using R = DriftRequest;
+    return {{"FILE", &R::file, "readings at one place over time (time_s)", Need::required},
+            {"--window", &R::window_h, "length of the windows: that of a measurement [h]", Range{1e-3, 1e3}},
+            {"--plot", &R::plot, "drift and temperatures over time: OUT.svg or OUT.png", Is::output},
+            &R::import};
+  }
 };
 
 Cell drift_sense_cell(const laser::Drift& drift) {
@@ -51,26 +63,230 @@ PlotFigure drift_figure(const laser::DriftTest& test) {
   return figure;
 }
 
-Result<Outcome> drift(VerbContext& context, const DriftArguments& arguments) {
-  ECS_TRY(imported, read_with_notes(context, arguments.file, arguments.import));
+Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
+  ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
   laser::MeasurementSet set = imported.set;
-  set.source = arguments.file;
-  ECS_TRY(test, laser::drift_test_of(set, arguments.window_h));
-  if (!arguments.plot.empty()) ECS_DO(write_plot(arguments.plot, drift_figure(test)));
+  set.source = request.file;
+  ECS_TRY(test, laser::drift_test_of(set, request.window_h));
+  if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
-                                          fmt::format("in {:g} h", arguments.window_h), "from", "last");
+                                          fmt::format("in {:g} h", request.window_h), "from", "last");
   return outcome_of(record_cell("{file}: {shown} h\n{senses}{plot}",
-                                {{"file", word_cell(arguments.file)},
-                                 {"window_h", {number_or_null(arguments.window_h), {}}},
+                                {{"file", word_cell(request.file)},
+                                 {"window_h", {number_or_null(request.window_h), {}}},
                                  {"shown", shown_cell(number_cell(test.senses.front().hours, 2).text)},
                                  {"senses", list_cell(test.senses, drift_sense_cell, heading)},
-                                 {"plot", written_cell("plot", arguments.plot)}}));
+                                 {"plot", written_cell("plot", request.plot)}}));
+}
+
+struct FlatnessRequest {
+  std::string file, output, plot;
+  double closure_um = laser::kLargestClosure_um;
+  static Fields<FlatnessRequest> fields() {
+    using R = FlatnessRequest;
+    return {{"FILE", &R::file, "readings of the eight lines: line,station_mm,reading", Need::required},
+            {"--closure-um", &R::closure_um, "largest closure error at the centre [um]", Range{0.0, 1e6}},
+            {"-o,--output", &R::output, "CSV of the heights", Is::output},
+            {"--plot", &R::plot, "the lines seen obliquely: OUT.svg or OUT.png", Is::output}};
+  }
+};
+
+/// One line after the other.
+Cell heights_cell(const laser::Flatness& flatness) {
+  Cell lines{Json::array(), {}};
+  for (std::size_t i = 0; i < laser::kPlateLines; ++i) {
+    Json stations = Json::array();
+    std::string text = fmt::format("  {:<6}", laser::kPlateLineNames[i]);
+    for (const laser::PlateStation& station : flatness.stations) {
+      if (station.line != i) continue;
+      stations.push_back({{"x_mm", number_or_null(station.x_mm)},
+                          {"y_mm", number_or_null(station.y_mm)},
+                          {"height_um", number_or_null(station.height_um)}});
+      text += fmt::format("{:>5.1f}", station.height_um);
+    }
+    lines.add({{{"line", laser::kPlateLineNames[i]}, {"stations", std::move(stations)}}, text + "\n"});
+  }
+  return lines;
+}
+
+std::string heights_csv(const laser::Flatness& flatness) {
+  std::string text = "line,station,x_mm,y_mm,height_um\n";
+  for (const laser::PlateStation& station : flatness.stations)
+    text += fmt::format("{},{},{:.4f},{:.4f},{:.4f}\n", laser::kPlateLineNames[station.line], station.step,
+                        station.x_mm, station.y_mm, station.height_um);
+  return text;
+}
+
+/// Figure 7.23 of the thesis: the plate from the south, its far side higher in the picture.
+PlotFigure oblique_view(const laser::Flatness& flatness) {
+  constexpr double kDepth_x = 0.35;  ///< of the picture's width for the whole depth
+  constexpr double kDepth_y = 1.2;   ///< of the greatest height
+  const double highest_um = std::max(flatness.moody_um, 1e-6);
+  const auto at = [&](double x_mm, double y_mm, double height_um) {
+    return PlotPoint{x_mm + kDepth_x * flatness.width_mm * y_mm / flatness.depth_mm,
+                     height_um + kDepth_y * highest_um * y_mm / flatness.depth_mm};
+  };
+  const double w = flatness.width_mm, d = flatness.depth_mm;
+  PlotPanel panel{fmt::format("flatness {:.2f} um (minimum zone)", flatness.minimum_zone_um),
+                  "along the plate [mm], shifted to the right with its depth",
+                  "height [um], raised with the depth",
+                  {}};
+  panel.series.push_back(
+      {"plane of the lowest station", Mark::level, {at(0, 0, 0), at(w, 0, 0), at(w, d, 0), at(0, d, 0), at(0, 0, 0)}});
+  for (std::size_t i = 0; i < laser::kPlateLines; ++i) {
+    PlotSeries series{i == 0 ? "measured lines" : "", Mark::both, {}};
+    for (const laser::PlateStation& station : flatness.stations)
+      if (station.line == i) series.points.push_back(at(station.x_mm, station.y_mm, station.height_um));
+    panel.series.push_back(std::move(series));
+  }
+  return {"Flatness (ISO 230-1)", {std::move(panel)}, 1, true};
+}
+
+Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
+  const bool holds = std::abs(flatness.closure_um[0]) <= largest_um && std::abs(flatness.closure_um[1]) <= largest_um;
+  return record_cell("closure error at the centre: E-W {E_W} um, N-S {N_S} um; at most {largest}: {holds}\n",
+                     {{"E_W", number_cell(flatness.closure_um[0], 3)},
+                      {"N_S", number_cell(flatness.closure_um[1], 3)},
+                      {"largest", plain_cell(largest_um)},
+                      {"holds", yes_cell(holds, "holds", "exceeded, measure the lines again")}});
+}
+
+Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
+  ECS_TRY(text, read_file_of(FileKind::surface, request.file));
+  ECS_TRY(readings, laser::parse_plate_readings(text, request.file));
+  const laser::Flatness flatness = laser::flatness_of(readings);
+  if (!request.plot.empty()) ECS_DO(write_plot(request.plot, oblique_view(flatness)));
+  if (!request.output.empty()) ECS_DO(write_file(request.output, heights_csv(flatness)));
+  const Cell closure = closure_cell(flatness, request.closure_um);
+  const Cell answer = record_cell(
+      "{file}: {width_mm} x {depth_mm} mm between the corner stations, {heights} heights\n"
+      "  {flatness_um:>9} um  flatness: minimum zone, the closest two planes\n"
+      "  {least_squares_um:>9} um  planes parallel to that of least squares\n"
+      "  {moody_um:>9} um  planes parallel to both diagonals (Moody 1955)\n"
+      "{closure}heights above the lowest station [um], each line from its first station:\n{lines}{output}{plot}",
+      {{"file", word_cell(request.file)},
+       {"width_mm", plain_cell(flatness.width_mm)},
+       {"depth_mm", plain_cell(flatness.depth_mm)},
+       {"heights", count_cell(flatness.stations.size())},
+       {"flatness_um", number_cell(flatness.minimum_zone_um, 3)},
+       {"least_squares_um", number_cell(flatness.least_squares_um, 3)},
+       {"moody_um", number_cell(flatness.moody_um, 3)},
+       {"closure", closure},
+       {"lines", heights_cell(flatness)},
+       {"output", written_cell("heights", request.output)},
+       {"plot", written_cell("plot", request.plot)}});
+  return outcome_of(answer, closure.json["holds"] == true ? kDone : kDoesNotHold);
+}
+
+struct WarmUpRequest {
+  std::string file, plot;
+  double window_h = 1.0;
+  ImportArguments import;
+  static Fields<WarmUpRequest> fields() {
+    using R = WarmUpRequest;
+    return {{"FILE", &R::file, "readings at both ends of an axis that moves (time_s)", Need::required},
+            {"--window", &R::window_h, "length of the first and the last part that are compared [h]", Range{1e-3, 1e3}},
+            {"--plot", &R::plot, "every curve over time: OUT.svg or OUT.png", Is::output},
+            &R::import};
+  }
+};
+
+std::string_view side_of(Approach approach) {
+  return approach == Approach::forward ? "forward" : approach == Approach::reverse ? "reverse" : "";
+}
+
+std::string settling_in_words(const laser::WarmUpCurve& curve) {
+  if (!curve.settling) return curve.settled ? "settled" : "not settled";
+  const laser::Settling& s = *curve.settling;
+  return fmt::format("{}; {:+.2f} (u {:.2f}) with {:.2f} h (u {:.2f}), {:.0f} % still to come",
+                     curve.settled ? "settled" : "not settled", s.change, s.change_uncertainty, s.time_constant_h,
+                     s.time_constant_uncertainty_h, 100.0 * s.to_come);
+}
+
+Cell settling_cell(const std::optional<laser::Settling>& settling) {
+  if (!settling) return null_cell();
+  return record_cell("", {{"change", {number_or_null(settling->change), {}}},
+                          {"change_uncertainty", {number_or_null(settling->change_uncertainty), {}}},
+                          {"time_constant_h", {number_or_null(settling->time_constant_h), {}}},
+                          {"time_constant_uncertainty_h", {number_or_null(settling->time_constant_uncertainty_h), {}}},
+                          {"to_come", {number_or_null(settling->to_come), {}}}});
+}
+
+AnswerFields curve_fields(const laser::WarmUpCurve& curve) {
+  return {{"sense", word_cell(name_of(curve.sense))},
+          {"position_mm", {number_or_null(curve.position_mm), fmt::format("{:g}", curve.position_mm)}},
+          {"approach", integer_cell(static_cast<int>(curve.approach))},
+          {"side", shown_cell(std::string(side_of(curve.approach)))},
+          {"range", number_cell(curve.range, 2)},
+          {"first_range", number_cell(curve.first_range, 2)},
+          {"last_range", number_cell(curve.last_range, 2)},
+          {"settled", {curve.settled, {}}},
+          {"settling", settling_cell(curve.settling)},
+          {"words", shown_cell(settling_in_words(curve))}};
+}
+
+Cell warm_up_curve_cell(const laser::WarmUpCurve& curve) {
+  return record_cell("  {sense} {position_mm:>9} {side:<8} {range:>8} {first_range:>8} {last_range:>8}  {words}\n",
+                     curve_fields(curve));
+}
+
+Cell warm_up_difference_cell(const laser::WarmUpDifference& difference) {
+  AnswerFields fields = curve_fields(difference.curve);
+  const std::string per_m =
+      difference.range_um_per_m > 0.0 ? fmt::format(", {:.2f} um/m", difference.range_um_per_m) : std::string();
+  append(fields, {{"to_mm", {number_or_null(difference.to_mm), fmt::format("{:g}", difference.to_mm)}},
+                  {"range_um_per_m", {number_or_null(difference.range_um_per_m), {}}},
+                  {"per_m", shown_cell(per_m)}});
+  return record_cell("  {sense} at {to_mm} less that at {position_mm} mm {side}: range {range}{per_m}; {words}\n",
+                     fields);
+}
+
+PlotFigure warm_up_figure(const laser::WarmUpTest& test) {
+  PlotFigure figure{fmt::format("Axis {} moves (ISO 230-3)", letter_of(test.axis)), {}, 1, false};
+  for (const laser::WarmUpCurve& curve : test.curves) {
+    const std::string title = fmt::format("{} from the first reading", name_of(curve.sense));
+    if (figure.panels.empty() || figure.panels.back().title != title)
+      figure.panels.push_back(
+          {title, "time [h]", fmt::format("{} [{}]", name_of(curve.sense), laser::unit_of(curve.sense)), {}});
+    PlotSeries series{fmt::format("{:g} mm {}", curve.position_mm, side_of(curve.approach)),
+                      curve.approach == Approach::reverse ? Mark::reverse : Mark::forward,
+                      {}};
+    for (std::size_t k = 0; k < curve.value.size(); ++k) series.points.push_back({curve.time_h[k], curve.value[k]});
+    figure.panels.back().series.push_back(std::move(series));
+  }
+  return figure;
+}
+
+Result<Outcome> warm_up(VerbContext& context, const WarmUpRequest& request) {
+  ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
+  laser::MeasurementSet set = imported.set;
+  set.source = request.file;
+  ECS_TRY(test, laser::warm_up_test_of(set, request.window_h));
+  if (!request.plot.empty()) ECS_DO(write_plot(request.plot, warm_up_figure(test)));
+  const std::string heading = fmt::format("  {:<2} {:>9} {:<8} {:>8} {:>8} {:>8}\n", "", "mm", "", "whole",
+                                          fmt::format("first {:g} h", request.window_h), "last");
+  return outcome_of(
+      record_cell("{file}: axis {axis} moves for {shown} h; ranges in um, of rotations in um/m\n"
+                  "{curves}{differences}{plot}",
+                  {{"file", word_cell(request.file)},
+                   {"axis", word_cell(std::string(1, letter_of(test.axis)))},
+                   {"window_h", {number_or_null(request.window_h), {}}},
+                   {"hours", {number_or_null(test.hours), {}}},
+                   {"shown", shown_cell(number_cell(test.hours, 2).text)},
+                   {"curves", list_cell(test.curves, warm_up_curve_cell, heading)},
+                   {"differences", list_cell(test.differences, warm_up_difference_cell)},
+                   {"plot", written_cell("plot", request.plot)}}));
 }
 
 }  // namespace
 
-extern const VerbDefinition kTestDrift =
-    verb<DriftArguments>("test drift", "ISO 230-3: drift at one place, whole and within the time of a measurement",
-                         "ecs test drift etve.csv --window 1 --plot etve.svg", drift);
+extern const std::vector<Action> kTestsOverTime{
+    action("test drift", "ISO 230-3: drift at one place, whole and within the time of a measurement",
+           "ecs test drift etve.csv --window 1 --plot etve.svg", drift, {.logged = Logged::always, .kind = "test"}),
+    action("test flatness", "ISO 230-1: flatness from level or mirror readings along the eight lines of a union jack",
+           "ecs test flatness plate.csv --plot plate.svg", flatness, {.logged = Logged::always, .kind = "test"}),
+    action("test warm-up", "ISO 230-3: distortion at both ends of an axis that warms itself by moving",
+           "ecs test warm-up warm_up.csv --window 1 --plot warm_up.svg", warm_up,
+           {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

@@ -1,14 +1,17 @@
-// `ecs utility position, output, run, ramtest, reset, clear`: single commands to the unit.
+// `ecs utility position, output, run, ramtest, reset, clear`: single commands to the unit. `mode`: integration or
+// compensation, and how far datuming is.
+
 #include <chrono>
 
 #include <fmt/format.h>
 
-#include "app/cli/axis_argument.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/session/shell_word.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {
@@ -17,7 +20,7 @@ namespace {
 /// Opens the unit and gives one command whose success needs no more than this answer.
 Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(protocol::UnitClient&)>& command,
                        const Cell& answer) {
-  ECS_TRY(unit, open_unit(context, Access::writes));
+  ECS_TRY(unit, open_unit(context));
   ECS_DO(command(unit.client()));
   return outcome_of(answer);
 }
@@ -26,71 +29,84 @@ Cell done_cell(std::string_view key, std::string text) {
   return {object_of({{key, yes_cell(true, "", "")}}), std::move(text)};
 }
 
-struct PositionArguments : VerbArguments {
-  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis", Need::required);
-  const double& position_mm = number("MM", "position, mm", 0.0, Need::required);
-  const Access access = writes_to_unit();
+struct PositionRequest {
+  std::string axis;
+  double position_mm = 0.0;
+  static Fields<PositionRequest> fields() {
+    using R = PositionRequest;
+    return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}, Need::required},
+            {"MM", &R::position_mm, "position, mm", Need::required}};
+  }
 };
 
-Result<Outcome> set_position(VerbContext& context, const PositionArguments& arguments) {
-  ECS_TRY(axis, axis_named(arguments.axis));
+Result<Outcome> set_position(VerbContext& context, const PositionRequest& request) {
+  ECS_TRY(axis, axis_named(request.axis));
   return simple(
-      context, [&](protocol::UnitClient& client) { return client.set_axis_position(axis, arguments.position_mm); },
+      context, [&](protocol::UnitClient& client) { return client.set_axis_position(axis, request.position_mm); },
       record_cell("axis {axis} now shows {position_mm} mm",
-                  {{"axis", word_cell(arguments.axis)}, {"position_mm", plain_cell(arguments.position_mm)}}));
+                  {{"axis", word_cell(request.axis)}, {"position_mm", plain_cell(request.position_mm)}}));
 }
 
-struct OutputArguments : VerbArguments {
-  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis");
-  const std::optional<double>& output_um = optional_number("UM", "compensation, um");
-  const bool& relay = flag("--relay", "close the relay: the machine axis moves (needs --yes)");
-  const bool& off = flag("--off", "every output 0, every relay open");
-  const bool& yes = flag("--yes", "the axis may move");
-  const Access access = writes_to_unit();
+struct OutputRequest {
+  std::string axis;
+  std::optional<double> output_um;
+  bool relay = false, off = false, yes = false;
+  static Fields<OutputRequest> fields() {
+    using R = OutputRequest;
+    return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}},
+            {"UM", &R::output_um, "compensation, um"},
+            {"--relay", &R::relay, "close the relay: the machine axis moves (needs --yes)"},
+            {"--off", &R::off, "every output 0, every relay open"},
+            {"--yes", &R::yes, "the axis may move"}};
+  }
 };
 
-Result<Outcome> output_value(VerbContext& context, const OutputArguments& arguments) {
-  const bool given = !arguments.axis.empty() && arguments.output_um.has_value();
-  if (arguments.off == given) return problem(ProblemKind::usage, "utility output: give either AXIS UM or --off");
-  if (arguments.off)
+Result<Outcome> output_value(VerbContext& context, const OutputRequest& request) {
+  const bool given = !request.axis.empty() && request.output_um.has_value();
+  if (request.off == given) return problem(ProblemKind::usage, "utility output: give either AXIS UM or --off");
+  if (request.off)
     return simple(
         context, [](protocol::UnitClient& client) { return client.output_off(); },
         done_cell("off", "every output 0, every relay open"));
-  ECS_TRY(axis, axis_named(arguments.axis));
-  if (arguments.relay)
-    ECS_DO(confirmed(arguments.yes, fmt::format("with the relay closed, axis {} moves by {} um", arguments.axis,
-                                                *arguments.output_um)));
+  ECS_TRY(axis, axis_named(request.axis));
+  if (request.relay)
+    ECS_DO(confirmed(request.yes,
+                     fmt::format("with the relay closed, axis {} moves by {} um", request.axis, *request.output_um)));
   std::vector<std::string> off{"ecs", "utility", "output", "--off"};
   if (!context.link_option.empty()) off.insert(off.end(), {"--link", context.link_option});
   return simple(
       context,
-      [&](protocol::UnitClient& client) {
-        return client.output_compensation(axis, *arguments.output_um, arguments.relay);
-      },
+      [&](protocol::UnitClient& client) { return client.output_compensation(axis, *request.output_um, request.relay); },
       record_cell("axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `{off}` ends it",
                   {{"off", shown_cell(shell_command(off))},
-                   {"axis", word_cell(arguments.axis)},
-                   {"output_um", plain_cell(*arguments.output_um)},
-                   {"relay_closed", yes_cell(arguments.relay, "closed", "open")}}));
+                   {"axis", word_cell(request.axis)},
+                   {"output_um", plain_cell(*request.output_um)},
+                   {"relay_closed", yes_cell(request.relay, "closed", "open")}}));
 }
 
-struct RunArguments : VerbArguments {
-  const std::string& address = text("ADDRESS", "start address, decimal or 0x…", Need::required);
-  const std::string& argument = text("--argument", "a number that the program is given", Need::optional, "0");
-  const double& wait_s = number("--wait", "seconds to wait for its end", 60.0, Need::optional, 0.0, 86400.0);
-  const bool& yes = flag("--yes", "run it");
-  const Access access = writes_to_unit();
+struct RunRequest {
+  std::string address;
+  std::string argument = "0";
+  double wait_s = 60.0;
+  bool yes = false;
+  static Fields<RunRequest> fields() {
+    using R = RunRequest;
+    return {{"ADDRESS", &R::address, "start address, decimal or 0x…", Need::required},
+            {"--argument", &R::argument, "a number that the program is given"},
+            {"--wait", &R::wait_s, "seconds to wait for its end", Range{0.0, 86400.0}},
+            {"--yes", &R::yes, "run it"}};
+  }
 };
 
-Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& arguments) {
-  ECS_TRY(address, whole_number(arguments.address, "ADDRESS"));
-  ECS_TRY(argument, whole_number(arguments.argument, "--argument"));
+Result<Outcome> run_program_in_unit(VerbContext& context, const RunRequest& request) {
+  ECS_TRY(address, whole_number(request.address, "ADDRESS"));
+  ECS_TRY(argument, whole_number(request.argument, "--argument"));
   if (const auto sure =
-          confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(address)));
+          confirmed(request.yes, fmt::format("the unit runs the machine code at {}", hex_address(address)));
       !sure)
     return tl::unexpected(sure.error());
-  ECS_TRY(unit, open_unit(context, arguments.access));
-  const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
+  ECS_TRY(unit, open_unit(context));
+  const std::chrono::milliseconds limit(static_cast<long long>(request.wait_s * 1000.0));
   ECS_TRY(value, unit.client().run_user_software(address, argument, limit));
   ECS_TRY(registers, kept_registers(unit.client()));
   return outcome_of(record_cell("the program at {address} returned {returned} ({hexadecimal})\n{registers}",
@@ -101,12 +117,8 @@ Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& ar
                                  {"hexadecimal", shown_cell(fmt::format("0x{:08X}", value))}}));
 }
 
-struct UnitWriter : VerbArguments {
-  const Access access = writes_to_unit();
-};
-
-Result<Outcome> ram_test(VerbContext& context, const UnitWriter& arguments) {
-  ECS_TRY(unit, open_unit(context, arguments.access));
+Result<Outcome> ram_test(VerbContext& context, const cli::Nothing&) {
+  ECS_TRY(unit, open_unit(context));
   ECS_TRY(result, unit.client().run_ram_test([&context](const protocol::CommandResult& busy) {
     context.console.progress("RAM test", busy.per_mille / 1000.0, 0.0);
   }));
@@ -118,39 +130,112 @@ Result<Outcome> ram_test(VerbContext& context, const UnitWriter& arguments) {
       passed ? kDone : kDoesNotHold);
 }
 
-Result<Outcome> reset(VerbContext& context, const UnitWriter&) {
+Result<Outcome> reset(VerbContext& context, const cli::Nothing&) {
   return simple(
       context, [](protocol::UnitClient& client) { return client.reset_unit(); },
       done_cell("reset", "the unit restarts"));
 }
 
-Result<Outcome> clear(VerbContext& context, const UnitWriter&) {
+Result<Outcome> clear(VerbContext& context, const cli::Nothing&) {
   return simple(
       context, [](protocol::UnitClient& client) { return client.clear_fault(); },
       done_cell("cleared", "the fault is cleared"));
 }
 
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kPoll{250};
+
+struct ModeRequest {
+  std::string mode;
+  double wait_s = 60.0;
+  static Fields<ModeRequest> fields() {
+    using R = ModeRequest;
+    return {{"MODE", &R::mode, "mode", Words{"compensate", "integrate"}, Need::required},
+            {"--wait", &R::wait_s, "seconds to follow the datuming; 0 returns at once", Range{0.0, 86400.0}}};
+  }
+};
+
+std::string stages_of(const StatusSnapshot& snapshot) {
+  std::string text;
+  for (const Axis axis : kAllAxes)
+    if (snapshot.identity.axis_present[index_of(axis)])
+      text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", letter_of(axis),
+                          ecs::name_of(snapshot.status.axes[index_of(axis)].datum_stage));
+  return text;
+}
+
+Outcome outcome_of(const StatusSnapshot& snapshot, std::string text, int exit_code) {
+  const Json full = status_cell(snapshot).json;
+  Json object{{"mode", full["mode"]}, {"fault", full["fault"]}, {"axes", full["axes"]}};
+  return {std::move(text), one_line(object), exit_code};
+}
+
+Result<Outcome> integrate(UnitLink& unit) {
+  ECS_DO(unit.client().enter_integration());
+  ECS_TRY(snapshot, take_snapshot(unit.client(), unit.name()));
+  return outcome_of(snapshot, "integration mode: relays open", kDone);
+}
+
+/// Follows the unit until it compensates, gives up or the time is over.
+Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
+  const auto end = Clock::now() + std::chrono::duration<double>(wait_s);
+  for (std::string noted;;) {
+    ECS_TRY(snapshot, take_snapshot(unit.client(), unit.name()));
+    const UnitMode mode = snapshot.status.mode;
+    if (mode == UnitMode::compensating) {
+      if (!unit.workshop().empty())
+        context.console.note(
+            "a bundled emulator that this command started ends with it, and forgets the mode; `ecs-emulator serve` or "
+            "the screens keep one running");
+      return outcome_of(snapshot, "the unit compensates", kDone);
+    }
+    if (snapshot.status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
+      return problem(ProblemKind::link, snapshot.status.fault == Fault::none
+                                            ? std::string("the unit went back to integration mode")
+                                            : fault_sentence(snapshot.status));
+    const std::string stages = stages_of(snapshot);
+    if (stages != noted) context.console.note(fmt::format("datuming: {}", stages));
+    noted = stages;
+    if (Clock::now() >= end)
+      return outcome_of(
+          snapshot,
+          fmt::format("not yet compensating after {} s ({}); the unit goes on waiting until every axis has "
+                      "been referenced; `ecs utility status` shows how far it is",
+                      wait_s, stages),
+          wait_s > 0.0 ? kDoesNotHold : kDone);
+    if (!unit.client().link().pause(kPoll)) return problem(ProblemKind::link, "stopped while datuming");
+  }
+}
+
+Result<Outcome> compensate(VerbContext& context, UnitLink& unit, double wait_s) {
+  ECS_TRY(now, unit.client().status());
+  const bool under_way = now.mode == UnitMode::datuming || now.mode == UnitMode::compensating;
+  if (!under_way) ECS_DO(begin_compensation(unit.client()));
+  if (now.mode != UnitMode::compensating) ask_to_reference(context, unit, "every axis");
+  return follow(context, unit, wait_s);
+}
+
+Result<Outcome> change_mode(VerbContext& context, const ModeRequest& request) {
+  ECS_TRY(unit, open_unit(context));
+  return request.mode == "integrate" ? integrate(unit) : compensate(context, unit, request.wait_s);
+}
+
 }  // namespace
 
-extern const VerbDefinition kUtilityPosition =
-    verb<PositionArguments>("utility position", "preset the position that the unit shows for an axis",
-                            "ecs utility position X -100.5", set_position);
-
-extern const VerbDefinition kUtilityOutput = verb<OutputArguments>(
-    "utility output", "put a compensation value on the D/A converter of one axis",
-    "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off", output_value);
-
-extern const VerbDefinition kUtilityRun =
-    verb<RunArguments>("utility run", "run machine code in the unit's memory",
-                       "ecs utility run 0x041000 --argument 7 --yes", run_program_in_unit);
-
-extern const VerbDefinition kUtilityRamtest = verb<UnitWriter>(
-    "utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest", ram_test);
-
-extern const VerbDefinition kUtilityReset =
-    verb<UnitWriter>("utility reset", "restart the unit", "ecs utility reset", reset);
-
-extern const VerbDefinition kUtilityClear =
-    verb<UnitWriter>("utility clear", "clear the fault that the unit keeps", "ecs utility clear", clear);
+extern const std::vector<Action> kUtilityCommands{
+    action("utility position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5",
+           set_position, {.link = Link::writes}),
+    action("utility output", "put a compensation value on the D/A converter of one axis",
+           "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off", output_value,
+           {.link = Link::writes}),
+    action("utility run", "run machine code in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes",
+           run_program_in_unit, {.link = Link::writes}),
+    action("utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest",
+           ram_test, {.link = Link::writes}),
+    action("utility reset", "restart the unit", "ecs utility reset", reset, {.link = Link::writes}),
+    action("utility clear", "clear the fault that the unit keeps", "ecs utility clear", clear, {.link = Link::writes}),
+    action("utility mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
+           "ecs utility mode compensate --wait 120\n  ecs utility mode integrate", change_mode,
+           {.link = Link::writes})};
 
 }  // namespace ecs::app

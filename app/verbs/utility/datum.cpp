@@ -1,15 +1,18 @@
-// `ecs utility datum record, show, test`: setting up the datuming parameters.
+// `ecs utility datum record, show, test`: setting up the datuming parameters. `ecs utility status`: the unit's state
+// and faults, live or from a file.
+
 #include <chrono>
 
 #include <fmt/format.h>
 
-#include "app/cli/axis_argument.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "commissioning/unit/datum_recording.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {
@@ -59,18 +62,21 @@ Cell recording_cell(const DatumRecording& recording) {
 }
 
 // --- record
-struct RecordArguments : VerbArguments {
-  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis", Need::required);
-  const std::string& output = output_file("-o,--output", "CSV file to write");
-  const Access access = writes_to_unit();
+struct RecordRequest {
+  std::string axis, output;
+  static Fields<RecordRequest> fields() {
+    using R = RecordRequest;
+    return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}, Need::required},
+            {"-o,--output", &R::output, "CSV file to write", Is::output}};
+  }
 };
 
-Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
-  ECS_TRY(axis, axis_named(arguments.axis));
-  ECS_TRY(unit, open_unit(context, arguments.access));
+Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
+  ECS_TRY(axis, axis_named(request.axis));
+  ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
   context.console.note(fmt::format("recording for {} s", kDatumRecord_s));
-  ask_to_reference(context, unit, "axis " + arguments.axis);
+  ask_to_reference(context, unit, "axis " + request.axis);
   const auto result =
       unit.client().record_datum(axis, in_ms(3.0 * kDatumRecord_s), [&context](const protocol::CommandResult& busy) {
         const double done = busy.per_mille / 1000.0;
@@ -80,28 +86,36 @@ Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
   ECS_TRY(recording, read_recording(unit.client(), result->value, progress_bar(context, "transfer")));
   recording.taken = now_utc();
   recording.serial_number = identity.serial_number;
-  if (!arguments.output.empty()) {
-    ECS_DO(write_file(arguments.output, to_csv(recording)));
-    context.console.note(fmt::format("record written to {}", arguments.output));
+  if (!request.output.empty()) {
+    ECS_DO(write_file(request.output, to_csv(recording)));
+    context.console.note(fmt::format("record written to {}", request.output));
   }
   return outcome_of(recording_cell(recording));
 }
 
 // --- show
-struct ShowArguments : VerbArguments {
-  const std::string& file = text("FILE", "CSV file of `datum record`", Need::required);
+struct ShowRequest {
+  std::string file;
+  static Fields<ShowRequest> fields() {
+    using R = ShowRequest;
+    return {{"FILE", &R::file, "CSV file of `datum record`", Need::required}};
+  }
 };
 
-Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
-  ECS_TRY(recording, read_recording_file(arguments.file));
+Result<Outcome> show(VerbContext&, const ShowRequest& request) {
+  ECS_TRY(recording, read_recording_file(request.file));
   return outcome_of(recording_cell(recording));
 }
 
 // --- test
-struct TestArguments : VerbArguments {
-  const std::vector<std::string>& axes = texts("AXIS", "axes; none: all that the unit has");
-  const double& wait_s = number("--wait", "seconds to wait for each axis", 60.0, Need::optional, 0.1, 86400.0);
-  const Access access = writes_to_unit();
+struct TestRequest {
+  std::vector<std::string> axes;
+  double wait_s = 60.0;
+  static Fields<TestRequest> fields() {
+    using R = TestRequest;
+    return {{"AXIS", &R::axes, "axes; none: all that the unit has"},
+            {"--wait", &R::wait_s, "seconds to wait for each axis", Range{0.1, 86400.0}}};
+  }
 };
 
 Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, const protocol::Identity& identity) {
@@ -115,16 +129,16 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
   return axes;
 }
 
-Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
-  ECS_TRY(unit, open_unit(context, arguments.access));
+Result<Outcome> test(VerbContext& context, const TestRequest& request) {
+  ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
-  ECS_TRY(axes, axes_to_test(arguments.axes, identity));
+  ECS_TRY(axes, axes_to_test(request.axes, identity));
   Cell list{Json::array(), {}};
   bool all_passed = true;
   for (const Axis axis : axes) {
     const std::string letter(1, letter_of(axis));
     ask_to_reference(context, unit, "axis " + letter);
-    ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(arguments.wait_s)));
+    ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(request.wait_s)));
     all_passed = all_passed && one.passed;
     list.add(record_cell("axis {axis}: {passed}\n", {{"axis", word_cell(letter)},
                                                      {"passed", yes_cell(one.passed, "datum found", one.message)},
@@ -134,17 +148,42 @@ Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
                     all_passed ? kDone : kDoesNotHold);
 }
 
+struct StatusRequest {
+  std::string save;
+  std::vector<std::string> from;
+  static Fields<StatusRequest> fields() {
+    using R = StatusRequest;
+    return {{"--save", &R::save, "write decoded values and raw registers to this file", Is::output},
+            {"--from", &R::from, "decode such a file; no unit is asked"}};
+  }
+};
+
+Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
+  ECS_TRY(unit, open_unit(context));
+  return take_snapshot(unit.client(), unit.name(), protocol::kKeptEvents);
+}
+
+Result<Outcome> show_status(VerbContext& context, const StatusRequest& request) {
+  if (request.from.size() > 1) return problem(ProblemKind::usage, "utility status: --from takes one file");
+  ECS_TRY(snapshot, request.from.empty() ? snapshot_of_unit(context) : read_snapshot(request.from.front()));
+  if (!request.save.empty()) {
+    ECS_DO(write_snapshot(request.save, snapshot));
+    context.console.note(fmt::format("status written to {}", request.save));
+  }
+  return outcome_of(status_cell(snapshot));
+}
+
 }  // namespace
 
-extern const VerbDefinition kUtilityDatumRecord =
-    verb<RecordArguments>("utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
-                          "ecs utility datum record X -o x_datum.csv", record);
-
-extern const VerbDefinition kUtilityDatumShow =
-    verb<ShowArguments>("utility datum show", "a recorded sequence as velocity-time graph and events",
-                        "ecs utility datum show x_datum.csv", show);
-
-extern const VerbDefinition kUtilityDatumTest = verb<TestArguments>(
-    "utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120", test);
+extern const std::vector<Action> kUtilityDatum{
+    action("utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
+           "ecs utility datum record X -o x_datum.csv", record, {.link = Link::writes}),
+    action("utility datum show", "a recorded sequence as velocity-time graph and events",
+           "ecs utility datum show x_datum.csv", show),
+    action("utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
+           test, {.link = Link::writes}),
+    action("utility status", "mode, fault and what to do, memory tests, address pointers, relays",
+           "ecs utility status --save status.json\n  ecs utility status --from status.json", show_status,
+           {.link = Link::reads})};
 
 }  // namespace ecs::app

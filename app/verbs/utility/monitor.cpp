@@ -20,14 +20,20 @@ using protocol::MonitorSample;
 
 constexpr double kEnvironment_s = 1.0;  ///< between two readings of the surroundings
 
-struct MonitorArguments : VerbArguments {
-  const int& count = integer("--count", "samples to show; 0: until stopped", 0, 0, 100'000'000);  ///< 0: until stopped
-  const int& interval_ms = integer("--interval", "milliseconds between samples", 500, 1, 3'600'000);
-  const std::string& environment = text(
-      "--environment", "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes");  ///< a device; empty: none
-  const std::string& record = output_file(
-      "--record", "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves");
-  const Access access = uses_link();
+struct MonitorRequest {
+  int count = 0;  ///< 0: until stopped
+  int interval_ms = 500;
+  std::string environment;  ///< a device; empty: none
+  std::string record;
+  static Fields<MonitorRequest> fields() {
+    using R = MonitorRequest;
+    return {
+        {"--count", &R::count, "samples to show; 0: until stopped", Range{0, 100'000'000}},
+        {"--interval", &R::interval_ms, "milliseconds between samples", Range{1, 3'600'000}},
+        {"--environment", &R::environment, "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes"},
+        {"--record", &R::record,
+         "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves", Is::output}};
+  }
 };
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
@@ -80,12 +86,12 @@ std::string sample_text(const MonitorSample& sample) {
 }
 
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
-Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments& arguments,
+Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& request,
                    std::optional<MonitorRecording>& recording) {
   std::optional<EnvironmentWatch> environment;
-  if (!arguments.environment.empty()) environment.emplace(arguments.environment, kEnvironment_s);
-  for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
-    if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(arguments.interval_ms))) return {};
+  if (!request.environment.empty()) environment.emplace(request.environment, kEnvironment_s);
+  for (int i = 0; request.count == 0 || i < request.count; ++i) {
+    if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
     ECS_TRY(sample, unit.client().monitor());
     Json object = sample_json(sample, unit.name());
     std::string text = sample_text(sample);
@@ -103,17 +109,17 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments&
   return {};
 }
 
-Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments) {
+Result<Outcome> monitor(VerbContext& context, const MonitorRequest& request) {
   std::optional<MonitorRecording> recording;
-  if (!arguments.record.empty()) {
-    ECS_TRY(begun, MonitorRecording::begun(arguments.record));
+  if (!request.record.empty()) {
+    ECS_TRY(begun, MonitorRecording::begun(request.record));
     recording.emplace(std::move(begun));
   }
-  ECS_TRY(unit, open_unit(context, arguments.access));
-  const auto watched = watch(context, unit, arguments, recording);
+  ECS_TRY(unit, open_unit(context));
+  const auto watched = watch(context, unit, request, recording);
   if (recording && recording->runs() && recording->samples() > 0) {
     ECS_DO(recording->end());
-    context.console.note(fmt::format("{} samples written to {}", recording->samples(), arguments.record));
+    context.console.note(fmt::format("{} samples written to {}", recording->samples(), request.record));
   }
   if (!watched) return tl::unexpected(watched.error());
   return Outcome{};
@@ -121,8 +127,9 @@ Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments)
 
 }  // namespace
 
-extern const VerbDefinition kMonitor = verb<MonitorArguments>(
-    "monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
-    "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1", monitor);
+extern const std::vector<Action> kMonitoring{
+    action("monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
+           "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1", monitor,
+           {.link = Link::reads})};
 
 }  // namespace ecs::app

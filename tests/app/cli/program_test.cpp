@@ -44,7 +44,7 @@ TEST_CASE("a clone that was moved after it was built finds its own sample machin
   CHECK_MESSAGE(contains(said.text, clone / "samples/mill/machine.toml"), said.text);
 }
 
-struct NoArguments : VerbArguments {};
+using cli::Nothing;
 
 /// Exit code of a program whose verb ends well after SIGINT has come.
 int exit_code_after_signal(bool finished) {
@@ -52,14 +52,16 @@ int exit_code_after_signal(bool finished) {
   if (child == 0) {
     catch_signals();
     ::raise(SIGINT);
-    const VerbDefinition done = finished ? verb<NoArguments>("work", "ends its work", "ecs work",
-                                                             [](VerbContext&, const NoArguments&) -> Result<Outcome> {
-                                                               return Outcome{"done\n", "{}", kDone, true};
-                                                             })
-                                         : verb<NoArguments>("work", "looks on", "ecs work",
-                                                             [](VerbContext&, const NoArguments&) -> Result<Outcome> {
-                                                               return Outcome{"seen\n", "{}", kDone, false};
-                                                             });
+    const Action done = finished
+                            ? action(
+                                  "work", "ends its work", "ecs work",
+                                  +[](VerbContext&, const Nothing&) -> Result<Outcome> {
+                                    return Outcome{"done\n", "{}", kDone, true};
+                                  })
+                            : action(
+                                  "work", "looks on", "ecs work", +[](VerbContext&, const Nothing&) -> Result<Outcome> {
+                                    return Outcome{"seen\n", "{}", kDone, false};
+                                  });
     std::ostringstream out, messages;
     ::_exit(run_command_line({{}, {&done}}, {"work"}, out, messages));
   }

@@ -9,15 +9,17 @@ namespace {
 /// A program with a verb at its first level and a menu that takes a word by its place.
 struct Program {
   Program() {
-    Verb run;
-    run.number("--feed", feed, "mm/min")
-        .choice("--mode", mode, {"slow", "fast"}, "how")
-        .integer("--count", count, "times", 1, 9)
-        .seed(seed, "seed")
-        .add({"--back", OnFlag([this] { back = true; }), "backwards"})
-        .add({"--port", OnInteger([this](long long value) { port = value; }), "port", Need::optional, 0, 65535});
-    tree.add_verb("run", "run it", "tool run --feed 5", run.arguments(), [this] { chosen = "run"; });
-    VerbArgument targets{"--targets", OnNumbers([this](const std::vector<double>& all) { numbers = all; }), "mm"};
+    Argument mode_argument{"--mode", &mode, "how"};
+    mode_argument.choices = {"slow", "fast"};
+    const Arguments run{
+        {"--feed", &feed, "mm/min"},
+        mode_argument,
+        {"--count", &count, "times", Need::optional, 1, 9},
+        {"--seed", &seed, "seed"},
+        {"--back", OnFlag([this] { back = true; }), "backwards"},
+        {"--port", OnInteger([this](long long value) { port = value; }), "port", Need::optional, 0, 65535}};
+    tree.add_verb("run", "run it", "tool run --feed 5", run, [this] { chosen = "run"; });
+    Argument targets{"--targets", OnNumbers([this](const std::vector<double>& all) { numbers = all; }), "mm"};
     targets.by_commas = true;
     tree.add_verb("shop measure", "measure", "tool shop SOCKET measure", {targets}, [this] { chosen = "measure"; });
   }

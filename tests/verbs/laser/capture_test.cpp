@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "app/cli/keyboard.hpp"
+#include "app/cli/console.hpp"
 #include "commissioning/measurements/capture_source.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/support/verb_run.hpp"

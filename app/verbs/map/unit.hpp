@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "app/cli/verb_context.hpp"
+#include "app/cli/verb.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/maps/source.hpp"
 

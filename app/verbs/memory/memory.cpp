@@ -1,0 +1,277 @@
+// `ecs memory read, write, dump, load`: bytes between unit and file. `show, compare`: decoding dumps, without a unit.
+
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_unit.hpp"
+#include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "base/numbers.hpp"
+#include "base/text.hpp"
+#include "commissioning/memory/compare.hpp"
+#include "commissioning/memory/decode.hpp"
+#include "commissioning/memory/fields.hpp"
+#include "commissioning/memory/space.hpp"
+#include "commissioning/memory/view.hpp"
+#include "commissioning/memory/write.hpp"
+#include "commissioning/session/shell_word.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/transfer.hpp"
+
+namespace ecs::app {
+namespace {
+
+// --- read
+struct ReadRequest {
+  std::string address, length, output;
+  bool hex = false;
+  static Fields<ReadRequest> fields() {
+    using R = ReadRequest;
+    return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
+            {"LENGTH", &R::length, "bytes, decimal or 0x…", Need::required},
+            {"-o,--output", &R::output, "file for the bytes as they are", Is::output},
+            {"--hex", &R::hex, "hexadecimal digits only"}};
+  }
+};
+
+/// 16 bytes a line with address and characters.
+std::string listing(Address first, ByteView bytes) {
+  std::string text;
+  for (std::size_t at = 0; at < bytes.size(); at += 16) {
+    const ByteView row = bytes.subspan(at, std::min<std::size_t>(16, bytes.size() - at));
+    std::string characters;
+    for (const std::uint8_t byte : row) characters += byte >= 0x20 && byte < 0x7F ? static_cast<char>(byte) : '.';
+    text += fmt::format("{}  {:<47}  {}\n", hex_address(first + static_cast<Address>(at)), hex_of(row), characters);
+  }
+  return text;
+}
+
+std::string plain_hex(ByteView bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes) text += fmt::format("{:02X}", byte);
+  return text;
+}
+
+Result<Outcome> read_bytes(VerbContext& context, const ReadRequest& request) {
+  ECS_TRY(address, whole_number(request.address, "ADDRESS"));
+  ECS_TRY(length, whole_number(request.length, "LENGTH"));
+  ECS_DO(within_space(address, length));
+  ECS_DO(memory_there(address, length));
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_DO(memory_there(address, length, identity.memory_modules));
+  ECS_TRY(bytes, unit.client().read_memory(address, length, progress_bar(context, "memory")));
+  const bool to_stdout = request.output.empty();
+  if (!to_stdout) ECS_DO(write_file(request.output, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  const std::string digits = plain_hex(bytes);
+  return outcome_of(record_cell(
+      to_stdout ? "{bytes}" : "{length} bytes written to {file}",
+      {{"address", word_cell(hex_address(address))},
+       {"length", integer_cell(length)},
+       {"file", text_cell(request.output)},
+       {"bytes", to_stdout ? Cell{digits, request.hex ? digits : listing(address, bytes)} : shown_cell({})}}));
+}
+
+// --- write
+struct WriteRequest {
+  std::string address, file;
+  std::vector<std::string> words;
+  bool yes = false;
+  static Fields<WriteRequest> fields() {
+    using R = WriteRequest;
+    return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
+            {"BYTES", &R::words, "hexadecimal digits, two a byte"},
+            {"--file", &R::file, "write the bytes of this file"},
+            {"--yes", &R::yes, "overwrite"}};
+  }
+};
+
+Result<std::vector<std::uint8_t>> bytes_to_write(const WriteRequest& request) {
+  if (request.words.empty() == request.file.empty())
+    return problem(ProblemKind::usage, "memory write: give either bytes or --file");
+  if (request.file.empty()) return hex_bytes(request.words);
+  ECS_TRY(content, read_file(request.file));
+  return std::vector<std::uint8_t>(content.begin(), content.end());
+}
+
+Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
+  ECS_TRY(address, whole_number(request.address, "ADDRESS"));
+  ECS_TRY(bytes, bytes_to_write(request));
+  ECS_DO(within_space(address, bytes.size()));
+  ECS_DO(memory_there(address, bytes.size()));
+  ECS_DO(may_write(MemoryBytes::of_unit(kMostModules), address, bytes.size()));
+  ECS_DO(
+      confirmed(request.yes, fmt::format("{} bytes from {} on are overwritten", bytes.size(), hex_address(address))));
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(identity, unit.client().identity());
+  if (auto written =
+          write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory"));
+      !written)
+    return tl::unexpected(written.error());
+  return outcome_of(record_cell("{length} bytes written from {address} on",
+                                {{"address", word_cell(hex_address(address))}, {"length", count_cell(bytes.size())}}));
+}
+
+// --- dump
+struct DumpRequest {
+  std::string output;
+  bool active = false;
+  static Fields<DumpRequest> fields() {
+    using R = DumpRequest;
+    return {{"-o,--output", &R::output, "file to write", Is::output, Need::required},
+            {"--active", &R::active, "only the commit records and the active image"}};
+  }
+};
+
+Result<Outcome> dump_memory(VerbContext& context, const DumpRequest& request) {
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(dump, take_dump(unit.client(), unit.name(), request.active ? DumpScope::active : DumpScope::all,
+                          progress_bar(context, "memory")));
+  ECS_DO(write_file(request.output, to_bytes(dump)));
+  std::size_t bytes = 0;
+  for (const DumpRegion& region : dump.regions) bytes += region.bytes.size();
+  return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
+                                {{"file", word_cell(request.output)},
+                                 {"show", shown_cell(shell_command({"ecs", "memory", "show", request.output}))},
+                                 {"unit", shown_cell(dump.serial_number)},
+                                 {"bytes", count_cell(bytes)},
+                                 {"regions", list_cell(dump.regions, [](const DumpRegion& region) {
+                                    return record_cell({}, {{"name", word_cell(region.name)},
+                                                            {"address", word_cell(hex_address(region.address))},
+                                                            {"bytes", count_cell(region.bytes.size())}});
+                                  })}}));
+}
+
+// --- load
+struct LoadRequest {
+  std::string file;
+  bool yes = false, other_machine = false;
+  static Fields<LoadRequest> fields() {
+    using R = LoadRequest;
+    return {{"FILE", &R::file, "dump or memory image", Need::required},
+            {"--yes", &R::yes, "replace what the unit holds"},
+            {"--other-machine", &R::other_machine, "load although dump or map name another unit"}};
+  }
+};
+
+/// The bytes of the dump's main image, if it is one that a unit may have.
+Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std::string& file) {
+  const DecodedMemory memory = decoded(dump);
+  const DecodedImage* image = memory.main_image();
+  if (image == nullptr) return problem_at(file, 0, 0, "it holds no active memory image; nothing was sent");
+  if (image->verdict.fault != ImageFault::none)
+    return problem_at(file, 0, 0,
+                      fmt::format("its memory image {}; nothing was sent", ecs::text_of(image->verdict.fault)));
+  const DumpRegion* region = region_at(dump, image->address);
+  return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
+}
+
+Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
+  ECS_TRY(dump, read_dump(request.file));
+  for (const std::string& damage : dump.damage) context.console.warn(damage);
+  ECS_TRY(image, sound_image(dump, request.file));
+  ECS_DO(confirmed(request.yes, "parameters and map of the unit are replaced by those of the dump"));
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(identity, unit.client().identity());
+  if (!request.other_machine)
+    if (auto refused = refused_map(other_unit(dump.serial_number, image, identity.serial_number), request.file))
+      return tl::unexpected(std::move(*refused));
+  ECS_TRY(report, send_image(unit.client(), image, request.other_machine ? Addressee::this_unit : Addressee::as_stated,
+                             progress_bar(context, "image")));
+  return finished_outcome_of(
+      record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
+                  {{"file", word_cell(request.file)},
+                   {"bytes", count_cell(report.bytes)},
+                   {"commit_sequence", count_cell(report.commit_sequence)},
+                   {"verified", yes_cell(true, "", "")}}));
+}
+
+constexpr std::string_view kUnitWord = "unit";
+
+Result<MemoryDump> dump_of_unit(VerbContext& context, DumpScope scope) {
+  ECS_TRY(unit, open_unit(context));
+  return take_dump(unit.client(), unit.name(), scope, progress_bar(context, "memory"));
+}
+
+struct ShowRequest {
+  std::string file;
+  bool unit = false, bytes = false;
+  static Fields<ShowRequest> fields() {
+    using R = ShowRequest;
+    return {{"FILE", &R::file, "dump or memory image"},
+            {"--unit", &R::unit, "the active image of the unit"},
+            {"--bytes", &R::bytes, "names and meaning beside the bytes"}};
+  }
+};
+
+Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
+  if (request.unit == !request.file.empty())
+    return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
+  ECS_TRY(dump, request.unit ? dump_of_unit(context, DumpScope::active) : read_dump(request.file));
+  return outcome_of(memory_cell(dump, decoded(dump), request.bytes));
+}
+
+struct CompareRequest {
+  std::string a, b;
+  static Fields<CompareRequest> fields() {
+    using R = CompareRequest;
+    return {{"A", &R::a, "dump, memory image, or `unit`", Need::required},
+            {"B", &R::b, "dump, memory image, or `unit`", Need::required}};
+  }
+};
+
+Result<MemoryDump> dump_from(VerbContext& context, const std::string& file_or_unit) {
+  return file_or_unit == kUnitWord ? dump_of_unit(context, DumpScope::all) : read_dump(file_or_unit);
+}
+
+/// What is wrong with one of the two by itself: its file, or the image that its unit would use.
+std::vector<std::string> damage_in(const MemoryDump& dump) {
+  std::vector<std::string> damage = dump.damage;
+  const DecodedMemory memory = decoded(dump);
+  for (const DecodedImage& image : memory.images)
+    if (&image == memory.main_image() && image.verdict.fault != ImageFault::none)
+      damage.push_back(fmt::format("{}: the image {}", image.region, ecs::text_of(image.verdict.fault)));
+  return damage;
+}
+
+Cell damage_cell(std::string_view side, const std::string& file, const MemoryDump& dump) {
+  return lines_cell(damage_in(dump), fmt::format("DAMAGED {} ({}): ", side, file));
+}
+
+Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
+  ECS_TRY(a, dump_from(context, request.a));
+  ECS_TRY(b, dump_from(context, request.b));
+  Cell found = list_cell(differences(a, b), [](const auto& one) {
+    const auto& [what, in_a, in_b] = one;
+    return record_cell("{what}: A {a} | B {b}\n",
+                       {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}});
+  });
+  const bool same = found.json.empty();
+  if (same) found.text = "no difference\n";
+  const Cell damage_a = damage_cell("A", request.a, a), damage_b = damage_cell("B", request.b, b);
+  return outcome_of(
+      record_cell("{damaged}{differences}", {{"a", word_cell(request.a)},
+                                             {"b", word_cell(request.b)},
+                                             {"same", yes_cell(same, "", "")},
+                                             {"damaged", record_cell("{a}{b}", {{"a", damage_a}, {"b", damage_b}})},
+                                             {"differences", found}}),
+      same && damage_a.json.empty() && damage_b.json.empty() ? kDone : kDoesNotHold);
+}
+
+}  // namespace
+
+extern const std::vector<Action> kMemory{
+    action("memory read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64", read_bytes,
+           {.link = Link::reads}),
+    action("memory write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes",
+           write_bytes, {.link = Link::writes}),
+    action("memory dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump",
+           dump_memory, {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
+    action("memory load", "restore parameters and map of a dump into the unit (needs --yes)",
+           "ecs memory load unit.ecsdump --yes", load, {.link = Link::writes}),
+    action("memory show", "what a dump holds: parameters, tables, header, checks, faults",
+           "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit", show, {.link = Link::reads}),
+    action("memory compare", "the fields that differ between two dumps; `unit` means the connected unit",
+           "ecs memory compare before.ecsdump after.ecsdump", compare, {.link = Link::reads})};
+
+}  // namespace ecs::app

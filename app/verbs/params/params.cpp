@@ -1,0 +1,313 @@
+// `ecs params show, check, set, diff, new`: what works on parameter files; show and diff also look into a unit. `send`
+// and `receive`: the parameters between file and unit.
+
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_unit.hpp"
+#include "base/answer_table.hpp"
+#include "commissioning/parameters/set.hpp"
+#include "commissioning/session/shell_word.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/parameters_view.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "params/check.hpp"
+#include "params/fields.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kUnitWord = "unit";
+
+Result<UnitParameters> parameters_in_unit(VerbContext& context) {
+  ECS_TRY(unit, open_unit(context));
+  return receive_parameters(unit.client());
+}
+
+Result<UnitParameters> parameters_from(VerbContext& context, const std::string& file_or_unit) {
+  if (file_or_unit == kUnitWord) return parameters_in_unit(context);
+  ECS_TRY(file, params::read_parameters(file_or_unit));
+  return file.parameters;
+}
+
+// --- show
+struct ShowRequest {
+  std::string file;
+  bool unit = false;
+  static Fields<ShowRequest> fields() {
+    using R = ShowRequest;
+    return {{"FILE", &R::file, "parameter file"}, {"--unit", &R::unit, "those in the unit"}};
+  }
+};
+
+Result<Outcome> show_unit(VerbContext& context) {
+  ECS_TRY(parameters, parameters_in_unit(context));
+  return outcome_of(record_cell("{parameters}", {{"parameters", parameters_cell(parameters)}}));
+}
+
+Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
+  if (request.unit == !request.file.empty())
+    return problem(ProblemKind::usage, "params show: give either a FILE or --unit");
+  if (request.unit) return show_unit(context);
+  ECS_TRY(file, params::read_parameters(request.file));
+  const auto& [machine, serial_number] = file.identity;
+  const bool named = !machine.empty() || !serial_number.empty();
+  const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
+                                    {{"machine", text_cell(machine)}, {"serial_number", text_cell(serial_number)}});
+  return outcome_of(record_cell("{identity}{parameters}", {{"file", word_cell(request.file)},
+                                                           {"identity", identity},
+                                                           {"parameters", parameters_cell(file.parameters)},
+                                                           {"defaulted", {file.defaulted, {}}}}));
+}
+
+// --- set
+struct SetRequest {
+  std::string file, output;
+  std::vector<std::string> words;
+  bool accept_incomplete = false;
+  static Fields<SetRequest> fields() {
+    using R = SetRequest;
+    return {
+        {"FILE", &R::file, "parameter file", Need::required},
+        {"KEY=VALUE", &R::words,
+         "KEY=VALUE or KEY VALUE, as many as wanted; identity.machine and identity.serial_number too", Need::required},
+        {"-o,--output", &R::output, "write here in place of FILE", Is::output},
+        {"--accept-incomplete", &R::accept_incomplete,
+         "although FILE does not end with its closing line: what it leaves out is written "
+         "as the default"}};
+  }
+};
+
+struct Assignment {
+  std::string key;
+  std::string value;
+};
+
+/// KEY=VALUE words and KEY VALUE pairs, mixed.
+Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& words) {
+  std::vector<Assignment> all;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::size_t equals = words[i].find('=');
+    if (equals != std::string::npos) {
+      all.push_back({words[i].substr(0, equals), words[i].substr(equals + 1)});
+    } else if (i + 1 < words.size()) {
+      all.push_back({words[i], words[i + 1]});
+      ++i;
+    } else {
+      return problem(ProblemKind::usage, fmt::format("params set: expected a value after \"{}\"", words[i]));
+    }
+  }
+  return all;
+}
+
+Cell changed_cell(const params::Difference& d) {
+  return record_cell("{key}: {from} -> {to}{unit}\n", {{"key", word_cell(d.key)},
+                                                       {"from", word_cell(d.a)},
+                                                       {"to", word_cell(d.b)},
+                                                       {"unit", shown_cell(d.unit.empty() ? "" : " " + d.unit)}});
+}
+
+void add_identity_change(Cell& changed, const char* key, const std::string& from, const std::string& to) {
+  if (from != to) changed.add(changed_cell({key, "", from, to}));
+}
+
+Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
+  ECS_TRY(file, request.accept_incomplete ? params::read_parameters(request.file)
+                                          : params::read_whole_parameters(request.file));
+  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  ECS_TRY(assignments, assignments_of(request.words));
+  const UnitParameters before = file.parameters;
+  const params::Identity owner_before = file.identity;
+  commissioning::ParameterSet values{file.parameters, file.identity};
+  std::vector<Problem> problems;
+  for (const Assignment& assignment : assignments)
+    if (auto set = commissioning::set_value(assignment.key, values, assignment.value); !set)
+      problems.push_back(set.error());
+  file.parameters = values.parameters;
+  file.identity = values.identity;
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  for (const params::Finding& finding : params::check(file.parameters))
+    context.console.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
+  const std::string output = request.output.empty() ? request.file : request.output;
+  ECS_DO(params::write_parameters(output, file.parameters, file.identity));
+  Cell changed = list_cell(params::diff(before, file.parameters), changed_cell);
+  add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
+  add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
+  if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
+  return outcome_of(record_cell("{changed}written to {file}", {{"file", word_cell(output)}, {"changed", changed}}));
+}
+
+// --- diff
+struct DiffRequest {
+  std::string a, b;
+  static Fields<DiffRequest> fields() {
+    using R = DiffRequest;
+    return {{"A", &R::a, "parameter file, or `unit`", Need::required},
+            {"B", &R::b, "parameter file, or `unit`", Need::required}};
+  }
+};
+
+Result<Outcome> diff_two(VerbContext& context, const DiffRequest& request) {
+  ECS_TRY(a, parameters_from(context, request.a));
+  ECS_TRY(b, parameters_from(context, request.b));
+  const auto differences = params::diff(a, b);
+  Cell list = differences_cell(differences, "a", "b", request.a, request.b);
+  if (differences.empty()) list.text = "no difference";
+  return outcome_of(record_cell("{differences}", {{"a", word_cell(request.a)},
+                                                  {"b", word_cell(request.b)},
+                                                  {"same", yes_cell(differences.empty(), "", "")},
+                                                  {"differences", list}}),
+                    differences.empty() ? kDone : kDoesNotHold);
+}
+
+// --- new
+struct NewRequest {
+  std::string machine, output;
+  static Fields<NewRequest> fields() {
+    using R = NewRequest;
+    return {{"--machine", &R::machine, "machine file", Need::required},
+            {"-o,--output", &R::output, "parameter file to write", Is::output, Need::required}};
+  }
+};
+
+Result<Outcome> new_file(VerbContext& context, const NewRequest& request) {
+  ECS_TRY(machine, params::read_machine(request.machine));
+  for (const Problem& warning : machine.warnings) context.console.warn(to_text(warning));
+  const UnitParameters parameters = params::default_parameters_for(machine.machine);
+  ECS_DO(params::write_parameters(request.output, parameters, {machine.machine.name, {}}));
+  return outcome_of(record_cell(
+      "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
+      "`{check}`",
+      {{"file", word_cell(request.output)},
+       {"check", shown_cell(shell_command({"ecs", "params", "check", request.output}))},
+       {"parameters", parameters_cell(parameters)}}));
+}
+
+struct CheckRequest {
+  std::string file, machine;
+  static Fields<CheckRequest> fields() {
+    using R = CheckRequest;
+    return {{"FILE", &R::file, "parameter file", Need::required},
+            {"--machine", &R::machine, "machine file to compare with"}};
+  }
+};
+
+Cell findings_cell(const std::vector<params::Finding>& findings, const std::string& file) {
+  Cell list = list_cell(findings, [](const params::Finding& finding) {
+    return record_cell({}, {{"severity", word_cell(params::name_of(finding.severity))},
+                            {"keys", lines_cell(finding.keys, "")},
+                            {"message", word_cell(finding.message)}});
+  });
+  list.text = findings.empty() ? fmt::format("{}: sound", file) : params::to_text(findings);
+  return list;
+}
+
+Result<Outcome> check_file(VerbContext& context, const CheckRequest& request) {
+  ECS_TRY(file, params::read_parameters(request.file));
+  std::optional<params::Machine> machine;
+  if (!request.machine.empty()) {
+    ECS_TRY(read, params::read_machine(request.machine));
+    for (const Problem& warning : read.warnings) context.console.warn(to_text(warning));
+    machine = read.machine;
+  }
+  std::vector<params::Finding> findings = params::check_file(file);
+  for (params::Finding& finding : params::check(file.parameters, machine ? &*machine : nullptr))
+    findings.push_back(std::move(finding));
+  std::string taken;
+  for (const std::string& line : params::defaults_taken(file)) taken += "\n" + line;
+  return outcome_of(record_cell("{findings}{defaulted}", {{"file", word_cell(request.file)},
+                                                          {"sound", yes_cell(!params::has_errors(findings), "", "")},
+                                                          {"findings", findings_cell(findings, request.file)},
+                                                          {"defaulted", {file.defaulted, taken}}}),
+                    findings.empty() ? kDone : kDoesNotHold);
+}
+
+struct SendRequest {
+  std::string file;
+  bool force = false, other_machine = false, accept_incomplete = false;
+  static Fields<SendRequest> fields() {
+    using R = SendRequest;
+    return {{"FILE", &R::file, "parameter file", Need::required},
+            {"--force", &R::force, "drop a map in the unit that does not fit, in place of refusing"},
+            {"--other-machine", &R::other_machine, "send although [identity] names another machine"},
+            {"--accept-incomplete", &R::accept_incomplete,
+             "send although the parameter file does not end with its closing line"}};
+  }
+};
+
+Outcome sent(const SendRequest& request, const SendReport& report, const params::ParametersFile& file) {
+  return finished_outcome_of(record_cell(
+      "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
+      {{"file", word_cell(request.file)},
+       {"bytes", count_cell(report.bytes)},
+       {"commit_sequence", count_cell(report.commit_sequence)},
+       {"verified", yes_cell(true, "", "")},
+       {"defaulted", lines_cell(file.defaulted, "")},
+       {"map_kept", yes_cell(report.map_kept, "\nthe map in the unit fits and stays", "")},
+       {"map_dropped", yes_cell(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", "")},
+       {"map_objections", lines_cell(report.map_objections, "")}}));
+}
+
+Result<Outcome> send(VerbContext& context, const SendRequest& request) {
+  ECS_TRY(file, params::read_parameters(request.file));
+  const Incomplete incomplete = request.accept_incomplete ? Incomplete::accept : Incomplete::refuse;
+  if (auto objections = objections_to(file, request.file, incomplete)) return tl::unexpected(std::move(*objections));
+  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(identity, unit.client().identity());
+  const params::Identity owner = request.other_machine ? params::Identity() : file.identity;
+  if (auto refused = refused_map(other_unit(owner, identity.serial_number), request.file))
+    return tl::unexpected(std::move(*refused));
+  ECS_TRY(report,
+          send_parameters(unit.client(), file.parameters, owner, request.force ? UnfitMap::drop : UnfitMap::refuse,
+                          progress_bar(context, "parameters")));
+  for (const std::string& objection : report.map_objections)
+    context.console.warn("the map in the unit is dropped: " + objection);
+  return sent(request, report, file);
+}
+
+struct ReceiveRequest {
+  std::string output;
+  static Fields<ReceiveRequest> fields() {
+    using R = ReceiveRequest;
+    return {{"-o,--output", &R::output, "file to write; without it the text goes to stdout", Is::output}};
+  }
+};
+
+Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(identity, unit.client().identity());
+  ECS_TRY(parameters, receive_parameters(unit.client()));
+  const params::Identity owner{{}, identity.serial_number};
+  if (!request.output.empty()) ECS_DO(params::write_parameters(request.output, parameters, owner));
+  return outcome_of(
+      record_cell(request.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
+                  {{"file", text_cell(request.output)},
+                   {"serial_number", text_cell(identity.serial_number)},
+                   {"parameters", parameters_cell(parameters)},
+                   {"toml", shown_cell(params::parameters_toml(parameters, owner))}}));
+}
+
+}  // namespace
+
+extern const std::vector<Action> kParameters{
+    action("params show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml", show,
+           {.link = Link::reads}),
+    action("params check", "every finding against a parameter file, with what to do",
+           "ecs params check mill.toml --machine machine.toml", check_file),
+    action("params set", "change values in a parameter file",
+           "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml",
+           set_values, {.logged = Logged::when_written, .kind = "parameters"}),
+    action("params diff", "what differs between two parameter sets; `unit` means the connected unit",
+           "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200", diff_two, {.link = Link::reads}),
+    action("params new", "parameters to start from, for a machine file",
+           "ecs params new --machine machine.toml -o mill-parameters.toml", new_file,
+           {.logged = Logged::when_written, .kind = "parameters"}),
+    action("params send", "check a parameter file and send it to the unit; its map stays",
+           "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
+    action("params receive", "the unit's parameters as a file",
+           "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200", receive,
+           {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"})};
+
+}  // namespace ecs::app
