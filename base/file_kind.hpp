@@ -1,6 +1,6 @@
 // What a file is by its content: text at all, of which kind; and reading a file that has to be of one kind.
 // Does not live here: code pages (laser/text_decoding.hpp), the formats of instruments (laser/import/format.hpp), a
-// look into a whole file (commissioning/files/kind.hpp).
+// look into a whole file (commissioning/files/known_files.hpp).
 #pragma once
 
 #include <cstdint>

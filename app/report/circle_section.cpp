@@ -4,7 +4,7 @@
 
 #include "app/report/sections.hpp"
 #include "app/report/svg.hpp"
-#include "commissioning/standards/polar.hpp"
+#include "commissioning/standards/circle.hpp"
 
 namespace ecs::app {
 namespace {

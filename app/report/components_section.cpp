@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "app/report/sections.hpp"
-#include "commissioning/measurements/summary.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::app {

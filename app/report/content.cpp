@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/recipe.hpp"
 

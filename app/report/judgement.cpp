@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "app/report/markup.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 
 namespace ecs::app {
 namespace {

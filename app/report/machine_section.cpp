@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/report/sections.hpp"
-#include "commissioning/measurements/summary.hpp"
+#include "commissioning/measurements/fields.hpp"
 
 namespace ecs::app {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "app/report/sections.hpp"
 #include "app/report/svg.hpp"
-#include "commissioning/measurements/summary.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"

@@ -8,7 +8,7 @@
 #include "app/report/sections.hpp"
 #include "base/version.hpp"
 #include "commissioning/maps/view.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "params/fields.hpp"
 
 namespace ecs::app {

@@ -11,7 +11,7 @@
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
 #include "app/screens/utility/screens.hpp"
-#include "commissioning/files/kind.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "commissioning/session/event_log.hpp"
 #include "commissioning/session/recent_files.hpp"
 

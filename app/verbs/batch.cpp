@@ -1,12 +1,13 @@
 // `ecs batch`: a plan of many units, with a table at the end.
 
+#include "commissioning/batch/batch.hpp"
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "commissioning/batch/run.hpp"
 
 namespace ecs::app {
 namespace {

@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 
 #include "commissioning/maps/from_model.hpp"
-#include "commissioning/maps/prepared_map.hpp"
-#include "commissioning/maps/sent.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/models/work.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::commissioning {

@@ -1,6 +1,6 @@
 // The map of an investigated model with the parameters it goes with, as files for `map send`: what the model does not
 // speak of is declared zero, with the reason. Does not live here: compiling the model
-// (commissioning/maps/from_model.hpp), sending (commissioning/maps/sent.hpp).
+// (commissioning/maps/from_model.hpp), sending (commissioning/maps/map_in_unit.hpp).
 #pragma once
 
 #include <filesystem>

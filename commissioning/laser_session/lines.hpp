@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "commissioning/laser_session/choices.hpp"
-#include "commissioning/measurements/summary.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "core/axis.hpp"
 #include "laser/measurement_set.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "commissioning/link/unit_commands.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/error_map.hpp"
 #include "params/parameters_toml.hpp"

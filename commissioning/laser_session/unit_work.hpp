@@ -10,7 +10,7 @@
 
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/maps/sent.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 

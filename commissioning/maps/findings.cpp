@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file_watch.hpp"
+#include "base/text.hpp"
 
 namespace ecs::commissioning {
 
@@ -59,6 +60,17 @@ std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of
     return "the map is not complete: `ecs map send` will refuse it until this is mended\n";
   return fmt::format("the map is {}: it can be sent, but read {} first\n", completeness(findings),
                      findings.size() == 1 ? "it" : "them");
+}
+
+Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
+  const std::size_t sign = word.find('=');
+  const auto component = component_of(trimmed(std::string_view(word).substr(0, sign)));
+  const std::string reason = sign == std::string::npos ? "" : std::string(trimmed(word.substr(sign + 1)));
+  if (!component || reason.empty())
+    return problem(
+        ProblemKind::usage,
+        fmt::format("--zero: expected CODE=\"reason\", as in EBY=\"too small to measure\", got \"{}\"", word));
+  return laser::DeclaredZero{*component, reason};
 }
 
 }  // namespace ecs::commissioning

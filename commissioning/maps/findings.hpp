@@ -1,10 +1,11 @@
-// What the verbs, the screens and the report know of a map beside its tables: the travels that it should cover, and how
-// its findings are summed up in a word.
+// What the verbs, the screens and the report know of a map beside its tables: the travels that it should cover, how its
+// findings are summed up in a word, a component declared zero with its reason.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "base/result.hpp"
 #include "laser/map/error_map.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
@@ -34,5 +35,8 @@ namespace ecs::commissioning {
 /// What a verb says below the findings of a map that it built.
 /// @param of_two_machines  map and parameters name different ones
 [[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines = false);
+
+/// A `usage` problem for anything but CODE=reason.
+[[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);
 
 }  // namespace ecs::commissioning

@@ -1,4 +1,4 @@
-// Measurement files: what a file does not say, given as words; reading one; joining several.
+// Measurement files: what a file does not say, given as words; reading one; joining several; folders in place of files.
 #pragma once
 
 #include <optional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/cli/action.hpp"
+#include "base/result.hpp"
 #include "commissioning/session/message.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/import/import.hpp"
@@ -78,5 +79,14 @@ struct ImportArguments {
 
 /// The readings of one group as a set of its own.
 [[nodiscard]] laser::MeasurementSet set_of(const laser::MeasurementSet& set, const laser::Group& group);
+
+/// The files of a verb that takes several: in place of a folder stand the measurements in it, in the order of their
+/// names. A folder without any is refused.
+struct GivenFiles {
+  std::vector<std::string> files;
+  std::vector<std::string> notes;  ///< which were taken of a folder
+};
+/// @param with_paths  files of circles and diagonals are measurements too
+[[nodiscard]] Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_paths = false);
 
 }  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status.hpp"
 #include "core/address_map.hpp"
 #include "protocol/client/client.hpp"
 

@@ -4,8 +4,7 @@
 
 #include "base/answer_table.hpp"
 #include "commissioning/memory/fields.hpp"
-#include "commissioning/unit/parameters_view.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "laser/map/error_map.hpp"
 
 namespace ecs::commissioning {

@@ -12,7 +12,7 @@
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/model_session/commands.hpp"
-#include "commissioning/models/lines.hpp"
+#include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/session/drafts.hpp"

@@ -1,12 +1,15 @@
-// A diagnosis as an answer: the headline, then the evidence.
+// A diagnosis as an answer, the headline, then the evidence; where a model fails.
 #pragma once
 
 #include <string>
 
 #include "base/json_fwd.hpp"
 #include "model/diagnosis/diagnose.hpp"
+#include "model/fit/compare.hpp"
 
 namespace ecs::commissioning {
+
+[[nodiscard]] Cell comparison_cell(const model::Comparison& comparison, std::size_t readings);
 
 /// "< 0.5 %" where no replicate of noise looks as good, "3.2 %", "-" where it has no meaning: the effect alone explains
 /// nothing that noise would not.

@@ -1,13 +1,15 @@
 // What the library says of an effect, in words: the same in `ecs model effects ID`, on the MODEL screen and in the
-// report; and an effect of a model that its data could not tell from others.
+// report; an effect of a model that its data could not tell from others, taken out or decided for.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "model/diagnosis/diagnose.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/fit.hpp"
 
 namespace ecs::commissioning {
 
@@ -40,5 +42,20 @@ struct EffectFact {
 [[nodiscard]] std::string cost_if_of_measurement(const model::EffectInstance& effect, const std::string& amount);
 /// Keeps the alternatives with the effect, in model files too. Empty: it is decided. @pre no effect of the user
 void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives);
+
+/// The place of an effect by its name, "cyclic:X:EX". A `usage` problem names those that there are.
+[[nodiscard]] Result<std::size_t> effect_in(const model::Model& model, const std::string& name);
+
+/// The model without that effect, refitted, with a step more on its ladder.
+struct WithoutEffect {
+  model::Model model;
+  model::Fit fit;
+  std::string name;
+  double rms_before_um = 0.0;
+};
+/// Refused where it is the only one. @param before  the fit with it
+[[nodiscard]] Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data,
+                                                   std::size_t effect, const model::Fit& before,
+                                                   const std::string& data_name);
 
 }  // namespace ecs::commissioning

@@ -1,14 +1,43 @@
-// Parts of models, fits and diagnoses as text of 80 columns: values with sigmas, tests, shapes, the ladder.
+// Parts of models, fits and diagnoses as text of 80 columns: values with sigmas, tests, shapes, the ladder. Measured
+// lines of a data set, and how their points look: shared by pictures in files and on the terminal.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "base/json_fwd.hpp"
+#include "commissioning/plot/figure.hpp"
+#include "core/axis.hpp"
+#include "model/data/observations.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::commissioning {
+
+/// Readings of one sense along one axis with the others parked at one place, or those along one path.
+struct MeasuredLine {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  Vector3 parked_mm{};
+  bool rotary = false;            ///< the axes are A, B, C
+  std::string path{};             ///< "circle XY"; "": along the axis
+  std::vector<std::size_t> rows;  ///< canonical order of the observations
+};
+/// By sense, axis and parked place; then the paths.
+[[nodiscard]] std::vector<MeasuredLine> measured_lines(const model::Observations& data);
+/// "EX along X at Y -700"
+[[nodiscard]] std::string title_of(const MeasuredLine& line);
+
+/// Where each reading lies: the coordinate of the axis [mm, machine coordinates, or deg], on a path the place along it.
+[[nodiscard]] std::vector<double> places_along(const model::Observations& data, Axis axis);
+/// "X position [mm]", "angle_deg"
+[[nodiscard]] std::string label_along(const model::Observations& data, const MeasuredLine& line);
+
+/// Points without a line, by approach (1, -1, 0 unknown).
+[[nodiscard]] Mark reading_mark(int approach);
+/// Lines, by approach.
+[[nodiscard]] Mark line_mark(int approach);
 
 /// A number of about `digits` significant digits, never in a form that people must decode.
 [[nodiscard]] std::string few_digits(double value, int digits = 3);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,12 +12,128 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/file_watch.hpp"
-#include "commissioning/measurements/given_files.hpp"
-#include "commissioning/models/path_files.hpp"
+#include "base/text.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "laser/measurement_set.hpp"
+#include "model/data/path.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
+namespace {
+
+using laser::MeasurementSet;
+using laser::Reading;
+
+/// The first line that is neither empty nor a comment.
+std::string_view header_of(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    const std::string_view words = trimmed(line);
+    if (!words.empty() && words.front() != '#') return words;
+  }
+  return {};
+}
+
+bool names_all(std::string_view header, std::initializer_list<std::string_view> columns) {
+  return std::all_of(columns.begin(), columns.end(),
+                     [&](std::string_view column) { return header.find(column) != header.npos; });
+}
+
+}  // namespace
+
+Result<std::optional<MeasurementSet>> read_path_file(const std::string& file) {
+  const auto text = read_file(file);
+  if (!text) return std::optional<MeasurementSet>();  // the readers of other formats say why
+  const std::string_view header = header_of(*text);
+  if (names_all(header, {"angle_deg", "deviation_um"})) {
+    ECS_TRY(test, laser::parse_circle_test(*text, file));
+    return std::optional(model::set_of_circle(test));
+  }
+  if (names_all(header, {"diagonal", "deviation_um"})) {
+    ECS_TRY(test, laser::parse_diagonals(*text, file));
+    ECS_TRY(set, model::set_of_diagonals(test));
+    return std::optional(std::move(set));
+  }
+  return std::optional<MeasurementSet>();
+}
+
+Result<MeasurementSet> joined_with_paths(MeasurementSet lines, std::vector<MeasurementSet> paths) {
+  if (paths.empty()) return lines;
+  std::vector<MeasurementSet> heads;
+  if (!lines.readings.empty()) heads.push_back(std::move(lines));
+  for (const MeasurementSet& set : paths) {
+    heads.push_back(set);
+    heads.back().readings.clear();
+  }
+  auto all = joined(heads);
+  if (!all) return all;
+  std::map<std::string, int> last_run;  // by path
+  for (MeasurementSet& set : paths) {
+    std::map<std::string, int> last_of_set;
+    for (Reading& reading : set.readings) {
+      const std::string& path = reading.text_extras.find(model::kPathColumn)->second;
+      int& last = last_of_set.try_emplace(path, 0).first->second;
+      last = std::max(last, reading.run);
+      reading.run += last_run[path];
+      all->readings.push_back(std::move(reading));
+    }
+    for (const auto& [path, run] : last_of_set) {
+      if (last_run[path] > 0)
+        all->notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", set.source,
+                                         path.substr(0, path.find(" radius")), last_run[path] + 1));
+      last_run[path] += run;
+    }
+  }
+  return all;
+}
+
+namespace {
+
+bool is_header(std::string_view line) { return !trimmed(line).empty() && !trimmed(line).starts_with("#"); }
+
+/// The header row names an axis and a sense, but no reading.
+bool lacks_readings(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    if (!is_header(line)) continue;
+    bool axis = false, sense = false, reading = false;
+    for (const std::string_view field : split(line, ',')) {
+      axis = axis || trimmed(field) == "axis";
+      sense = sense || trimmed(field) == "sense";
+      reading = reading || trimmed(field) == "reading";
+    }
+    return axis && sense && !reading;
+  }
+  return false;
+}
+
+/// The same rows with a last column `reading` of zeros.
+std::string with_readings(std::string_view text) {
+  std::string out;
+  bool header = true;
+  for (const std::string_view line : lines_of(text)) {
+    out += line;
+    if (is_header(line)) {
+      out += header ? ",reading" : ",0";
+      header = false;
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Plan> plan_in(const std::string& file, const ImportArguments& import) {
+  ECS_TRY(text, read_file(file));
+  if (lacks_readings(text)) {
+    ECS_TRY(set, laser::parse_measurement_set(with_readings(text), file));
+    std::erase(set.columns, "reading");
+    return Plan{std::move(set), false};
+  }
+  ImportArguments any_axis = import;
+  any_axis.takes_rotary = true;
+  ECS_TRY(imported, read_measurements(file, any_axis));
+  return Plan{std::move(imported.set), true};
+}
 
 Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file) {
   if (file.empty()) return std::optional<params::Machine>();

@@ -1,18 +1,38 @@
-// What work on a model begins with: a model, measured files, a machine, read and brought together.
+// What work on a model begins with: a model, measured files (of lines, circles, diagonals), a machine, read and brought
+// together; places to be measured or predicted. Does not live here: the files of circles and diagonals themselves
+// (laser/standards), their readings as a measurement set (model/data/path_sets.hpp).
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/result.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/session/message.hpp"
+#include "laser/measurement_set.hpp"
 #include "model/data/observations.hpp"
 #include "model/fit/fit.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {
+
+/// A circle or diagonals file; nothing where the header row is of neither. Problem: what the readers of these files
+/// refuse.
+[[nodiscard]] Result<std::optional<laser::MeasurementSet>> read_path_file(const std::string& file);
+
+/// Adds the readings of path files to those of lines: rows and runs are numbered on, notes and what the files say of
+/// the machine are kept. `refused` if the files name different machines.
+[[nodiscard]] Result<laser::MeasurementSet> joined_with_paths(laser::MeasurementSet lines,
+                                                              std::vector<laser::MeasurementSet> paths);
+
+/// The rows of a file; a CSV with the columns of a measurement set but without `reading` is taken with readings 0.
+struct Plan {
+  laser::MeasurementSet set;
+  bool has_readings = true;
+};
+[[nodiscard]] Result<Plan> plan_in(const std::string& file, const ImportArguments& import);
 
 /// As typed; empty: not given.
 struct ModelArguments {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/transfer.hpp"
 
 namespace ecs::commissioning {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "core/bytes.hpp"
 #include "core/fault.hpp"
 

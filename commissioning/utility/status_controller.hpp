@@ -9,7 +9,7 @@
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status.hpp"
 
 namespace ecs::commissioning {
 

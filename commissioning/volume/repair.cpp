@@ -14,11 +14,10 @@
 
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
-#include "commissioning/maps/export_source.hpp"
+#include "commissioning/maps/export.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/volume/refits.hpp"
 #include "commissioning/volume/repair_places.hpp"
 #include "model/effects/definition.hpp"
 

@@ -1,11 +1,10 @@
 // Surroundings beside the monitor: run under umockdev-wrapper.
-#include "commissioning/measurements/environment_watch.hpp"
-
 #include <chrono>
 #include <thread>
 
 #include <doctest/doctest.h>
 
+#include "commissioning/measurements/devices.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace ecs::commissioning {

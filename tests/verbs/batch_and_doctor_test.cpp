@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "commissioning/batch/plan.hpp"
+#include "commissioning/batch/batch.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/port_survey.hpp"
 #include "tests/support/verb_run.hpp"

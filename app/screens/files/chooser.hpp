@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/ui/widgets.hpp"
-#include "commissioning/files/kind.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {

@@ -19,7 +19,7 @@
 #include "base/interrupt.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
-#include "commissioning/files/beside.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "commissioning/link/unit_commands.hpp"
 #include "commissioning/session/event_log.hpp"
 #include "commissioning/session/keyboard.hpp"

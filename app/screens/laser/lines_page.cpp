@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/laser/page.hpp"
-#include "commissioning/measurements/quantities.hpp"
+#include "commissioning/measurements/fields.hpp"
 
 namespace ecs::app {
 namespace {

@@ -16,7 +16,7 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
-#include "commissioning/files/beside.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "commissioning/model_session/controller.hpp"
 #include "commissioning/session/recent_files.hpp"
 

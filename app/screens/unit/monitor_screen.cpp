@@ -15,11 +15,11 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "commissioning/link/unit_commands.hpp"
-#include "commissioning/measurements/environment_watch.hpp"
+#include "commissioning/measurements/devices.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/unit/monitor_record.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {

@@ -4,7 +4,7 @@
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "base/text.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/utility/status_controller.hpp"
 #include "core/fault.hpp"
 

@@ -10,8 +10,7 @@
 #include "app/verbs/map/unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/overwriting.hpp"
-#include "commissioning/maps/export_files.hpp"
-#include "commissioning/maps/export_view.hpp"
+#include "commissioning/maps/export.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "controllers/format.hpp"
 

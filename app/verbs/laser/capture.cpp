@@ -14,9 +14,7 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
-#include "commissioning/measurements/capture_view.hpp"
-#include "commissioning/measurements/device_choice.hpp"
-#include "commissioning/measurements/learn_trigger.hpp"
+#include "commissioning/measurements/devices.hpp"
 #include "devices/description.hpp"
 #include "devices/port.hpp"
 

@@ -1,13 +1,12 @@
 // `ecs lengths fit`: the 21 components from lengths, the map and the squareness. `plan`: which lengths to measure for a
 // wanted uncertainty of the volume, in the fewest minutes.
 
+#include "commissioning/lengths/lengths.hpp"
+
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
-#include "commissioning/lengths/plan.hpp"
-#include "commissioning/lengths/view.hpp"
-#include "commissioning/lengths/work.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/map/csv.hpp"
 

@@ -1,12 +1,12 @@
 // A map from a file or from the unit, whichever the command line names.
-// Does not live here: reading the unit's map (commissioning/maps/source.hpp).
+// Does not live here: reading the unit's map (commissioning/maps/map_in_unit.hpp).
 #pragma once
 
 #include <string>
 
 #include "app/cli/verb.hpp"
 #include "commissioning/link/unit_link.hpp"
-#include "commissioning/maps/source.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 
 namespace ecs::app {
 

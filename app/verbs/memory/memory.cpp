@@ -15,7 +15,6 @@
 #include "commissioning/memory/view.hpp"
 #include "commissioning/memory/write.hpp"
 #include "commissioning/session/shell_word.hpp"
-#include "commissioning/unit/map_checks.hpp"
 #include "commissioning/unit/transfer.hpp"
 
 namespace ecs::app {

@@ -11,7 +11,6 @@
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/models/effect_changes.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"

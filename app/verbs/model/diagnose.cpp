@@ -15,7 +15,6 @@
 #include "commissioning/models/answer_check.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
-#include "commissioning/models/plan.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"

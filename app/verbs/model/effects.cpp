@@ -16,7 +16,6 @@
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
-#include "commissioning/models/plan.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/session/shell_word.hpp"

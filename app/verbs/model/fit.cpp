@@ -11,7 +11,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
-#include "commissioning/models/compare_view.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/place.hpp"

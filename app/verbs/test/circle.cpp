@@ -12,8 +12,7 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file_kind.hpp"
-#include "commissioning/standards/circle_work.hpp"
-#include "commissioning/standards/polar.hpp"
+#include "commissioning/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
 
 namespace ecs::app {

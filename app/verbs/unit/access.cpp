@@ -5,8 +5,7 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "commissioning/link/host.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 
 namespace ecs::app {
 namespace {

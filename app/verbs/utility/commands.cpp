@@ -10,8 +10,7 @@
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/session/shell_word.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {

@@ -11,8 +11,7 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "commissioning/unit/datum_recording.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {

@@ -7,9 +7,9 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/measurements/environment_watch.hpp"
+#include "commissioning/measurements/devices.hpp"
 #include "commissioning/unit/monitor_record.hpp"
-#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "base/json.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "tests/app/support/report_folder.hpp"
 #include "tests/support/model_workspace.hpp"

@@ -1,10 +1,9 @@
 // A plan carried out over many lines at once: dead, slow and wrong units among fifty.
-#include "commissioning/batch/run.hpp"
-
 #include <list>
 
 #include <doctest/doctest.h>
 
+#include "commissioning/batch/batch.hpp"
 #include "tests/support/short_lathe.hpp"
 #include "tests/support/unit_model.hpp"
 #include "tests/support/verb_run.hpp"

@@ -1,5 +1,3 @@
-#include "commissioning/maps/export_files.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
@@ -8,7 +6,7 @@
 #include <unistd.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/maps/export_view.hpp"
+#include "commissioning/maps/export.hpp"
 #include "tests/commissioning/support/output_files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"

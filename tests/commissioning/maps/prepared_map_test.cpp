@@ -1,12 +1,10 @@
 // A map with its parameters, judged and made into the bytes for the unit.
-#include "commissioning/maps/prepared_map.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "commissioning/maps/compare.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 #include "laser/map/csv.hpp"
 #include "tests/support/folder.hpp"
 

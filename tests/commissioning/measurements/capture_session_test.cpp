@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "commissioning/measurements/capture_run.hpp"
+#include "commissioning/measurements/capture.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "commissioning/maps/export_files.hpp"
+#include "commissioning/maps/export.hpp"
 #include "tests/support/folder.hpp"
 
 namespace ecs::commissioning {

@@ -1,6 +1,4 @@
 // Whether an image, a map or parameters are for this unit.
-#include "commissioning/unit/map_checks.hpp"
-
 #include <doctest/doctest.h>
 
 #include "commissioning/unit/transfer.hpp"

@@ -1,10 +1,10 @@
 // Status files: what was saved is what is decoded, without a unit.
+#include "commissioning/unit/status.hpp"
+
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/unit/status_snapshot.hpp"
-#include "commissioning/unit/status_view.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "tests/support/verb_run.hpp"
 

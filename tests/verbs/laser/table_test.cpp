@@ -1,7 +1,8 @@
+#include "commissioning/measurements/table.hpp"
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "commissioning/measurements/plan.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "commissioning/link/choice.hpp"
-#include "commissioning/maps/compare.hpp"
-#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
 #include "params/parameters_toml.hpp"

@@ -1,0 +1,75 @@
+// Devices of a measurement: named on a command line (a description's file, or one that comes with the program, and
+// which of several alike), a sensor of the surroundings watched beside a monitor, a trigger learnt while the user
+// presses it.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/result.hpp"
+#include "commissioning/session/keyboard.hpp"
+#include "commissioning/session/message.hpp"
+#include "devices/description.hpp"
+#include "devices/port.hpp"
+
+namespace ecs::commissioning {
+
+/// "foot_switch.toml", "foot_switch.toml@SERIAL", "temper@/dev/hidraw3". Several: the name stands for a family.
+[[nodiscard]] Result<std::vector<devices::DeviceDescription>> described(const std::string& text);
+
+/// Opens the device that `text` names. `usage` where it is of another kind.
+[[nodiscard]] Result<devices::DevicePort> opened_device(const std::string& text, devices::DeviceKind kind);
+
+/// "foot switch (16c0:27db Maker Pedal, serial 7)"
+[[nodiscard]] std::string name_of(const devices::DevicePort& port);
+
+/// What is known of the surroundings at one moment.
+struct Surroundings {
+  std::string device;      ///< empty: not open yet
+  devices::Values values;  ///< at most some seconds old; empty: none
+  std::string problem;     ///< why there are none; empty: there are, or the first are awaited
+};
+
+class EnvironmentWatch {
+ public:
+  /// @param device  as --environment takes it: "temper", "room.toml@SERIAL"
+  /// @param every_s  between two readings
+  EnvironmentWatch(std::string device, double every_s);
+  ~EnvironmentWatch();
+  EnvironmentWatch(const EnvironmentWatch&) = delete;
+  EnvironmentWatch& operator=(const EnvironmentWatch&) = delete;
+
+  [[nodiscard]] Surroundings now() const;
+
+ private:
+  void run(const std::stop_token& stop, const std::string& device, double every_s);
+  void tell(Surroundings now);
+
+  mutable std::mutex mutex_;
+  Surroundings now_;
+  std::jthread thread_;
+};
+
+/// "air 20.50 degC, material 19.25 degC", or why there is nothing to say.
+[[nodiscard]] std::string to_text(const Surroundings& surroundings);
+
+struct LearnChoice {
+  std::string device;  ///< path, serial or "16c0:27db"; empty: whichever is pressed
+  std::string name;    ///< of the description; empty: as the device calls itself
+  int presses = 3;
+  double timeout_s = 60.0;
+};
+
+struct LearnedDevice {
+  devices::DeviceDescription description;
+  double bounce_ms = 0.0;
+};
+
+/// Ends a second after the last release, or at the time limit. `refused` with the reason where nothing or too much
+/// changed; `link` where no device can be watched.
+/// @param keyboard  a typed q gives up; null: there is nobody to type
+[[nodiscard]] Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice);
+
+}  // namespace ecs::commissioning

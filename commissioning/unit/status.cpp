@@ -1,0 +1,477 @@
+#include "commissioning/unit/status.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/answer_table.hpp"
+#include "base/clock.hpp"
+#include "base/file.hpp"
+#include "base/file_kind.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "core/fault.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map/error_map.hpp"
+#include "params/fields.hpp"
+#include "protocol/registers/register_map.hpp"
+#include "protocol/registers/unit_registers.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using protocol::Block;
+using protocol::Registers;
+
+constexpr int kFormat = 1;
+constexpr std::uint16_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
+
+Result<void> decode(StatusSnapshot& snapshot) {
+  ECS_TRY(identity, protocol::identity_in(snapshot.identity_registers));
+  ECS_TRY(status, protocol::status_in(snapshot.status_registers));
+  snapshot.identity = identity;
+  snapshot.status = status;
+  for (const Registers& block : snapshot.event_blocks) {
+    ECS_TRY(page, protocol::event_page_in(block));
+    for (const protocol::HostEvent& event : page.events)
+      if (event.number != 0) snapshot.events.push_back(event);
+  }
+  return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
+}
+
+/// The value at a pointer; nothing if no table of the image holds that address.
+std::optional<SelectedValue> value_at(protocol::UnitClient& client, ByteView head, Address bank, std::size_t curve,
+                                      Address address) {
+  const ImageView image(head);
+  const std::uint32_t tables = std::min(image.table_count(), kMostTables);
+  for (std::uint32_t i = 0; i < tables && directory_offset(image.format()) + (i + 1) * kEntryBytes <= head.size();
+       ++i) {
+    const TableEntry entry = image.entry(i);
+    if (index_of(entry.component) != curve || entry.declared_zero) continue;
+    const Address first = bank + image.value_offset(entry.first_value);
+    if (address < first || address >= first + 2 * entry.count) continue;
+    const auto bytes = client.read_memory(address, 2);
+    if (!bytes) return std::nullopt;
+    const auto counts = static_cast<std::int16_t>(load_big<std::uint16_t>(*bytes, 0));
+    return SelectedValue{counts, counts * entry.resolution};
+  }
+  return std::nullopt;
+}
+
+void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
+  const protocol::UnitStatus& status = snapshot.status;
+  constexpr std::uint32_t kHeadBytes = directory_offset() + kMostTables * kEntryBytes;
+  if (status.active_bank == protocol::Bank::none ||
+      status.image_length_bytes < directory_offset(kFormatWithoutIdentity))
+    return;
+  const Address bank = address_of(status.active_bank);
+  std::optional<std::vector<std::uint8_t>> head;
+  for (std::size_t curve = 0; curve < kCurves; ++curve) {
+    const Address address = status.pointers[curve].address;
+    if (address == protocol::kUnused) continue;
+    if (!head) {
+      auto bytes = client.read_memory(bank, std::min(kHeadBytes, status.image_length_bytes));
+      if (!bytes || load_big<std::uint32_t>(*bytes, prefix_at::magic) != kImageMagic) return;
+      head = std::move(*bytes);
+    }
+    snapshot.selected[curve] = value_at(client, *head, bank, curve, address);
+  }
+}
+
+/// Empty: it is no list of so many registers.
+Registers registers_in(const Json& list, const Block& block) {
+  Registers registers;
+  if (!list.is_array() || list.size() != block.count) return registers;
+  for (const Json& word : list) {
+    if (!word.is_number_unsigned() || word.get<std::uint64_t>() > 0xFFFF) return {};
+    registers.push_back(word.get<std::uint16_t>());
+  }
+  return registers;
+}
+
+Result<Registers> registers_at(const Json& raw, const char* key, const Block& block, const std::string& name) {
+  const auto found = raw.find(key);
+  Registers registers = found == raw.end() ? Registers() : registers_in(*found, block);
+  const bool is_older = registers.empty() && block == protocol::kIdentity && found != raw.end();
+  if (is_older) registers = registers_in(*found, {block.first, kIdentityOfProtocol1});
+  if (is_older && !registers.empty()) registers.resize(block.count, 0);
+  if (registers.size() == block.count) return registers;
+  return problem_at(name, 0, 0, fmt::format("raw.{}: expected {} registers of 0 to 65535", key, block.count));
+}
+
+/// Files of before have no events.
+Result<std::vector<Registers>> event_blocks_in(const Json& raw, const std::string& name) {
+  std::vector<Registers> blocks;
+  const auto list = raw.find("events");
+  if (list == raw.end() || !list->is_array()) return blocks;
+  for (const Json& one : *list) {
+    blocks.push_back(registers_in(one, protocol::kEvents));
+    if (blocks.back().size() != protocol::kEvents.count)
+      return problem_at(
+          name, 0, 0, fmt::format("raw.events: expected lists of {} registers of 0 to 65535", protocol::kEvents.count));
+  }
+  return blocks;
+}
+
+void take_selected(const Json& raw, StatusSnapshot& snapshot) {
+  const auto list = raw.find("selected");
+  if (list == raw.end() || !list->is_array() || list->size() != kCurves) return;
+  for (std::size_t i = 0; i < kCurves; ++i) {
+    const Json& one = (*list)[i];
+    if (!one.is_array() || one.size() != 2 || !one[0].is_number_integer() || !one[1].is_number()) continue;
+    snapshot.selected[i] = SelectedValue{one[0].get<std::int16_t>(), one[1].get<double>()};
+  }
+}
+
+Json raw_json(const StatusSnapshot& snapshot) {
+  Json selected = Json::array();
+  for (const auto& value : snapshot.selected)
+    selected.push_back(value ? Json::array({value->counts, number_or_null(value->value)}) : Json(nullptr));
+  return Json{{"identity", snapshot.identity_registers},
+              {"status", snapshot.status_registers},
+              {"pointers", snapshot.pointer_registers},
+              {"selected", selected},
+              {"events", snapshot.event_blocks}};
+}
+
+std::string text_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link, std::size_t events) {
+  StatusSnapshot snapshot;
+  snapshot.taken = now_utc();
+  snapshot.link = link;
+  const auto read = [&client](const Block& block) { return client.link().ask(protocol::kEcho, Registers{0}, block); };
+  for (const auto& [block, into] : {std::pair{protocol::kIdentity, &snapshot.identity_registers},
+                                    std::pair{protocol::kStatus, &snapshot.status_registers},
+                                    std::pair{protocol::kPointers, &snapshot.pointer_registers}}) {
+    ECS_TRY(registers, read(block));
+    *into = std::move(registers);
+  }
+  ECS_TRY(blocks, client.event_blocks(events));
+  snapshot.event_blocks = std::move(blocks);
+  ECS_DO(decode(snapshot));
+  read_selected(client, snapshot);
+  return snapshot;
+}
+
+Json json_with_registers(const StatusSnapshot& snapshot) {
+  Json object{{"ecs_status", kFormat}};
+  object.update(status_cell(snapshot).json);
+  object["raw"] = raw_json(snapshot);
+  return object;
+}
+
+Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot) {
+  return write_file(path, json_with_registers(snapshot).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name) {
+  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
+  const Json object = Json::parse(text, nullptr, false);
+  if (object.is_discarded() || !object.is_object() || !object.contains("ecs_status"))
+    return problem_at(name, 0, 0, "expected a status file as `ecs utility status --save` writes it (JSON)");
+  if (object["ecs_status"] != kFormat)
+    return problem_at(name, 0, 0,
+                      fmt::format("expected a status file of format {}, found format {}: use a newer ecs", kFormat,
+                                  one_line(object["ecs_status"])));
+  const auto raw = object.find("raw");
+  if (raw == object.end() || !raw->is_object()) return problem_at(name, 0, 0, "expected the registers under \"raw\"");
+  StatusSnapshot snapshot;
+  snapshot.taken = text_at(object, "taken");
+  snapshot.link = text_at(object, "link");
+  for (const auto& [key, block, into] : {std::tuple{"identity", protocol::kIdentity, &snapshot.identity_registers},
+                                         std::tuple{"status", protocol::kStatus, &snapshot.status_registers},
+                                         std::tuple{"pointers", protocol::kPointers, &snapshot.pointer_registers}}) {
+    ECS_TRY(registers, registers_at(*raw, key, block, name));
+    *into = std::move(registers);
+  }
+  ECS_TRY(blocks, event_blocks_in(*raw, name));
+  snapshot.event_blocks = std::move(blocks);
+  if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
+  take_selected(*raw, snapshot);
+  return snapshot;
+}
+
+Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path) {
+  ECS_TRY(text, read_file(path));
+  return parse_snapshot(text, path.string());
+}
+
+namespace {
+
+using protocol::AxisStatus;
+using protocol::Bank;
+using protocol::TestOutcome;
+using protocol::UnitStatus;
+
+std::string_view name_of_outcome(TestOutcome outcome) {
+  if (outcome == TestOutcome::passed) return "passed";
+  return outcome == TestOutcome::failed ? "failed" : "not run";
+}
+std::string_view name_of_bank(Bank bank) {
+  if (bank == Bank::A) return "A";
+  return bank == Bank::B ? "B" : "none";
+}
+
+bool has_address(Fault fault) {
+  return fault == Fault::ram_test || fault == Fault::block_check || fault == Fault::commit_record;
+}
+
+Cell hex_cell(std::uint32_t number) { return word_cell(fmt::format("{:08X}", number)); }
+
+Cell fault_cell(const UnitStatus& status) {
+  const FaultText text = ecs::text_of(status.fault);
+  const std::string address = hex_address(status.fault_address);
+  const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
+  return record_cell("fault {number} ({name}): {meaning}{address}{axis}. What to do: {action}",
+                     {{"name", word_cell(text.name)},
+                      {"number", integer_cell(static_cast<int>(status.fault))},
+                      {"meaning", word_cell(text.meaning)},
+                      {"action", word_cell(text.action)},
+                      {"address", has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()},
+                      {"axis", status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()}});
+}
+
+Cell ram_test_cell(const UnitStatus& status) {
+  const std::string address = hex_address(status.ram_test_address);
+  return record_cell(
+      "RAM test     {outcome}{address}\n",
+      {{"outcome", word_cell(name_of_outcome(status.ram_test))},
+       {"address", status.ram_test == TestOutcome::failed ? Cell{address, " at " + address} : null_cell()}});
+}
+
+Cell block_check_cell(const UnitStatus& status) {
+  const bool made = status.block_check_expected != 0 || status.block_check_found != 0;  // both zero until the first
+  const bool agrees = status.block_check_expected == status.block_check_found;
+  const std::string differ = fmt::format(": they differ. What to do: {}", text_of(Fault::block_check).action);
+  return record_cell(made ? "block check  expected {expected}, found {found}{agrees}\n" : "block check  not run\n",
+                     {{"expected", made ? hex_cell(status.block_check_expected) : null_cell()},
+                      {"found", made ? hex_cell(status.block_check_found) : null_cell()},
+                      {"agrees", made ? yes_cell(agrees, "", differ) : null_cell()}});
+}
+
+Cell map_cell(const UnitStatus& status) {
+  const std::string_view bank = name_of_bank(status.active_bank);
+  return record_cell("active map   bank {bank}, {bytes} bytes, commit {commit_sequence}\n",
+                     {{"bank", status.active_bank == Bank::none ? null_cell(bank) : word_cell(bank)},
+                      {"bytes", count_cell(status.image_length_bytes)},
+                      {"commit_sequence", count_cell(status.commit_sequence)}});
+}
+
+Cell axis_cell(Axis letter, const AxisStatus& axis) {
+  const bool failed = axis.datum_failure != DatumFailure::none;
+  const std::string_view failure = ecs::name_of(axis.datum_failure), advice = advice_for(axis.datum_failure);
+  return record_cell(
+      "{axis:<5} {referenced:<11} {datum_stage:<15} {position_mm:>11}  {last_approach:<9} {relay_closed}\n"
+      "{datum_failure}{datum_advice}",
+      {{"axis", shown_cell(std::string(1, letter_of(letter)))},
+       {"referenced", yes_cell(axis.referenced, "yes", "no")},
+       {"datum_stage", word_cell(ecs::name_of(axis.datum_stage))},
+       {"datum_failure", {failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""}},
+       {"datum_advice", failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()},
+       {"position_mm", axis.referenced ? number_cell(axis.position_mm, 4) : null_cell("unknown")},
+       {"last_approach", word_cell(name_of(axis.last_approach))},
+       {"relay_closed", yes_cell(axis.relay_closed, "closed", "open")}});
+}
+
+Cell axes_cell(const StatusSnapshot& snapshot) {
+  Cell axes{Json::object(), "axis  referenced  datum stage     position/mm  approach  relay\n"};
+  for (const Axis axis : kAllAxes) {
+    if (!snapshot.identity.axis_present[index_of(axis)]) continue;
+    const Cell one = axis_cell(axis, snapshot.status.axes[index_of(axis)]);
+    axes.json[std::string(1, letter_of(axis))] = one.json;
+    axes.text += one.text;
+  }
+  return axes;
+}
+
+Cell pointer_cell(Component component, const protocol::CurvePointer& pointer,
+                  const std::optional<SelectedValue>& selected) {
+  return record_cell("{component}   {index:>5}  {address}  {value:>9} {unit:<5}{description}\n",
+                     {{"component", word_cell(name_of(component))},
+                      {"description", word_cell(laser::description_of(component))},
+                      {"index", count_cell(pointer.index)},
+                      {"address", word_cell(hex_address(pointer.address))},
+                      {"counts", selected ? integer_cell(selected->counts) : null_cell()},
+                      {"value", selected ? number_cell(selected->value, 2) : null_cell("unknown")},
+                      {"unit", word_cell(unit_of(component))}});
+}
+
+Cell pointers_cell(const StatusSnapshot& snapshot) {
+  Cell pointers{Json::array(),
+                fmt::format("address pointers at tick {}: the values selected last (with linear\ninterpolation the "
+                            "value at or below the position)\ncurve  index  address       value\n",
+                            snapshot.status.pointers_at_tick)};
+  for (std::size_t i = 0; i < kCurves; ++i)
+    if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
+      pointers.add(pointer_cell(static_cast<Component>(i), pointer, snapshot.selected[i]));
+  if (pointers.json.empty()) pointers.text = "address pointers: none in use\n";
+  return pointers;
+}
+
+Cell unit_cell(const StatusSnapshot& snapshot) {
+  const auto& id = snapshot.identity;
+  std::string axes;
+  for (const Axis axis : kAllAxes)
+    if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
+  return record_cell(
+      "unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s){of_machine}\n",
+      {{"serial_number", text_cell(id.serial_number)},
+       {"name", text_cell(id.unit_name)},
+       {"firmware", word_cell(fmt::format("{}.{}", id.firmware_major, id.firmware_minor))},
+       {"protocol_version", count_cell(id.protocol_version)},
+       {"axes", word_cell(axes)},
+       {"memory_modules", count_cell(id.memory_modules)},
+       {"capacity_values", count_cell(id.capacity_values)},
+       {"of_machine", shown_cell(id.machine.empty() ? "" : ", of machine " + id.machine)},
+       {"machine", text_cell(id.machine)},
+       {"configuration", id.configuration == 0 ? null_cell() : word_cell(fmt::format("{:08X}", id.configuration))}});
+}
+
+/// In the order of protocol::UnitError, short enough for a row.
+constexpr std::array<std::string_view, protocol::kUnitErrorCount> kErrorNames{"none",
+                                                                              "not in integration mode",
+                                                                              "address unknown",
+                                                                              "address protected",
+                                                                              "bad argument",
+                                                                              "unknown command",
+                                                                              "nothing staged",
+                                                                              "check mismatch",
+                                                                              "image refused",
+                                                                              "busy",
+                                                                              "axis absent",
+                                                                              "not referenced",
+                                                                              "unit fault",
+                                                                              "stopped",
+                                                                              "time out",
+                                                                              "token expired",
+                                                                              "other machine",
+                                                                              "session unknown",
+                                                                              "late",
+                                                                              "overtaken",
+                                                                              "other version",
+                                                                              "not armed",
+                                                                              "wrong code",
+                                                                              "too many codes"};
+
+Cell event_cell(const protocol::HostEvent& event) {
+  const bool writes = event.code == protocol::CommandCode::none;
+  const bool failed = event.error != protocol::UnitError::none;
+  const std::string_view why = kErrorNames[static_cast<std::size_t>(event.error)];
+  return record_cell(
+      "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      {what}{arguments}: "
+      "{result}{error}\n",
+      {{"number", count_cell(event.number)},
+       {"time", event.unix_time_s == 0 ? null_cell("unknown") : word_cell(utc_of(event.unix_time_s))},
+       {"unit_time_s", count_cell(event.unit_time_s)},
+       {"starts", count_cell(event.starts)},
+       {"host", text_cell(event.host)},
+       {"what", word_cell(writes ? "write memory" : protocol::name_of(event.code))},
+       {"arguments", event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}},
+       {"result", word_cell(protocol::name_of(event.state))},
+       {"times", {event.times, event.times > 1 ? fmt::format(", {} times in a row", event.times) : ""}},
+       {"error", failed ? Cell{why, fmt::format(", {}", why)} : null_cell()}});
+}
+
+/// The three newest, where there are any.
+std::string newest_events_text(const std::vector<protocol::HostEvent>& events) {
+  constexpr std::size_t kShown = 3;
+  if (events.empty()) return {};
+  const std::size_t shown = std::min(kShown, events.size());
+  const std::vector<protocol::HostEvent> newest(events.end() - static_cast<std::ptrdiff_t>(shown), events.end());
+  return "\n" + events_cell(newest).text;
+}
+
+}  // namespace
+
+std::string_view name_of(Approach approach) {
+  if (approach == Approach::forward) return "forward";
+  return approach == Approach::reverse ? "reverse" : "unknown";
+}
+
+std::string fault_sentence(const UnitStatus& status) { return fault_cell(status).text; }
+std::string axes_text(const StatusSnapshot& snapshot) { return axes_cell(snapshot).text; }
+std::string pointers_text(const StatusSnapshot& snapshot) { return pointers_cell(snapshot).text; }
+std::string memory_text(const UnitStatus& status) {
+  return ram_test_cell(status).text + block_check_cell(status).text + map_cell(status).text;
+}
+
+Cell events_cell(const std::vector<protocol::HostEvent>& events) {
+  if (events.empty()) return {Json::array(), "events       none\n"};
+  return list_cell(events, event_cell, "event by a host\n");
+}
+
+Cell status_cell(const StatusSnapshot& snapshot) {
+  const UnitStatus& s = snapshot.status;
+  Cell fault = fault_cell(s);
+  if (s.fault == Fault::none) fault.text = "no fault";
+  Cell events = events_cell(snapshot.events);
+  events.text = newest_events_text(snapshot.events);
+  return record_cell(
+      "{unit}status of {taken}\nmode         {mode}\n{fault}\n\n{ram_test}{block_check}{map}{loop}, watchdog trips "
+      "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
+      {{"taken", text_cell(snapshot.taken)},
+       {"link", text_cell(snapshot.link)},
+       {"unit", unit_cell(snapshot)},
+       {"mode", word_cell(ecs::name_of(s.mode))},
+       {"fault", std::move(fault)},
+       {"ram_test", ram_test_cell(s)},
+       {"block_check", block_check_cell(s)},
+       {"map", map_cell(s)},
+       {"loop", record_cell("loop         {period_us} us, {ticks} ticks, {overruns} overruns",
+                            {{"period_us", plain_cell(s.loop_period_us)},
+                             {"overruns", count_cell(s.loop_overruns)},
+                             {"ticks", count_cell(s.ticks)}})},
+       {"uptime_s", count_cell(s.uptime_s)},
+       {"watchdog_trips", count_cell(s.watchdog_trips)},
+       {"axes", axes_cell(snapshot)},
+       {"pointers_at_tick", count_cell(s.pointers_at_tick)},
+       {"pointers", pointers_cell(snapshot)},
+       {"events", std::move(events)}});
+}
+
+namespace {
+
+Json value_of(const params::Field& field, const UnitParameters& parameters) {
+  const auto number = params::number_of(field, parameters);
+  if (field.type == params::FieldType::truth) return number && *number != 0.0;
+  if (field.type == params::FieldType::integer && number) return static_cast<long long>(*number);
+  if (field.type == params::FieldType::number) return number_or_null(number);
+  return params::text_of(field, parameters);
+}
+
+bool is_shown(const params::Field& field, const UnitParameters& parameters) {
+  return !field.axis || parameters.axis_present[index_of(*field.axis)];
+}
+
+}  // namespace
+
+Cell parameters_cell(const UnitParameters& parameters) {
+  Json object = Json::object();
+  for (const params::Field& field : params::fields()) object[field.key] = value_of(field, parameters);
+  std::string text;
+  for (const params::Group group :
+       {params::Group::configuration, params::Group::compensation, params::Group::datuming}) {
+    text += fmt::format("{}{}\n", text.empty() ? "" : "\n", params::name_of(group));
+    for (const params::Field& field : params::fields())
+      if (field.group == group && is_shown(field, parameters))
+        text += fmt::format("  {:<40} {:>14}{}{}\n", field.key, params::text_of(field, parameters),
+                            field.unit.empty() ? "" : " ", field.unit);
+  }
+  return {std::move(object), std::move(text)};
+}
+
+Cell differences_cell(const std::vector<params::Difference>& differences, std::string_view key_a,
+                      std::string_view key_b, std::string_view name_a, std::string_view name_b) {
+  Cell list{Json::array(), params::to_text(differences, name_a, name_b)};
+  for (const params::Difference& d : differences)
+    list.json.push_back(object_of(
+        {{"key", word_cell(d.key)}, {"unit", text_cell(d.unit)}, {key_a, word_cell(d.a)}, {key_b, word_cell(d.b)}}));
+  return list;
+}
+
+}  // namespace ecs::commissioning
