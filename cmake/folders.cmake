@@ -80,37 +80,36 @@ ecs_folder(commissioning/investigation base commissioning/link commissioning/log
 ecs_folder(commissioning/laser_session base commissioning/link commissioning/logbook commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/unit core laser
            laser/analysis laser/import laser/map laser/writers params fmt::fmt)
-ecs_folder(commissioning/lengths base commissioning/maps laser laser/map model/lengths params fmt::fmt
+ecs_folder(commissioning/lengths base base/cli commissioning/maps laser laser/map model/lengths params fmt::fmt
            nlohmann_json::nlohmann_json)
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
            Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
-ecs_folder(commissioning/logbook base core laser/map params PkgConfig::sqlite3 ZLIB::ZLIB fmt::fmt)
+ecs_folder(commissioning/logbook base commissioning/unit core laser/map params PkgConfig::sqlite3 ZLIB::ZLIB fmt::fmt)
 ecs_folder(commissioning/manifest base laser fmt::fmt)
-ecs_folder(commissioning/maps base commissioning/measurements commissioning/models commissioning/session
+ecs_folder(commissioning/maps base base/cli commissioning/measurements commissioning/models commissioning/session
            commissioning/unit controllers core laser/map model/diagnosis model/effects model/fit params
            protocol/client fmt::fmt)
-ecs_folder(commissioning/measurements base commissioning/link commissioning/session core devices laser laser/analysis
-           laser/import laser/map laser/writers params Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core devices laser
+           laser/analysis laser/import laser/map laser/writers params Threads::Threads fmt::fmt
+           tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/memory base commissioning/link commissioning/logbook commissioning/session commissioning/unit
            core laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/model_session base commissioning/investigation commissioning/laser_session commissioning/link
            commissioning/logbook commissioning/maps commissioning/models commissioning/plot commissioning/session
            model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
-           laser/map laser/standards model/data model/diagnosis model/drive model/effects model/fit model/regression
-           params fmt::fmt)
+           laser/map model/data model/diagnosis model/drive model/effects model/fit model/regression params fmt::fmt)
 ecs_folder(commissioning/parameters base commissioning/link commissioning/logbook commissioning/session
            commissioning/unit core params fmt::fmt)
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
 ecs_folder(commissioning/standards base commissioning/plot laser/standards model/circle params fmt::fmt)
-ecs_folder(commissioning/unit base commissioning/logbook core devices laser/map params protocol/client
-           protocol/registers fmt::fmt)
+ecs_folder(commissioning/unit base core devices laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
            commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
-ecs_folder(commissioning/volume base commissioning/link commissioning/maps commissioning/models commissioning/plot
-           commissioning/session laser laser/map model/effects model/fit model/regression params volume fmt::fmt
-           nlohmann_json::nlohmann_json)
+ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models
+           commissioning/plot commissioning/session laser laser/map model/effects model/fit model/regression params
+           volume fmt::fmt nlohmann_json::nlohmann_json)
 
 ecs_folder(app/cli app/names base base/cli commissioning/link commissioning/session core fmt::fmt)
 ecs_folder(app/names)
@@ -151,15 +150,16 @@ ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session com
            laser/writers Threads::Threads fmt::fmt)
 ecs_folder(app/verbs/lengths app/cli base commissioning/lengths commissioning/measurements laser/map fmt::fmt)
 ecs_folder(app/verbs/log app/cli base commissioning/certificate commissioning/logbook commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/map app/cli app/plot app/verbs/laser base commissioning/link commissioning/maps
-           commissioning/measurements commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
+ecs_folder(app/verbs/map app/cli app/plot base commissioning/link commissioning/maps commissioning/measurements
+           commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/model app/cli app/plot app/verbs/laser base commissioning/investigation
-           commissioning/laser_session commissioning/models commissioning/session commissioning/volume laser/writers
+ecs_folder(app/verbs/model app/cli app/plot base commissioning/investigation commissioning/laser_session
+           commissioning/measurements commissioning/models commissioning/session commissioning/volume laser/writers
            model/diagnosis model/effects model/planning volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
-ecs_folder(app/verbs/test app/cli app/plot app/verbs/laser base commissioning/standards laser/standards fmt::fmt)
+ecs_folder(app/verbs/test app/cli app/plot base commissioning/measurements commissioning/standards laser/standards
+           fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/utility app/cli base commissioning/measurements commissioning/session commissioning/unit core
            fmt::fmt)
