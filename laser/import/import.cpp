@@ -102,8 +102,9 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
 }
 
 bool gives_measured_positions(const ImportOptions& options) {
-  return options.mapping && std::ranges::any_of(options.mapping->rules,
-                                                [](const ColumnRule& rule) { return measured_direction(rule.field); });
+  return options.mapping && std::ranges::any_of(options.mapping->rules, [](const ColumnRule& rule) {
+           return measured_direction(rule.field).has_value();
+         });
 }
 
 }  // namespace
