@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "app/cli/console.hpp"
-#include "tests/support/verb_run.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::app {
 namespace {
@@ -24,19 +24,6 @@ TEST_CASE("a line of a message with a name of megabytes in it is cut, and its le
   console.show({ProblemKind::refused, "machine " + std::string(3'000'000, 'N') + "\nsecond line", {}, 0, 0, {}});
   CHECK(messages.str().size() < 5'000);
   CHECK(contains(messages.str(), "(cut: 3000008 bytes)\nsecond line\n"));
-}
-
-TEST_CASE("a map header with escapes and broken UTF-8 is shown harmless and is valid JSON") {
-  const Folder folder;
-  const std::string map = folder.with("map.csv",
-                                      "# machine: mill\x1B[2J\xFF\n# customer: M\xC3\xBCller\n"
-                                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-100,1\nX,EX,0,0,5\n");
-  for (const char* verb : {"header", "show"}) {
-    const Ran plain = ran({"map", verb, map});
-    CHECK((plain.out + plain.messages).find_first_of("\x1B\xFF") == std::string::npos);
-    const Ran json = ran({"map", verb, map, "--json"});
-    CHECK(nlohmann::json::accept(json.out));
-  }
 }
 
 }  // namespace

@@ -65,12 +65,6 @@ TEST_CASE("a map that is complete for its parameters becomes the image of the un
   CHECK(content->parameters.scope == Scope::linear);
 }
 
-TEST_CASE("a map without a component that the scope needs is refused, and the component is named") {
-  MapFiles files;
-  files.map.tables.pop_back();
-  CHECK(names(reasons(files.prepared()), "EZZ"));
-}
-
 TEST_CASE("a map that resampling changes by more than its resolution is refused unless that is accepted") {
   MapFiles files;
   files.map.tables[0].position_mm = {-4100.0, -4000.0, -3933.0, 0.0};
@@ -113,21 +107,6 @@ TEST_CASE("a component declared zero with a reason is not missing") {
   CHECK(files.prepared());
 }
 
-TEST_CASE("a map made for another machine is refused unless that is meant") {
-  MapFiles files;
-  files.map.header.machine = "lathe";
-  CHECK(names(reasons(files.prepared()), "lathe"));
-  CHECK(files.prepared({.other_machine = true}));
-}
-
-TEST_CASE("squareness measured for the map is not left behind where the parameters hold 0") {
-  MapFiles files;
-  files.parameters.scope = Scope::linear;
-  files.parameters.C0Y_um_per_m = 0.0;
-  files.map.header.sources.push_back({"C0Y", "xy.csv", "00"});
-  CHECK(names(reasons(files.prepared()), "C0Y"));
-}
-
 TEST_CASE("the unit of another serial number is an objection of the map and of its parameters") {
   const MapFiles files;
   const auto prepared = files.prepared();
@@ -135,12 +114,6 @@ TEST_CASE("the unit of another serial number is an objection of the map and of i
   CHECK(other_unit(*prepared, "MCM-0107").empty());
   CHECK(other_unit(*prepared, "").empty());
   CHECK(other_unit(*prepared, "MCM-0999").size() == 2);
-}
-
-TEST_CASE("a file that cannot be read is named") {
-  const auto missing = prepared_map("no/such/map.csv", "samples/mill/parameters.toml");
-  REQUIRE_FALSE(missing);
-  CHECK(names(to_text(missing.error()), "no/such/map.csv"));
 }
 
 }  // namespace ecs::commissioning

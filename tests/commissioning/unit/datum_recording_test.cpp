@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
@@ -51,44 +50,10 @@ TEST_CASE("a record written and read back is the same") {
   CHECK(after->serial_number == before.serial_number);
 }
 
-TEST_CASE("every bad row is reported with its line") {
-  const std::string text =
-      "# axis: W\n# sample_period_us: 1000\ntime_s,counts,position_mm,speed_mm_min,switch_closed,marker\n"
-      "0,1,0,0,0,0\n0,one,0,0,0,0\n0,3,0,0,2,0\n0,4\n";
-  const auto read = parse_recording(text, "r.csv");
-  REQUIRE_FALSE(read);
-  CHECK(read.error().line == 1);
-  REQUIRE(read.error().also.size() == 3);
-  CHECK(read.error().also[0].line == 5);
-  CHECK(read.error().also[2].line == 7);
-}
-
-TEST_CASE("periods and counts of which no time or position can be made are refused") {
-  const std::string rows = "time_s,counts,position_mm,speed_mm_min,switch_closed,marker\n0,1,0,0,0,0\n0,2,0,0,0,0\n";
-  for (const char* header :
-       {"# sample_period_us: 1e-300\n", "# sample_period_us: 1e300\n", "# um_per_count: -1e308\n"}) {
-    CAPTURE(header);
-    const auto read = parse_recording(header + rows, "r.csv");
-    REQUIRE_FALSE(read);
-    CHECK(read.error().line == 1);
-  }
-}
-
 TEST_CASE("a unit that states a period of almost nothing gives speeds all the same") {
   DatumRecording recording = approach();
   recording.sample_period_us = 1e-300;
   CHECK(speeds_mm_min(recording).size() == recording.samples.size());
-}
-
-TEST_CASE("show answers with the graph and its events") {
-  const Folder folder;
-  const std::string file = folder.with("r.csv", to_csv(approach()));
-  const Ran text = ran({"utility", "datum", "show", file});
-  CHECK(text.code == 0);
-  CHECK(text.out.find("switch closes") != std::string::npos);
-  CHECK(text.out.find("*****") != std::string::npos);
-  CHECK(ran({"utility", "datum", "show", file, "--json"}).json()["events"].size() == 4);
-  CHECK(ran({"utility", "datum", "show", folder.with("empty.csv", "")}).code == 3);
 }
 
 }  // namespace

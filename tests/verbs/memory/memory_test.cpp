@@ -5,9 +5,11 @@
 #include "base/answer_table.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/decode.hpp"
+#include "commissioning/memory/fields.hpp"
 #include "commissioning/memory/view.hpp"
+#include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
-#include "tests/support/verb_run.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::app {
 namespace {
@@ -101,13 +103,6 @@ TEST_CASE("a dump cut short, with a corrupted header or without one still gives 
   CHECK(decoded(*headless).main_image()->tables.size() == 4);
 }
 
-TEST_CASE("bytes that are neither dump nor image are refused") {
-  CHECK_FALSE(dump_in("", "d"));
-  CHECK_FALSE(dump_in("hello world\n{}\n", "d"));
-  const Folder folder;
-  CHECK(ran({"memory", "show", folder.with("x", "no dump")}).code == 3);
-}
-
 TEST_CASE("equal dumps do not differ, a changed parameter and value differ by name and place") {
   CHECK(differences(good_dump(), good_dump()).empty());
   UnitParameters parameters = linear_parameters();
@@ -122,78 +117,6 @@ TEST_CASE("equal dumps do not differ, a changed parameter and value differ by na
   CHECK(all.find("table EYY forward: 1 value differs, the first at 10 mm") != std::string::npos);
   CHECK(all.find("header engineer | A. Fitter | B. Fitter") != std::string::npos);
   CHECK(all.find("EXX") == std::string::npos);
-}
-
-TEST_CASE("a difference beyond the image is reported by its bytes") {
-  MemoryDump other = good_dump();
-  other.regions[1].bytes.back() = 0x11;
-  const auto found = differences(good_dump(), other);
-  REQUIRE(found.size() == 1);
-  CHECK(found[0].what.find("bytes of axis memory bank A: 1 differ") != std::string::npos);
-}
-
-TEST_CASE("compare is 1 for dumps that differ") {
-  const Folder folder;
-  const std::string a = folder.with("a", to_bytes(good_dump()));
-  MemoryDump other = good_dump();
-  other.regions[1].bytes.back() = 0x11;
-  const std::string b = folder.with("b", to_bytes(other));
-  CHECK(ran({"memory", "compare", a, a}).code == 0);
-  const Ran r = ran({"memory", "compare", a, b, "--json"});
-  CHECK(r.code == 1);
-  CHECK(r.json()["same"] == false);
-}
-
-TEST_CASE("comparing says first which of the two is damaged, even where they do not differ") {
-  const Folder folder;
-  const std::string good = folder.with("good", to_bytes(good_dump()));
-  MemoryDump dump = good_dump();
-  dump.regions[1].bytes[100] ^= 1;
-  const std::string corrupt = folder.with("corrupt", to_bytes(dump));
-  const std::string cut = folder.with("cut", to_bytes(good_dump()).substr(0, to_bytes(good_dump()).size() - 100));
-  const Ran r = ran({"memory", "compare", good, corrupt});
-  CHECK(r.code == 1);
-  CHECK(r.out.starts_with("DAMAGED B (" + corrupt + "): axis memory bank A: the image"));
-  const auto json = ran({"memory", "compare", cut, good, "--json"}).json();
-  CHECK(json["damaged"]["a"].size() == 1);
-  CHECK(json["damaged"]["b"].empty());
-  CHECK(ran({"memory", "compare", corrupt, corrupt}).code == 1);
-  CHECK(ran({"memory", "compare", good, good}).code == 0);
-}
-
-TEST_CASE("show reports each fault once; an image whose block check agrees is not damaged by a lost header") {
-  const Folder folder;
-  MemoryDump dump = good_dump();
-  dump.regions[1].bytes[100] ^= 1;
-  const Ran r = ran({"memory", "show", folder.with("corrupt", to_bytes(dump))});
-  const std::string all = r.out + r.messages;
-  const std::size_t first = all.find("block check does not agree");
-  REQUIRE(first != std::string::npos);
-  CHECK(all.find("block check does not agree", first + 1) == std::string::npos);
-  std::string bytes = to_bytes(good_dump());
-  bytes.erase(0, 20);
-  const Ran lost = ran({"memory", "show", folder.with("lost", bytes), "--json"});
-  CHECK(lost.json()["sound"] == false);
-  CHECK(lost.json()["regions"][0]["intact"] == true);
-}
-
-TEST_CASE("a corrupt image is not loaded into a unit") {
-  const Folder folder;
-  MemoryDump dump = good_dump();
-  dump.regions[1].bytes[100] ^= 1;
-  const Ran r =
-      ran({"memory", "load", folder.with("a", to_bytes(dump)), "--yes", "--link", "rtu:/dev/no-such-port:9600"});
-  CHECK(r.code == 3);
-  CHECK(r.messages.find("nothing was sent") != std::string::npos);
-}
-
-TEST_CASE("show --bytes names the bytes") {
-  const Folder folder;
-  const Ran r = ran({"memory", "show", folder.with("a", to_bytes(good_dump())), "--bytes"});
-  CHECK(r.code == 0);
-  CHECK(r.out.find("45 43 53 49              prefix.magic") != std::string::npos);
-  CHECK(r.out.find("axis.Z.datum.null_offset_mm") != std::string::npos);
-  CHECK(r.out.find("table 3 increment_mm") != std::string::npos);
 }
 
 TEST_CASE("any corrupted dump decodes to text and valid JSON without a crash") {
@@ -233,6 +156,21 @@ TEST_CASE("an image with any prefix and directory decodes without a crash") {
     RC_ASSERT(Json::parse(one_line(answer.json), nullptr, false).is_object());
     RC_ASSERT(!answer.text.empty());
   }));
+}
+
+TEST_CASE("each parameter has a place of its own in the image") {
+  const auto& places = parameter_places();
+  REQUIRE(places.size() == params::fields().size());
+  std::vector<int> owner(kParameterBytes, -1);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    CAPTURE(params::fields()[i].key);
+    REQUIRE(places[i].bytes > 0);
+    if (params::fields()[i].type == params::FieldType::number) CHECK(places[i].bytes == 8);
+    for (std::uint32_t at = places[i].first; at < places[i].first + places[i].bytes; ++at) {
+      CHECK(owner[at] == -1);
+      owner[at] = static_cast<int>(i);
+    }
+  }
 }
 
 }  // namespace

@@ -15,11 +15,11 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using Json = nlohmann::json;
+using Answer = nlohmann::json;
 
 namespace {
 
-Json answer(const std::string& verb, const std::filesystem::path& folder) {
+Answer answer(const std::string& verb, const std::filesystem::path& folder) {
   const Ran one =
       ran({"model", verb, folder / "model.toml", folder / "data.csv", "--machine", folder / "machine.toml", "--json"});
   REQUIRE_MESSAGE(one.code == 0, one.messages);
@@ -27,13 +27,13 @@ Json answer(const std::string& verb, const std::filesystem::path& folder) {
 }
 
 /// What a proposal tells: minutes and separation of its own run, which is the run of its sentence.
-void check_proposal(const Json& one) {
+void check_proposal(const Answer& one) {
   const std::string tells = one["tells"], sentence = one["sentence"];
   CHECK_MESSAGE(contains(tells, fmt::format("{:.0f} min", one["minutes"].get<double>())), tells);
   std::smatch found;
   if (static const std::regex sigma(R"(: (\d+\.\d) sigma)"); std::regex_search(tells, found, sigma)) {
     const double told = std::stod(found[1]);
-    const bool is_own = std::any_of(one["pairs"].begin(), one["pairs"].end(), [&](const Json& pair) {
+    const bool is_own = std::any_of(one["pairs"].begin(), one["pairs"].end(), [&](const Answer& pair) {
       return std::abs(pair["sigma"].get<double>() - told) < 0.051;
     });
     CHECK_MESSAGE((is_own || std::abs(one["separation_sigma"].get<double>() - told) < 0.051), tells);
@@ -51,14 +51,14 @@ void check_proposal(const Json& one) {
 }
 
 /// `next` and the answer of `diagnose` propose the same, and nothing where nothing is in doubt.
-void check_next(const Json& next, const Json& diagnosis) {
-  for (const Json& one : next["proposals"]) check_proposal(one);
-  const bool settled = std::any_of(next["notes"].begin(), next["notes"].end(), [](const Json& note) {
+void check_next(const Answer& next, const Answer& diagnosis) {
+  for (const Answer& one : next["proposals"]) check_proposal(one);
+  const bool settled = std::any_of(next["notes"].begin(), next["notes"].end(), [](const Answer& note) {
     return note.get<std::string>().starts_with("Nothing is in doubt");
   });
   if (settled) CHECK(next["proposals"].empty());
   CHECK(next["verdict"] == diagnosis["verdict"]);
-  for (const Json& candidate : diagnosis["candidates"]) {
+  for (const Answer& candidate : diagnosis["candidates"]) {
     if (!candidate["named"].get<bool>()) continue;
     if (settled) CHECK(contains(candidate["next_measurement"].get<std::string>(), "Nothing is in doubt"));
     if (!candidate["indistinguishable_from"].empty() && !next["proposals"].empty()) {
@@ -69,18 +69,18 @@ void check_next(const Json& next, const Json& diagnosis) {
 }
 
 /// Two sums that make up what is predicted; a direction that gets worse is reported, and no other.
-void check_what_if(const Json& after) {
+void check_what_if(const Answer& after) {
   const double machine = after["machine_um"], measurement = after["measurement_um"], left = after["rms_after_um"];
   if (measurement == 0.0) CHECK(machine == doctest::Approx(left).epsilon(1e-6));
   CHECK(left <= (machine + measurement) * (1.0 + 1e-9));
   bool of_measurement = false;
-  for (const Json& effect : after["effects"]) {
+  for (const Answer& effect : after["effects"]) {
     CHECK_FALSE((effect["carried"].get<bool>() && effect["of_measurement"].get<bool>()));
     of_measurement = of_measurement || effect["of_measurement"].get<bool>();
   }
   CHECK((measurement > 0.0) == of_measurement);
   static const std::regex worse(R"(worse, (\S+) -> ([^:]+):)");
-  for (const Json& note : after["notes"]) {
+  for (const Answer& note : after["notes"]) {
     const std::string text = note;
     std::smatch found;
     if (std::regex_search(text, found, worse)) CHECK_MESSAGE(std::stod(found[2]) >= std::stod(found[1]), text);
