@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "commissioning/measurements/capture_source.hpp"
-#include "commissioning/measurements/plan.hpp"
+#include "commissioning/measurements/table.hpp"
 #include "tests/support/folder.hpp"
 
 namespace ecs::commissioning {
