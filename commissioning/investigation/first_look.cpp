@@ -99,7 +99,7 @@ std::string parked_text(const MeasurementProposal& look, const params::Machine& 
   return parked.empty() ? "" : fmt::format(" (parked at{})", parked);
 }
 
-Sense positioning_of(Axis axis) { return static_cast<Sense>(index_of(axis)); }
+Sense positioning_sense(Axis axis) { return static_cast<Sense>(index_of(axis)); }
 
 /// A squareness shows in readings along its second axis against a square nulled along the first.
 InvestigatedLine line_of(Component squareness) {
@@ -116,13 +116,13 @@ std::vector<InvestigatedLine> lines_of_model(const model::Model& model, const pa
     else if (effect.axis)
       add(lines, machine, {*effect.axis, effect.sense.value_or(positioning_of(*effect.axis))});
   if (lines.empty())
-    for (const Axis a : kAllAxes) add(lines, machine, {a, positioning_of(a)});
+    for (const Axis a : kAllAxes) add(lines, machine, {a, positioning_sense(a)});
   return lines;
 }
 
 std::vector<InvestigatedLine> other_lines(const std::vector<InvestigatedLine>& lines, const params::Machine& machine) {
   std::vector<InvestigatedLine> all = lines;
-  for (const Axis a : kAllAxes) add(all, machine, {a, positioning_of(a)});
+  for (const Axis a : kAllAxes) add(all, machine, {a, positioning_sense(a)});
   return {all.begin() + static_cast<std::ptrdiff_t>(lines.size()), all.end()};
 }
 
