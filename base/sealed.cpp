@@ -1,12 +1,11 @@
 #include "base/sealed.hpp"
 
+#include <cstdint>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nettle/base64.h>
 #include <zlib.h>
-
-#include "base/base64.hpp"
 
 namespace ecs {
 namespace {
@@ -15,6 +14,12 @@ constexpr std::size_t kLineLength = 76;
 constexpr std::size_t kMostText = std::size_t{1} << 26;  ///< a truth is a few kilobytes
 
 }  // namespace
+
+std::string base64_of(std::string_view bytes) {
+  std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
+  base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
+  return text;
+}
 
 std::string sealed(std::string_view text, std::string_view heading) {
   uLongf length = compressBound(text.size());

@@ -9,6 +9,9 @@
 
 namespace ecs {
 
+/// Bytes as letters (RFC 4648, 4), without line breaks.
+[[nodiscard]] std::string base64_of(std::string_view bytes);
+
 /// @param heading  one line, readable: what this is and how to open it
 [[nodiscard]] std::string sealed(std::string_view text, std::string_view heading);
 

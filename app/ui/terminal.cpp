@@ -18,7 +18,7 @@
 #define NCURSES_WIDECHAR 1
 #include <curses.h>
 
-#include "base/base64.hpp"
+#include "base/sealed.hpp"
 
 namespace ecs::app {
 namespace {
