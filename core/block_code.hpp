@@ -1,6 +1,6 @@
 // Coded blocks: the short form in which a memory image travels to the unit. A block is a stretch of the image that is
 // decoded after what lies before it, in memory fixed beforehand. Does not live here: the encoder
-// (protocol/client/block_encoder.hpp), the frames that carry the codes (docs/protocol.md, "coded blocks").
+// (protocol/client/block_frames.hpp), the frames that carry the codes (docs/protocol.md, "coded blocks").
 #pragma once
 
 #include <cstddef>

@@ -114,7 +114,7 @@ std::vector<InvestigatedLine> lines_of_model(const model::Model& model, const pa
     if (effect.code && is_squareness(*effect.code))
       add(lines, machine, line_of(*effect.code));
     else if (effect.axis)
-      add(lines, machine, {*effect.axis, effect.sense.value_or(positioning_of(*effect.axis))});
+      add(lines, machine, {*effect.axis, effect.sense.value_or(positioning_sense(*effect.axis))});
   if (lines.empty())
     for (const Axis a : kAllAxes) add(lines, machine, {a, positioning_sense(a)});
   return lines;

@@ -1,5 +1,5 @@
 // What is captured and where its readings come from. Targets as they are typed: along a line, a row of a plan, or a
-// target list (the stops that follow are devices/capture_plan.hpp). When a trigger says that a reading is due: typed,
+// target list (the stops that follow are devices/capture_record.hpp). When a trigger says that a reading is due: typed,
 // an indicator gauge, a file, what a command says.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/cli/action.hpp"
+#include "devices/capture_record.hpp"
 #include "devices/port.hpp"
 
 namespace ecs::commissioning {

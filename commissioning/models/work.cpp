@@ -15,6 +15,8 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/measurement_set.hpp"
+#include "laser/standards/circle.hpp"
+#include "laser/standards/diagonals.hpp"
 #include "model/data/path.hpp"
 #include "model/regression/candidates.hpp"
 

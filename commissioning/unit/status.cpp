@@ -26,12 +26,12 @@ constexpr int kFormat = 1;
 constexpr std::uint16_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
 
 Result<void> decode(StatusSnapshot& snapshot) {
-  ECS_TRY(identity, protocol::identity_in(snapshot.identity_registers));
-  ECS_TRY(status, protocol::status_in(snapshot.status_registers));
+  ECS_TRY(identity, protocol::value_in<protocol::Identity>(snapshot.identity_registers));
+  ECS_TRY(status, protocol::value_in<protocol::UnitStatus>(snapshot.status_registers));
   snapshot.identity = identity;
   snapshot.status = status;
   for (const Registers& block : snapshot.event_blocks) {
-    ECS_TRY(page, protocol::event_page_in(block));
+    ECS_TRY(page, protocol::value_in<protocol::EventPage>(block));
     for (const protocol::HostEvent& event : page.events)
       if (event.number != 0) snapshot.events.push_back(event);
   }

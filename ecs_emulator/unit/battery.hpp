@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
+#include "base/descriptor.hpp"
 #include "base/result.hpp"
 #include "ecs_emulator/unit/memory.hpp"
-#include "ecs_emulator/unit/workshop_socket.hpp"
 
 namespace ecs::emulator {
 

@@ -52,18 +52,6 @@ bool send_all(int line, std::string_view text) {
 
 }  // namespace
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = std::exchange(other.fd_, -1);
-  }
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
 WorkshopSocket::WorkshopSocket(Descriptor listener, std::filesystem::path path)
     : listener_(std::move(listener)), path_(std::move(path)) {}
 

@@ -10,23 +10,10 @@
 
 #include <poll.h>
 
+#include "base/descriptor.hpp"
 #include "base/result.hpp"
 
 namespace ecs::emulator {
-
-/// An open file descriptor.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int opened) : fd_(opened) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor();
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
 
 /// Answers a request; may send progress lines before.
 using WorkshopHandler =

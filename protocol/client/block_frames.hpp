@@ -1,13 +1,33 @@
-// How a stretch of an image travels: the frames that bring its blocks, as they are or coded.
+// How a stretch of an image travels: each block as it is, or in the shortest of the modes that the unit decodes
+// (core/block_code.hpp), and the frames that bring the blocks.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/block_code.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::protocol {
+
+/// Bits, high bit first; the last byte is filled with zeros.
+class BitWriter {
+ public:
+  void put(std::uint32_t value, unsigned count);
+  [[nodiscard]] std::size_t size() const { return bits_; }
+  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
+  /// What the other one holds, behind.
+  void append(const BitWriter& other);
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t bits_ = 0;
+};
+
+/// The block [from, to) of `bytes`. What lies up to 1,024 bytes before it is taken as already decoded.
+/// @pre from < to <= bytes.size()
+[[nodiscard]] BitWriter coded_block(std::span<const std::uint8_t> bytes, std::size_t from, std::size_t to);
 
 /// One frame of a window.
 struct BlockFrame {

@@ -39,7 +39,7 @@ std::string unknown_after(const ActiveMap& before) {
 }  // namespace
 
 Result<ActiveMap> UnitClient::active_map() {
-  auto now = link_.ask(kEcho, Registers{0}, kActiveMap).and_then(active_map_in);
+  auto now = link_.ask(kEcho, Registers{0}, kActiveMap).and_then(value_in<ActiveMap>);
   if (now && serial_number_.empty()) serial_number_ = now->serial_number;
   if (!now || now->serial_number == serial_number_) return now;
   return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
@@ -149,12 +149,11 @@ Result<ActiveMap> UnitClient::abandoned() {
 }
 
 Result<std::uint32_t> UnitClient::commit_staged(const ActiveMap& before, const SentImage& sent) {
-  Command command;
-  command.code = CommandCode::commit_staged;
-  command.length = static_cast<std::uint32_t>(sent.bytes.size());
-  command.crc = sent.crc;
-  command.token = token_;
-  auto done = run(command, kCommitLimit);
+  auto done = run({.code = CommandCode::commit_staged,
+                   .length = static_cast<std::uint32_t>(sent.bytes.size()),
+                   .crc = sent.crc,
+                   .token = token_},
+                  kCommitLimit);
   const bool cancelled = link_.cancelled();
   link_.heed_cancel(false);  // what follows is short and says which map is active
   auto ending = done ? confirmed(done->value, sent) : settled(before, sent, std::move(done.error()), cancelled);

@@ -13,8 +13,6 @@
 
 #include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
-#include "protocol/line/link_failure.hpp"
-#include "protocol/registers/register_handler.hpp"
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {

@@ -1,12 +1,18 @@
-// What can go wrong on a link, by name: for the virtual workshop and for tests.
+// What can go wrong on a link, by name, for the virtual workshop and for tests; and replies on their way to one client:
+// when which bytes go out, with these faults applied.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <random>
 #include <string_view>
+#include <vector>
+
+#include "protocol/line/frame_codec.hpp"
 
 namespace ecs::protocol {
 
@@ -49,6 +55,31 @@ class LinkFaults {
   std::array<std::uint32_t, kLinkFaults> counted_{};
   std::array<double, kLinkFaults> probability_{};
   std::mt19937 random_;
+};
+
+class ReplyChannel {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Bytes = std::vector<std::uint8_t>;
+
+  /// @param start      when the first byte may go out
+  /// @param byte_time  of one byte on the wire; 0: not paced. A frame is handed over when its last byte has passed
+  void put(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time);
+  /// The same with one of the faults that spoil a reply.
+  void put_spoilt(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time, LinkFault fault,
+                  LinkFaults& faults);
+
+  /// What is due by `now`, in order; removed from the channel.
+  [[nodiscard]] std::optional<Bytes> take_due(Clock::time_point now);
+  [[nodiscard]] std::optional<Clock::time_point> next() const;
+
+ private:
+  struct Delivery {
+    Clock::time_point at;
+    Bytes bytes;
+  };
+  std::deque<Delivery> waiting_;
+  Bytes held_;  ///< by stale_reply, until the next reply
 };
 
 }  // namespace ecs::protocol

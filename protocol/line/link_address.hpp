@@ -1,4 +1,5 @@
-// Where a unit is: the text that names a link, and the times that follow from its speed.
+// Where a unit is: the text that names a link, the times that follow from its speed, and what can go wrong with it, in
+// kinds that a program may act on (the messages: protocol/client/link.cpp).
 // Does not live here: the link itself (protocol/client/link.hpp); `emulator:` addresses, which start a program (app/).
 #pragma once
 
@@ -12,6 +13,22 @@
 #include "base/result.hpp"
 
 namespace ecs::protocol {
+
+/// What the last problem of a link was. Each has a message of its own.
+enum class LinkFailure {
+  none,
+  no_such_port,  ///< or no such host
+  no_permission,
+  not_a_serial_port,
+  port_in_use,
+  no_connection,  ///< TCP refused or not reachable
+  no_answer,
+  garbled,    ///< bad CRC, or a reply that is no reply to the request
+  stale,      ///< only late replies to earlier requests
+  exception,  ///< the unit answered with a Modbus exception
+  disconnected,
+  cancelled,
+};
 
 /// An RS-232, RS-485 or pseudo-terminal port. RTU always has 8 data bits.
 struct SerialPort {

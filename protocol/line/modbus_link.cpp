@@ -1,9 +1,12 @@
-// libmodbus on the client's side: connect, send, receive, close.
+// libmodbus on the client's side: the port opened and locked, or why it cannot be had; connect, send, receive, close.
 #include "protocol/line/modbus_link.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -11,12 +14,77 @@
 #include <modbus.h>
 #include <netdb.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
 
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
+namespace {
+
+/// "pid 1234 (name)" of the process that holds a lock on this file, from /proc/locks; empty if unknown.
+std::string holder_of(int fd) {
+  struct stat file {};
+  if (::fstat(fd, &file) != 0) return {};
+  const std::string wanted = fmt::format("{:02x}:{:02x}:{}", major(file.st_dev), minor(file.st_dev), file.st_ino);
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);) {
+    std::istringstream words(line);
+    std::string number, kind, advice, mode, pid, place;
+    words >> number >> kind >> advice >> mode >> pid >> place;
+    if (kind != "FLOCK" || place != wanted) continue;
+    std::string name;
+    std::getline(std::ifstream(fmt::format("/proc/{}/comm", pid)), name);
+    return name.empty() ? fmt::format("pid {}", pid) : fmt::format("pid {} ({})", pid, name);
+  }
+  return {};
+}
+
+tl::unexpected<PortProblem> open_failed(const std::string& device, int error) {
+  switch (error) {
+    case ENOENT:
+    case ENXIO:
+    case ENODEV:
+    case ENOTDIR:
+      return failed(LinkFailure::no_such_port,
+                    fmt::format("{}: no such port; check the cable and the name (ls /dev/serial/by-id)", device));
+    case EACCES:
+    case EPERM:
+      return failed(
+          LinkFailure::no_permission,
+          fmt::format("{}: no permission to open this port; on most systems its users are in the group dialout",
+                      device));
+    case EBUSY:
+      return failed(LinkFailure::port_in_use, fmt::format("{}: another program uses this port", device));
+    case EISDIR:
+      return failed(LinkFailure::not_a_serial_port, fmt::format("{}: this is a folder, not a serial port", device));
+    default:
+      return failed(LinkFailure::no_such_port, fmt::format("{}: cannot open: {}", device, std::strerror(error)));
+  }
+}
+
+}  // namespace
+
+tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message) {
+  return tl::unexpected(PortProblem{failure, problem(ProblemKind::link, std::move(message)).value()});
+}
+
+tl::expected<Descriptor, PortProblem> lock_port(const std::string& device) {
+  Descriptor port(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!port) return open_failed(device, errno);
+  if (::isatty(port.get()) == 0)
+    return failed(LinkFailure::not_a_serial_port, fmt::format("{}: this is not a serial port", device));
+  if (::flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
+    const std::string holder = holder_of(port.get());
+    return failed(LinkFailure::port_in_use,
+                  fmt::format("{}: in use by {}; end it first", device, holder.empty() ? "another program" : holder));
+  }
+  return port;
+}
 
 namespace {
 
@@ -62,18 +130,18 @@ void ModbusLink::disconnect() {
     modbus_free(context_);
     context_ = nullptr;
   }
-  lock_.reset();
+  lock_ = Descriptor();
 }
 
 tl::expected<void, PortProblem> ModbusLink::connect_serial(const SerialPort& port) {
-  ECS_TRY(lock, PortLock::take(port.device));
-  lock_.emplace(std::move(lock));
+  ECS_TRY(lock, lock_port(port.device));
+  lock_ = std::move(lock);
   context_ = modbus_new_rtu(port.device.c_str(), port.baud, port.parity, 8, port.stop_bits);
   if (prepare()) return {};
   const int error = errno;
   if (context_ != nullptr) modbus_free(context_);
   context_ = nullptr;
-  lock_.reset();
+  lock_ = Descriptor();
   return failed(LinkFailure::no_such_port, fmt::format("{}: cannot set up this port for {} baud: {}", port.device,
                                                        port.baud, modbus_strerror(error)));
 }

@@ -1,6 +1,7 @@
 // One connected libmodbus context: a request frame out, the reply frame in. It calls the library only while connected,
 // because libmodbus 3.1.6 aborts the process otherwise, and waits by its own poll(), because the library's waits
-// cannot be interrupted. Does not live here: retries, echo (protocol/client/link.hpp).
+// cannot be interrupted. A serial port is locked for one program at a time. Does not live here: retries, echo
+// (protocol/client/link.hpp).
 #pragma once
 
 #include <atomic>
@@ -10,16 +11,31 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
 
+#include "base/descriptor.hpp"
+#include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
-#include "protocol/line/port_lock.hpp"
 
 struct _modbus;  // libmodbus
 
 namespace ecs::protocol {
+
+/// Why a port cannot be opened, and the message.
+struct PortProblem {
+  LinkFailure failure = LinkFailure::none;
+  Problem problem;
+};
+
+/// Opens the device beside the library's own handle, checks that it is a serial port and locks it for this program (an
+/// advisory lock on the device) until what comes back is destroyed.
+[[nodiscard]] tl::expected<Descriptor, PortProblem> lock_port(const std::string& device);
+
+/// A port that cannot be used, as the answer of the function that opened it.
+[[nodiscard]] tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message);
 
 class ModbusLink {
  public:
@@ -57,7 +73,7 @@ class ModbusLink {
 
   LinkAddress address_;
   LinkTiming timing_;
-  std::optional<PortLock> lock_;
+  Descriptor lock_;
   _modbus* context_ = nullptr;  ///< exists only while connected
   Clock::time_point last_activity_{};
 };

@@ -321,4 +321,10 @@ struct ReadSelect {
   friend bool operator==(const ReadSelect&, const ReadSelect&) = default;
 };
 
+/// Before the bytes that are read.
+struct MemoryHead {
+  Address address = 0;
+  std::uint32_t crc = 0;  ///< CRC-32 over them
+};
+
 }  // namespace ecs::protocol

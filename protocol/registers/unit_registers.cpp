@@ -2,15 +2,188 @@
 #include "protocol/registers/unit_registers.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
 
-#include "protocol/registers/field_pass.hpp"
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "core/axis.hpp"
+#include "core/bytes.hpp"
+#include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
 
 namespace {
 
-template <class Pass, class T>
-void fields(Pass& pass, T& identity) requires std::is_same_v<std::remove_const_t<T>, Identity> {
+/// Appends each field to the registers.
+class FieldWriter {
+ public:
+  template <class T>
+  requires std::is_integral_v<T>
+  void number(const T& value, std::string_view) {
+    const auto bits = static_cast<std::make_unsigned_t<T>>(value);
+    for (int shift = 8 * static_cast<int>(sizeof(T)) - 16; shift >= 0; shift -= 16)
+      out_.push_back(static_cast<std::uint16_t>(bits >> shift));
+  }
+  template <class E>
+  void one_of(const E& value, std::uint16_t, std::string_view) {
+    out_.push_back(static_cast<std::uint16_t>(value));
+  }
+  void real(const double& value, std::string_view name) { number(std::bit_cast<std::uint64_t>(value), name); }
+  void flag(const bool& value, std::string_view) { out_.push_back(value ? 1 : 0); }
+  void approach(const Approach& value) { out_.push_back(static_cast<std::uint16_t>(static_cast<std::int16_t>(value))); }
+  void axes(const PerAxis<bool>& set);
+  void letter(const bool& present, Axis axis) {
+    out_.push_back(present ? static_cast<unsigned char>(letter_of(axis)) : 0);
+  }
+  /// Cut to `bytes`, never inside a UTF-8 character; zero-padded.
+  void text(const std::string& value, std::size_t bytes, std::string_view);
+  /// Registers from here to the end of a block of `count` stay 0.
+  void rest(std::size_t count) { out_.resize(count, 0); }
+  /// CRC-32 over what was written after the echo, high byte first.
+  void check();
+
+  Registers out_;
+};
+
+/// Takes each field from the registers; the first that cannot be is kept as a sentence.
+class FieldReader {
+ public:
+  explicit FieldReader(std::span<const std::uint16_t> registers) : in_(registers) {}
+
+  template <class T>
+  requires std::is_integral_v<T>
+  void number(T& value, std::string_view) {
+    std::make_unsigned_t<T> bits = 0;
+    for (std::size_t i = 0; i < sizeof(T) / 2; ++i)
+      bits = static_cast<std::make_unsigned_t<T>>((static_cast<std::uint64_t>(bits) << 16) | next());
+    value = static_cast<T>(bits);
+  }
+  template <class E>
+  void one_of(E& value, std::uint16_t count, std::string_view name) {
+    const std::uint16_t word = next();
+    if (word >= count) return fail(fmt::format("{}: expected a number below {}, got {}", name, count, word));
+    value = static_cast<E>(word);
+  }
+  void real(double& value, std::string_view name);
+  void flag(bool& value, std::string_view name);
+  void approach(Approach& value);
+  void axes(PerAxis<bool>& set);
+  void letter(bool& present, Axis axis);
+  void text(std::string& value, std::size_t bytes, std::string_view name);
+  void rest(std::size_t) {}
+  void check() {}  ///< see check_agrees()
+
+  std::string problem_;  ///< empty: every field was good
+
+ private:
+  std::uint16_t next();
+  void fail(std::string sentence) {
+    if (problem_.empty()) problem_ = std::move(sentence);
+  }
+  std::span<const std::uint16_t> in_;
+};
+
+std::size_t cut_length(std::string_view text, std::size_t bytes) {
+  std::size_t length = std::min(text.size(), bytes);
+  if (length == text.size()) return length;
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) --length;
+  return length;
+}
+
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
+void FieldWriter::axes(const PerAxis<bool>& set) {
+  unsigned mask = 0;
+  for (const Axis a : kAllAxes)
+    if (set[index_of(a)]) mask |= 1u << index_of(a);
+  out_.push_back(static_cast<std::uint16_t>(mask));
+}
+
+void FieldWriter::check() {
+  std::vector<std::uint8_t> bytes(2 * (out_.size() - 1));
+  for (std::size_t i = 1; i < out_.size(); ++i) store_big(bytes, 2 * (i - 1), out_[i]);
+  number(crc32_of(bytes), "check");
+}
+
+void FieldWriter::text(const std::string& value, std::size_t bytes, std::string_view) {
+  std::string field_text = value.substr(0, cut_length(value, bytes));
+  field_text.resize(bytes, '\0');
+  for (std::size_t i = 0; i + 1 < bytes; i += 2)
+    out_.push_back(static_cast<std::uint16_t>((static_cast<unsigned char>(field_text[i]) << 8) |
+                                              static_cast<unsigned char>(field_text[i + 1])));
+}
+
+std::uint16_t FieldReader::next() {
+  if (in_.empty()) {
+    fail("the block is too short");
+    return 0;
+  }
+  const std::uint16_t word = in_.front();
+  in_ = in_.subspan(1);
+  return word;
+}
+
+void FieldReader::real(double& value, std::string_view name) {
+  std::uint64_t bits = 0;
+  number(bits, name);
+  const auto number_read = std::bit_cast<double>(bits);
+  if (!std::isfinite(number_read)) return fail(fmt::format("{}: expected a finite number", name));
+  value = number_read;
+}
+
+void FieldReader::flag(bool& value, std::string_view name) {
+  int word = 0;
+  one_of(word, 2, name);
+  value = word == 1;
+}
+
+void FieldReader::approach(Approach& value) {
+  std::int16_t word = 0;
+  number(word, "approach");
+  if (word < -1 || word > 1) return fail(fmt::format("approach: expected -1, 0 or 1, got {}", word));
+  value = static_cast<Approach>(word);
+}
+
+void FieldReader::axes(PerAxis<bool>& set) {
+  std::uint16_t mask = 0;
+  one_of(mask, 1u << kAxes, "axes");
+  for (const Axis a : kAllAxes) set[index_of(a)] = (mask >> index_of(a) & 1) != 0;
+}
+
+void FieldReader::letter(bool& present, Axis axis) {
+  const std::uint16_t word = next();
+  if (word != 0 && word != static_cast<unsigned char>(letter_of(axis)))
+    return fail(fmt::format("axis letter: expected {} or 0, got {}", letter_of(axis), word));
+  present = word != 0;
+}
+
+void FieldReader::text(std::string& value, std::size_t bytes, std::string_view name) {
+  std::string field_text;
+  for (std::size_t i = 0; i + 1 < bytes; i += 2) {
+    const std::uint16_t word = next();
+    field_text.push_back(static_cast<char>(word >> 8));
+    field_text.push_back(static_cast<char>(word & 0xFF));
+  }
+  field_text.erase(std::find(field_text.begin(), field_text.end(), '\0'), field_text.end());
+  if (std::any_of(field_text.begin(), field_text.end(), is_control))
+    return fail(fmt::format("{}: expected printable characters", name));
+  value = field_text;
+}
+
+/// Read or written: a list of fields runs through either pass.
+template <class T, class Of>
+concept Is = std::is_same_v<std::remove_const_t<T>, Of>;
+
+template <class Pass, Is<Identity> T>
+void fields(Pass& pass, T& identity) {
   pass.number(identity.protocol_version, "protocol version");
   pass.number(identity.firmware_major, "firmware version");
   pass.number(identity.firmware_minor, "firmware version");
@@ -43,8 +216,8 @@ void axis_fields(Pass& pass, T& axis) {
   pass.flag(axis.relay_closed, "relay");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& status) requires std::is_same_v<std::remove_const_t<T>, UnitStatus> {
+template <class Pass, Is<UnitStatus> T>
+void fields(Pass& pass, T& status) {
   pass.one_of(status.mode, 5, "mode");
   pass.one_of(status.fault, kFaultCount, "fault");
   pass.number(status.fault_address, "fault address");
@@ -73,8 +246,8 @@ void pointer_fields(Pass& pass, T& status) {
   }
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& map) requires std::is_same_v<std::remove_const_t<T>, ActiveMap> {
+template <class Pass, Is<ActiveMap> T>
+void fields(Pass& pass, T& map) {
   pass.text(map.serial_number, kSerialNumberBytes, "serial number");
   pass.number(map.block_check_expected, "block check");
   pass.number(map.block_check_found, "block check");
@@ -97,8 +270,8 @@ void sample_fields(Pass& pass, T& axis, Axis which) {
   pass.flag(axis.relay_closed, "relay");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& sample) requires std::is_same_v<std::remove_const_t<T>, MonitorSample> {
+template <class Pass, Is<MonitorSample> T>
+void fields(Pass& pass, T& sample) {
   pass.number(sample.number, "sample number");
   pass.number(sample.unit_time_us, "unit time");
   pass.one_of(sample.mode, 5, "mode");
@@ -141,8 +314,8 @@ void arguments(Pass& pass, T& command) {
   }
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& command) requires std::is_same_v<std::remove_const_t<T>, Command> {
+template <class Pass, Is<Command> T>
+void fields(Pass& pass, T& command) {
   pass.number(command.session, "session");
   pass.number(command.sequence, "sequence");
   pass.one_of(command.code, kCommandCount, "command");
@@ -153,8 +326,8 @@ void fields(Pass& pass, T& command) requires std::is_same_v<std::remove_const_t<
   pass.check();
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& result) requires std::is_same_v<std::remove_const_t<T>, CommandResult> {
+template <class Pass, Is<CommandResult> T>
+void fields(Pass& pass, T& result) {
   pass.number(result.session, "session");
   pass.number(result.sequence, "sequence");
   pass.one_of(result.state, 5, "command state");
@@ -165,8 +338,8 @@ void fields(Pass& pass, T& result) requires std::is_same_v<std::remove_const_t<T
   pass.text(result.text, kResultTextBytes, "text");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& window) requires std::is_same_v<std::remove_const_t<T>, WindowOpen> {
+template <class Pass, Is<WindowOpen> T>
+void fields(Pass& pass, T& window) {
   pass.number(window.tag, "tag");
   pass.number(window.address, "address");
   pass.number(window.length, "length");
@@ -176,15 +349,21 @@ void fields(Pass& pass, T& window) requires std::is_same_v<std::remove_const_t<T
   pass.check();
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, CheckSelect> {
+template <class Pass, Is<MemoryHead> T>
+void fields(Pass& pass, T& head) {
+  pass.number(head.address, "address");
+  pass.number(head.crc, "CRC");
+}
+
+template <class Pass, Is<CheckSelect> T>
+void fields(Pass& pass, T& select) {
   pass.number(select.address, "address");
   pass.number(select.length, "length");
   pass.number(select.piece, "piece");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& ack) requires std::is_same_v<std::remove_const_t<T>, WindowAck> {
+template <class Pass, Is<WindowAck> T>
+void fields(Pass& pass, T& ack) {
   pass.number(ack.tag, "tag");
   pass.one_of(ack.error, kUnitErrorCount, "error");
   pass.number(ack.address, "address");
@@ -193,20 +372,20 @@ void fields(Pass& pass, T& ack) requires std::is_same_v<std::remove_const_t<T>, 
   pass.number(ack.crc, "CRC");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, ReadSelect> {
+template <class Pass, Is<ReadSelect> T>
+void fields(Pass& pass, T& select) {
   pass.number(select.address, "address");
   pass.number(select.bytes, "bytes");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, ResultSelect> {
+template <class Pass, Is<ResultSelect> T>
+void fields(Pass& pass, T& select) {
   pass.number(select.session, "session");
   pass.number(select.sequence, "sequence");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& open) requires std::is_same_v<std::remove_const_t<T>, SessionOpen> {
+template <class Pass, Is<SessionOpen> T>
+void fields(Pass& pass, T& open) {
   pass.number(open.protocol_version, "protocol version");
   pass.number(open.key, "key");
   pass.number(open.number, "number");
@@ -215,8 +394,8 @@ void fields(Pass& pass, T& open) requires std::is_same_v<std::remove_const_t<T>,
   pass.check();
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& state) requires std::is_same_v<std::remove_const_t<T>, SessionState> {
+template <class Pass, Is<SessionState> T>
+void fields(Pass& pass, T& state) {
   pass.number(state.protocol_version, "protocol version");
   pass.one_of(state.error, kUnitErrorCount, "error");
   pass.number(state.session, "session");
@@ -227,8 +406,8 @@ void fields(Pass& pass, T& state) requires std::is_same_v<std::remove_const_t<T>
   pass.number(state.wait_s, "wait");
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& page) requires std::is_same_v<std::remove_const_t<T>, EventPage> {
+template <class Pass, Is<EventPage> T>
+void fields(Pass& pass, T& page) {
   pass.number(page.newest, "newest event");
   for (auto& event : page.events) {
     pass.number(event.number, "event");
@@ -244,17 +423,9 @@ void fields(Pass& pass, T& page) requires std::is_same_v<std::remove_const_t<T>,
   }
 }
 
-template <class Pass, class T>
-void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, EventSelect> {
+template <class Pass, Is<EventSelect> T>
+void fields(Pass& pass, T& select) {
   pass.number(select.first, "event");
-}
-
-template <class T>
-Registers with_echo(const T& value, std::uint16_t echo) {
-  FieldWriter pass;
-  pass.number(echo, "echo");
-  fields(pass, value);
-  return std::move(pass.out_);
 }
 
 Result<void> verdict(const FieldReader& pass, std::string_view what) {
@@ -264,80 +435,59 @@ Result<void> verdict(const FieldReader& pass, std::string_view what) {
                              pass.problem_));
 }
 
+}  // namespace
+
+/// In words, for problems.
 template <class T>
-Result<T> from(std::span<const std::uint16_t> block, std::string_view what) {
+constexpr std::string_view kBlockName = "the selection";
+
+template <class T>
+Registers registers_of(const T& value, std::uint16_t echo) {
+  FieldWriter pass;
+  pass.number(echo, "echo");
+  fields(pass, value);
+  return std::move(pass.out_);
+}
+
+template <class T>
+Result<T> value_in(std::span<const std::uint16_t> block) {
   FieldReader pass(block);
   std::uint16_t echo = 0;
   pass.number(echo, "echo");
   T value;
   fields(pass, value);
-  return verdict(pass, what).map([&] { return value; });
+  return verdict(pass, kBlockName<T>).map([&] { return value; });
 }
 
-}  // namespace
-
-Registers registers_of(const Identity& identity, std::uint16_t echo) { return with_echo(identity, echo); }
-Registers registers_of(const UnitStatus& status, std::uint16_t echo) { return with_echo(status, echo); }
-Registers registers_of(const ActiveMap& map, std::uint16_t echo) { return with_echo(map, echo); }
-Registers registers_of(const MonitorSample& sample, std::uint16_t echo) { return with_echo(sample, echo); }
-Registers registers_of(const CommandResult& result, std::uint16_t echo) { return with_echo(result, echo); }
-Registers registers_of(const WindowAck& ack, std::uint16_t echo) { return with_echo(ack, echo); }
-Registers registers_of(const Command& command, std::uint16_t echo) { return with_echo(command, echo); }
-Registers registers_of(const WindowOpen& window, std::uint16_t echo) { return with_echo(window, echo); }
-Registers registers_of(const CheckSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
-Registers registers_of(const ReadSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
-Registers registers_of(const ResultSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
-Registers registers_of(const SessionOpen& open, std::uint16_t echo) { return with_echo(open, echo); }
-Registers registers_of(const SessionState& state, std::uint16_t echo) { return with_echo(state, echo); }
-Registers registers_of(const EventPage& page, std::uint16_t echo) { return with_echo(page, echo); }
-Registers registers_of(const EventSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
+// Every block that travels with its echo.
+#define ECS_BLOCK(Type, name)                                  \
+  template <>                                                  \
+  constexpr std::string_view kBlockName<Type> = name;          \
+  template Registers registers_of(const Type&, std::uint16_t); \
+  template Result<Type> value_in(std::span<const std::uint16_t>)
+ECS_BLOCK(Identity, "the identity");
+ECS_BLOCK(UnitStatus, "the status");
+ECS_BLOCK(ActiveMap, "the active map");
+ECS_BLOCK(MonitorSample, "the monitor sample");
+ECS_BLOCK(CommandResult, "the command result");
+ECS_BLOCK(WindowAck, "the acknowledgement");
+ECS_BLOCK(SessionState, "the session");
+ECS_BLOCK(EventPage, "the list of events");
+ECS_BLOCK(MemoryHead, "the memory");
+ECS_BLOCK(Command, "the command");
+ECS_BLOCK(WindowOpen, "the window");
+ECS_BLOCK(CheckSelect, "the selection");
+ECS_BLOCK(ReadSelect, "the selection");
+ECS_BLOCK(ResultSelect, "the selection");
+ECS_BLOCK(SessionOpen, "the session");
+ECS_BLOCK(EventSelect, "the selection");
+#undef ECS_BLOCK
 
 Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo) {
   FieldWriter pass;
   pass.number(echo, "echo");
   pointer_fields(pass, status);
   return std::move(pass.out_);
-}
-
-Result<Identity> identity_in(std::span<const std::uint16_t> block) { return from<Identity>(block, "the identity"); }
-Result<UnitStatus> status_in(std::span<const std::uint16_t> block) { return from<UnitStatus>(block, "the status"); }
-Result<ActiveMap> active_map_in(std::span<const std::uint16_t> block) {
-  return from<ActiveMap>(block, "the active map");
-}
-Result<MonitorSample> monitor_in(std::span<const std::uint16_t> block) {
-  return from<MonitorSample>(block, "the monitor sample");
-}
-Result<CommandResult> command_result_in(std::span<const std::uint16_t> block) {
-  return from<CommandResult>(block, "the command result");
-}
-Result<WindowAck> window_ack_in(std::span<const std::uint16_t> block) {
-  return from<WindowAck>(block, "the acknowledgement");
-}
-Result<Command> command_in(std::span<const std::uint16_t> block) { return from<Command>(block, "the command"); }
-Result<WindowOpen> window_open_in(std::span<const std::uint16_t> block) {
-  return from<WindowOpen>(block, "the window");
-}
-Result<CheckSelect> check_select_in(std::span<const std::uint16_t> block) {
-  return from<CheckSelect>(block, "the selection");
-}
-Result<ReadSelect> read_select_in(std::span<const std::uint16_t> block) {
-  return from<ReadSelect>(block, "the selection");
-}
-Result<ResultSelect> result_select_in(std::span<const std::uint16_t> block) {
-  return from<ResultSelect>(block, "the selection");
-}
-Result<SessionOpen> session_open_in(std::span<const std::uint16_t> block) {
-  return from<SessionOpen>(block, "the session");
-}
-Result<SessionState> session_state_in(std::span<const std::uint16_t> block) {
-  return from<SessionState>(block, "the session");
-}
-
-Result<EventSelect> event_select_in(std::span<const std::uint16_t> block) {
-  return from<EventSelect>(block, "the selection");
-}
-Result<EventPage> event_page_in(std::span<const std::uint16_t> block) {
-  return from<EventPage>(block, "the list of events");
 }
 
 bool check_agrees(std::span<const std::uint16_t> block) {
@@ -369,6 +519,40 @@ std::vector<std::uint8_t> unpacked(std::span<const std::uint16_t> registers, std
   for (std::size_t i = 0; i < bytes; ++i)
     out[i] = static_cast<std::uint8_t>(i % 2 == 0 ? registers[i / 2] >> 8 : registers[i / 2] & 0xFF);
   return out;
+}
+
+std::size_t blocks_in(std::uint32_t length, std::size_t block_bytes) {
+  return (length + block_bytes - 1) / block_bytes;
+}
+
+std::size_t bytes_in_block(std::uint32_t length, std::size_t number, std::size_t block_bytes) {
+  const std::size_t before = number * block_bytes;
+  return before >= length ? 0 : std::min(block_bytes, length - before);
+}
+
+std::uint16_t block_check(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes(12);
+  store_big(bytes, 0, window.session);
+  store_big(bytes, 4, window.token);
+  store_big(bytes, 8, window.tag);
+  store_big(bytes, 10, number);
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return crc16_of(bytes);
+}
+
+std::uint16_t crc16_of(std::span<const std::uint8_t> bytes) {
+  unsigned crc = 0xFFFF;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1u) != 0 ? (crc >> 1) ^ 0xA001u : crc >> 1;
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+bool crc_agrees(std::span<const std::uint8_t> frame) {
+  if (frame.size() < 4) return false;
+  const auto body = frame.first(frame.size() - 2);
+  return crc16_of(body) == frame[body.size()] + (frame[body.size() + 1] << 8);
 }
 
 }  // namespace ecs::protocol

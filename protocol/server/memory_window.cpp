@@ -6,7 +6,6 @@
 
 #include "base/file.hpp"
 #include "protocol/registers/unit_registers.hpp"
-#include "protocol/registers/window_block.hpp"
 #include "protocol/server/register_server.hpp"
 
 namespace ecs::protocol {

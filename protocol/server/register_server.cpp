@@ -89,16 +89,13 @@ Registers RegisterServer::answer(const Block& block) {
 }
 
 tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
-  const auto select = read_select_in(std::span(requests_).subspan(kReadSelect.first, kReadSelect.count));
+  const auto select = value_in<ReadSelect>(std::span(requests_).subspan(kReadSelect.first, kReadSelect.count));
   if (!select || select->bytes == 0 || select->bytes > kMemoryBytes)
     return tl::unexpected(ModbusException::illegal_value);
   std::vector<std::uint8_t> bytes(select->bytes);
   if (unit_->read_memory(select->address, bytes) != UnitError::none)
     return tl::unexpected(ModbusException::illegal_address);
-  const std::uint32_t crc = crc32_of(bytes);
-  Registers registers{echo_, static_cast<std::uint16_t>(select->address >> 16),
-                      static_cast<std::uint16_t>(select->address & 0xFFFF), static_cast<std::uint16_t>(crc >> 16),
-                      static_cast<std::uint16_t>(crc & 0xFFFF)};
+  Registers registers = registers_of(MemoryHead{select->address, crc32_of(bytes)}, echo_);
   const Registers data = packed(bytes);
   registers.insert(registers.end(), data.begin(), data.end());
   registers.resize(kMemory.count, 0);
@@ -106,7 +103,7 @@ tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
 }
 
 tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
-  const auto select = check_select_in(std::span(requests_).subspan(kCheckSelect.first, kCheckSelect.count));
+  const auto select = value_in<CheckSelect>(std::span(requests_).subspan(kCheckSelect.first, kCheckSelect.count));
   const bool possible = select && select->length > 0 && select->length <= kBankBytes && select->piece > 0;
   if (!possible || (select->length - 1) / select->piece >= kMostChecks)
     return tl::unexpected(ModbusException::illegal_value);
@@ -169,15 +166,15 @@ void RegisterServer::act_on(const Block& block, std::span<const std::uint16_t> w
   asked_ = block;
   note_what_has_ended();
   if (block == kSessionOpen) {
-    if (const auto host = session_open_in(whole)) open_session(*host);
+    if (const auto host = value_in<SessionOpen>(whole)) open_session(*host);
   } else if (block == kWindowOpen) {
-    if (const auto window = window_open_in(whole)) open_window(*window);
+    if (const auto window = value_in<WindowOpen>(whole)) open_window(*window);
   } else if (block == kResultSelect) {
-    if (const auto select = result_select_in(whole)) selected_ = *select;
+    if (const auto select = value_in<ResultSelect>(whole)) selected_ = *select;
   } else if (block == kEventSelect) {
-    if (const auto select = event_select_in(whole)) event_select_ = *select;
+    if (const auto select = value_in<EventSelect>(whole)) event_select_ = *select;
   } else if (block == kCommand) {
-    if (const auto command = command_in(whole)) return take_command(*command);
+    if (const auto command = value_in<Command>(whole)) return take_command(*command);
     Command unreadable;
     unreadable.session = static_cast<std::uint32_t>(whole[1]) << 16 | whole[2];
     unreadable.sequence = whole[3];

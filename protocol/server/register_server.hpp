@@ -8,10 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "protocol/registers/register_handler.hpp"
+#include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_data.hpp"
-#include "protocol/server/arming.hpp"
-#include "protocol/server/event_list.hpp"
 #include "protocol/server/host_sessions.hpp"
 #include "protocol/server/memory_window.hpp"
 

@@ -15,7 +15,7 @@
 #include "base/result.hpp"
 #include "protocol/line/faults.hpp"
 #include "protocol/line/link_address.hpp"
-#include "protocol/registers/register_handler.hpp"
+#include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "protocol/client/block_encoder.hpp"
+#include "protocol/client/block_frames.hpp"
 
 namespace {
 

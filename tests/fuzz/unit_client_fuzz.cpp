@@ -123,31 +123,31 @@ void decode(FuzzedBytes input) {
   const auto words_of = [&](const Block& block) { return input.words(block.count); };
   switch (input.byte() % 12) {
     case 0:
-      return comes_back(words_of(kIdentity), identity_in);
+      return comes_back(words_of(kIdentity), value_in<Identity>);
     case 1:
-      return comes_back(words_of(kStatus), status_in);
+      return comes_back(words_of(kStatus), value_in<UnitStatus>);
     case 2:
-      return comes_back(words_of(kMonitor), monitor_in);
+      return comes_back(words_of(kMonitor), value_in<MonitorSample>);
     case 3:
-      return comes_back(words_of(kCommandResult), command_result_in);
+      return comes_back(words_of(kCommandResult), value_in<CommandResult>);
     case 4:
-      return comes_back(words_of(kWindowAck), window_ack_in);
+      return comes_back(words_of(kWindowAck), value_in<WindowAck>);
     case 5:
-      return comes_back(words_of(kSession), session_state_in);
+      return comes_back(words_of(kSession), value_in<SessionState>);
     case 6:
-      return comes_back(words_of(kEvents), event_page_in);
+      return comes_back(words_of(kEvents), value_in<EventPage>);
     case 7:
-      return comes_back(words_of(kActiveMap), active_map_in);
+      return comes_back(words_of(kActiveMap), value_in<ActiveMap>);
     case 8:
-      return comes_back(words_of(kWindowOpen), window_open_in);
+      return comes_back(words_of(kWindowOpen), value_in<WindowOpen>);
     case 9:
-      return comes_back(words_of(kSessionOpen), session_open_in);
+      return comes_back(words_of(kSessionOpen), value_in<SessionOpen>);
     case 10: {
       UnitStatus status;
       return judge(take_pointers(words_of(kPointers), status));
     }
     default: {
-      const auto command = command_in(words_of(kCommand));
+      const auto command = value_in<Command>(words_of(kCommand));
       return judge(command);
     }
   }

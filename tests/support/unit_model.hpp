@@ -211,7 +211,7 @@ class RegisterHost {
   }
   SessionState look() {
     (void)server_->write(kSessionOpen.first, registers_of(self_, 0));
-    state_ = session_state_in(server_->read(kSession.first, kSession.count).value()).value();
+    state_ = value_in<SessionState>(server_->read(kSession.first, kSession.count).value()).value();
     return state_;
   }
   /// The next command of this session, as given at the last look.
@@ -231,7 +231,7 @@ class RegisterHost {
     return send(next(command));
   }
   [[nodiscard]] CommandResult result() const {
-    return command_result_in(server_->read(kCommandResult.first, kCommandResult.count).value()).value();
+    return value_in<CommandResult>(server_->read(kCommandResult.first, kCommandResult.count).value()).value();
   }
   [[nodiscard]] std::uint32_t session() const { return state_.session; }
 
@@ -252,7 +252,7 @@ class LosingServer : public RegisterServer {
       --model_->foreign_replies;
       block->front() = static_cast<std::uint16_t>(block->front() + 5000);
     }
-    if (block && first == kSession.first) model_->just_looked = session_state_in(*block).value().armed_s > 0;
+    if (block && first == kSession.first) model_->just_looked = value_in<SessionState>(*block).value().armed_s > 0;
     return block;
   }
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,

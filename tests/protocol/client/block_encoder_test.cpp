@@ -1,6 +1,4 @@
 // Coded blocks: what is coded comes back, and it is shorter where the bytes are smooth or text.
-#include "protocol/client/block_encoder.hpp"
-
 #include <cmath>
 #include <optional>
 #include <random>
@@ -8,6 +6,8 @@
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
+
+#include "protocol/client/block_frames.hpp"
 
 namespace ecs::protocol {
 namespace {

@@ -505,7 +505,7 @@ TEST_CASE("the newest events are read, the oldest of them first") {
   std::vector<std::uint32_t> numbers;
   const auto blocks = unit.event_blocks(5).value();
   for (const Registers& block : blocks) {
-    const auto page = event_page_in(block).value();
+    const auto page = value_in<EventPage>(block).value();
     for (const HostEvent& event : page.events)
       if (event.number != 0) numbers.push_back(event.number);
   }

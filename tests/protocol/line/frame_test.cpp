@@ -9,8 +9,6 @@
 
 #include "base/file.hpp"
 #include "protocol/line/frame_codec.hpp"
-#include "protocol/line/frame_cut.hpp"
-#include "protocol/registers/frame_check.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "tests/support/unit_model.hpp"
 
@@ -19,6 +17,11 @@ using namespace ecs::protocol;
 using FrameBytes = std::vector<std::uint8_t>;
 
 namespace {
+
+struct FrameUnit {
+  UnitModel model;
+  RegisterServer server{model};
+};
 
 std::string hex_of(const FrameBytes& bytes) {
   std::string text;
@@ -38,9 +41,7 @@ TEST_CASE("the CRC-16 of 123456789 is the published 4B37") {
   CHECK(crc16_of(bytes) == 0x4B37);
 }
 
-TEST_CASE("the worked frame of the documentation is what the unit answers, byte for byte") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "the worked frame of the documentation is what the unit answers, byte for byte") {
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
   CHECK(crc_agrees(kAskIdentity));
   CHECK(codec.answer(kAskIdentity, server) == kIdentityReply);
@@ -60,9 +61,7 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   }
 }
 
-TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "a frame for another unit gets no reply on RTU and exception 11 on TCP") {
   auto rtu = FrameCodec::make(Framing::rtu, 2).value();
   CHECK(rtu.answer(kAskIdentity, server).empty());
   auto tcp = FrameCodec::make(Framing::tcp, 2).value();
@@ -70,9 +69,7 @@ TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP
   CHECK(tcp.answer(request, server) == FrameBytes{0xAB, 0xCD, 0, 0, 0, 3, 9, 0x83, 11});
 }
 
-TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exception 1") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "requests outside the map get Modbus exceptions, unknown functions exception 1") {
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   const auto exception_to = [&](FrameBytes pdu) {
     FrameBytes frame{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
@@ -91,18 +88,14 @@ TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exc
   CHECK(exception_to({3, 0x01, 0x00, 0, 1}) == 0);
 }
 
-TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "function 23 whose ranges overlap reads what the unit answers") {
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   // writes echo 5 at 0x0000 and reads 0x0000..1 in the same request
   const FrameBytes request{0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 2, 0, 0, 0, 1, 2, 0, 5};
   CHECK(codec.answer(request, server) == FrameBytes{0, 1, 0, 0, 0, 7, 1, 23, 4, 0, 5, 0, 0});
 }
 
-TEST_CASE("no frame, however wrong, disturbs the next good one") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "no frame, however wrong, disturbs the next good one") {
   auto rtu = FrameCodec::make(Framing::rtu, 1).value();
   auto tcp = FrameCodec::make(Framing::tcp, 1).value();
   const FrameBytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};
@@ -127,9 +120,7 @@ TEST_CASE("no frame, however wrong, disturbs the next good one") {
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
 }
 
-TEST_CASE("function 22 changes the bits of one register that its mask names") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "function 22 changes the bits of one register that its mask names") {
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   REQUIRE(server.write(kEcho.first, std::array<std::uint16_t, 1>{0x1234}).has_value());
   const FrameBytes masked{0, 9, 0, 0, 0, 8, 1, 22, 0, 0, 0xFF, 0xF0, 0xAA, 0xA5};
@@ -153,9 +144,7 @@ TEST_CASE("the length of a request is known as soon as its header is") {
   CHECK(tcp_request_length(FrameBytes{0, 1, 0, 0, 9, 6}).broken);
 }
 
-TEST_CASE("a broadcast acts on nothing and gets no reply") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(FrameUnit, "a broadcast acts on nothing and gets no reply") {
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
   RegisterHost host(server);
   const Registers words = registers_of(host.next({.code = CommandCode::begin_staging}), 0);

@@ -1,12 +1,12 @@
 // A serial port for one program at a time.
-#include "protocol/line/port_lock.hpp"
-
 #include <cstdlib>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "protocol/line/modbus_link.hpp"
 
 using namespace ecs::protocol;
 
@@ -31,17 +31,17 @@ struct Terminal {
 TEST_CASE("a port is taken once, and free again when the lock is gone") {
   const Terminal terminal;
   {
-    const auto first = PortLock::take(terminal.device);
+    const auto first = lock_port(terminal.device);
     REQUIRE(first);
-    const auto second = PortLock::take(terminal.device);
+    const auto second = lock_port(terminal.device);
     REQUIRE_FALSE(second);
     CHECK(second.error().failure != LinkFailure::none);
     CHECK_FALSE(second.error().problem.message.empty());
   }
-  CHECK(PortLock::take(terminal.device));
+  CHECK(lock_port(terminal.device));
 }
 
 TEST_CASE("a missing device and a file that is not a serial port are refused") {
-  CHECK_FALSE(PortLock::take("/dev/no-such-port"));
-  CHECK_FALSE(PortLock::take("/dev/null"));
+  CHECK_FALSE(lock_port("/dev/no-such-port"));
+  CHECK_FALSE(lock_port("/dev/null"));
 }

@@ -1,10 +1,13 @@
-// Typed values through registers and back.
+// Typed values through registers and back; the blocks of a bulk write.
 #include "protocol/registers/unit_registers.hpp"
 
 #include <limits>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
+
+#include "protocol/registers/register_map.hpp"
 
 using namespace ecs;
 using namespace ecs::protocol;
@@ -119,22 +122,22 @@ TEST_CASE("answer blocks do not overlap and fit one read") {
 TEST_CASE("typed values survive the way through registers") {
   CHECK(rc::check("identity", [] {
     const auto value = any_identity();
-    RC_ASSERT(identity_in(registers_of(value, any<std::uint16_t>())).value() == value);
+    RC_ASSERT(value_in<Identity>(registers_of(value, any<std::uint16_t>())).value() == value);
   }));
   CHECK(rc::check("active map", [] {
     const ActiveMap value{any_identity().serial_number, any<std::uint32_t>(), any<std::uint32_t>(),
                           *one_of_first<Bank>(3),       any<std::uint32_t>(), any<std::uint32_t>()};
-    RC_ASSERT(active_map_in(registers_of(value, any<std::uint16_t>())).value() == value);
+    RC_ASSERT(value_in<ActiveMap>(registers_of(value, any<std::uint16_t>())).value() == value);
   }));
   CHECK(rc::check("status with its pointers", [] {
     const auto value = any_status();
-    auto back = status_in(registers_of(value, 1)).value();
+    auto back = value_in<UnitStatus>(registers_of(value, 1)).value();
     RC_ASSERT(take_pointers(pointer_registers_of(value, 2), back).has_value());
     RC_ASSERT(back == value);
   }));
   CHECK(rc::check("monitor", [] {
     const auto value = any_sample();
-    RC_ASSERT(monitor_in(registers_of(value, 1)).value() == value);
+    RC_ASSERT(value_in<MonitorSample>(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("command result", [] {
     const CommandResult value{any<std::uint16_t>(),
@@ -145,29 +148,29 @@ TEST_CASE("typed values survive the way through registers") {
                               printable(80),
                               any<std::uint32_t>(),
                               any<std::uint32_t>()};
-    RC_ASSERT(command_result_in(registers_of(value, 1)).value() == value);
+    RC_ASSERT(value_in<CommandResult>(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("window and acknowledgement", [] {
     const WindowAck ack{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
                         any<std::uint32_t>(), any<std::uint32_t>(),
                         any<std::uint64_t>(), any<std::uint32_t>()};
-    RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
+    RC_ASSERT(value_in<WindowAck>(registers_of(ack, 1)).value() == ack);
     const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
                           any<std::uint32_t>(), any<bool>(),          any<std::uint32_t>()};
-    RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
+    RC_ASSERT(value_in<WindowOpen>(registers_of(open, 1)).value() == open);
     const CheckSelect select{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
-    RC_ASSERT(check_select_in(registers_of(select, 1)).value() == select);
+    RC_ASSERT(value_in<CheckSelect>(registers_of(select, 1)).value() == select);
   }));
   CHECK(rc::check("sessions", [] {
     const SessionOpen open{any<std::uint16_t>(), any<std::uint64_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
                            printable(16)};
-    RC_ASSERT(session_open_in(registers_of(open, 1)).value() == open);
+    RC_ASSERT(value_in<SessionOpen>(registers_of(open, 1)).value() == open);
     const SessionState state{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
                              any<std::uint32_t>(), any<std::uint16_t>(),
                              any<std::uint32_t>(), any<std::uint16_t>()};
-    RC_ASSERT(session_state_in(registers_of(state, 1)).value() == state);
+    RC_ASSERT(value_in<SessionState>(registers_of(state, 1)).value() == state);
     const ResultSelect select{any<std::uint32_t>(), any<std::uint16_t>()};
-    RC_ASSERT(result_select_in(registers_of(select, 1)).value() == select);
+    RC_ASSERT(value_in<ResultSelect>(registers_of(select, 1)).value() == select);
   }));
   CHECK(rc::check("bytes", [] {
     const auto bytes = any<std::vector<std::uint8_t>>();
@@ -185,23 +188,23 @@ TEST_CASE("each command carries the arguments that its code names") {
   c.session = 0x12345678;
   c.clock_ms = 70'000;
   c.stops = 3;
-  CHECK(command_in(registers_of(c, 1)).value() == c);
+  CHECK(value_in<Command>(registers_of(c, 1)).value() == c);
   Command commit;
   commit.code = CommandCode::commit_staged;
   commit.length = 70'000;
   commit.crc = 0xDEADBEEF;
   commit.token = 0x12345678;
-  CHECK(command_in(registers_of(commit, 1)).value() == commit);
+  CHECK(value_in<Command>(registers_of(commit, 1)).value() == commit);
   Command user;
   user.code = CommandCode::run_user_software;
   user.address = 0x040100;
   user.argument = 0x12345678;
-  CHECK(command_in(registers_of(user, 1)).value() == user);
+  CHECK(value_in<Command>(registers_of(user, 1)).value() == user);
   Command position;
   position.code = CommandCode::set_axis_position;
   position.axis = Axis::Y;
   position.position_mm = 0.1;
-  CHECK(command_in(registers_of(position, 1)).value() == position);
+  CHECK(value_in<Command>(registers_of(position, 1)).value() == position);
 }
 
 TEST_CASE("numbers go high word first and doubles as the 64 bits of IEEE 754") {
@@ -223,17 +226,41 @@ TEST_CASE("numbers go high word first and doubles as the 64 bits of IEEE 754") {
 TEST_CASE("a block that makes no sense is refused with the name of the field") {
   auto status = registers_of(UnitStatus{}, 0);
   status[1] = 77;
-  REQUIRE_FALSE(status_in(status).has_value());
-  CHECK(status_in(status).error().message.find("mode") != std::string::npos);
+  REQUIRE_FALSE(value_in<UnitStatus>(status).has_value());
+  CHECK(value_in<UnitStatus>(status).error().message.find("mode") != std::string::npos);
   UnitStatus nan;
   nan.loop_period_us = std::numeric_limits<double>::quiet_NaN();
-  CHECK(status_in(registers_of(nan, 0)).error().message.find("loop period") != std::string::npos);
-  CHECK_FALSE(status_in(Registers(5, 0)).has_value());
-  CHECK_FALSE(identity_in(registers_of(Identity{1, 0, 0, "a\x1b[2J", "", 1, {}, 0}, 0)).has_value());
+  CHECK(value_in<UnitStatus>(registers_of(nan, 0)).error().message.find("loop period") != std::string::npos);
+  CHECK_FALSE(value_in<UnitStatus>(Registers(5, 0)).has_value());
+  CHECK_FALSE(value_in<Identity>(registers_of(Identity{1, 0, 0, "a\x1b[2J", "", 1, {}, 0}, 0)).has_value());
 }
 
 TEST_CASE("text longer than its field is cut, never inside a character") {
   CommandResult result;
   result.text = std::string(79, 'x') + "\xC2\xB5m";  // µ would need bytes 80 and 81
-  CHECK(command_result_in(registers_of(result, 0)).value().text == std::string(79, 'x'));
+  CHECK(value_in<CommandResult>(registers_of(result, 0)).value().text == std::string(79, 'x'));
+}
+
+TEST_CASE("a window has as many blocks of 240 bytes as its bytes need, the last one shorter") {
+  CHECK(blocks_in(0) == 0);
+  CHECK(blocks_in(1) == 1);
+  CHECK(blocks_in(240) == 1);
+  CHECK(blocks_in(241) == 2);
+  CHECK(bytes_in_block(241, 0) == 240);
+  CHECK(bytes_in_block(241, 1) == 1);
+  CHECK(bytes_in_block(241, 2) == 0);
+}
+
+TEST_CASE("the bytes of all blocks are the bytes of the window") {
+  for (const std::uint32_t length : {1U, 239U, 240U, 1000U, static_cast<std::uint32_t>(kWindowBytes)}) {
+    std::size_t sum = 0;
+    for (std::size_t number = 0; number < blocks_in(length); ++number) sum += bytes_in_block(length, number);
+    CHECK(sum == length);
+  }
+}
+
+TEST_CASE("the check of a block is the Modbus CRC-16 over session, token, tag, number and payload, high byte first") {
+  // of "0123456789AB9", by a program of its own that gives 0x4B37 for "123456789" as the catalogue of CRCs does
+  const std::vector<std::uint8_t> payload{'9'};
+  CHECK(block_check({0x3839, 0, 0, 0x34353637, false, 0x30313233}, 0x4142, payload) == 0x8101);
 }

@@ -1,11 +1,10 @@
 // Who may write to a unit, and what the unit keeps of what was done to it.
-#include "protocol/server/arming.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
-#include "protocol/registers/window_block.hpp"
+#include "protocol/registers/unit_registers.hpp"
+#include "protocol/server/host_sessions.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -14,6 +13,14 @@ using namespace ecs::protocol;
 namespace {
 
 const std::string kShownCode = "271828";
+
+struct GuardedUnit {
+  UnitModel model;
+  RegisterServer server{model, kShownCode};
+};
+struct GuardedHost : GuardedUnit {
+  RegisterHost host{server};
+};
 
 Command arming(const RegisterHost& host, std::string_view code, std::uint16_t minutes = 30) {
   Command command{.code = CommandCode::arm};
@@ -24,7 +31,7 @@ Command arming(const RegisterHost& host, std::string_view code, std::uint16_t mi
 
 std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1) {
   (void)server.write(kEventSelect.first, registers_of(EventSelect{first}, 0));
-  const auto page = event_page_in(server.read(kEvents.first, kEvents.count).value()).value();
+  const auto page = value_in<EventPage>(server.read(kEvents.first, kEvents.count).value()).value();
   std::vector<HostEvent> events;
   for (const HostEvent& event : page.events)
     if (event.number != 0) events.push_back(event);
@@ -34,15 +41,13 @@ std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1
 /// The error with which a window is opened.
 UnitError opened(RegisterServer& server, const WindowOpen& window) {
   REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
-  return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+  return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
 }
 
 }  // namespace
 
-TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, what stops does not") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(GuardedHost,
+                  "what writes, moves, closes a relay or runs code needs an armed host, what stops does not") {
   const auto last = static_cast<std::uint16_t>(CommandCode::stop);
   for (std::uint16_t number = 1; number <= last; ++number) {
     const auto code = static_cast<CommandCode>(number);
@@ -55,10 +60,7 @@ TEST_CASE("what writes, moves, closes a relay or runs code needs an armed host, 
   CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
 }
 
-TEST_CASE("memory takes no window, and no block of an open one, from a host that is not armed") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(GuardedHost, "memory takes no window, and no block of an open one, from a host that is not armed") {
   (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
@@ -71,10 +73,7 @@ TEST_CASE("memory takes no window, and no block of an open one, from a host that
   CHECK(model.bank_a[0] == 0);
 }
 
-TEST_CASE("a block that comes first after a start of the unit is of no armed host") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(GuardedHost, "a block that comes first after a start of the unit is of no armed host") {
   (void)host.give(arming(host, kShownCode, 1));
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   const WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
@@ -86,23 +85,18 @@ TEST_CASE("a block that comes first after a start of the unit is of no armed hos
   CHECK(model.bank_a[0] == 0);
 }
 
-TEST_CASE("what names a session is read once, by the host that asked, and is never read back") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(GuardedHost, "what names a session is read once, by the host that asked, and is never read back") {
   CHECK(host.session() != 0);
   (void)host.give({.code = CommandCode::output_off});
-  CHECK(session_state_in(server.read(kSession.first, kSession.count).value()).value().session == 0);
-  CHECK(command_result_in(server.read(kCommandResult.first, kCommandResult.count).value()).value().session == 0);
+  CHECK(value_in<SessionState>(server.read(kSession.first, kSession.count).value()).value().session == 0);
+  CHECK(value_in<CommandResult>(server.read(kCommandResult.first, kCommandResult.count).value()).value().session == 0);
   for (const Block& block : {kWindowOpen, kCommand, kResultSelect, kSessionOpen}) {
     const Registers read_back = server.read(block.first, block.count).value();
     CHECK(std::all_of(read_back.begin() + 1, read_back.end(), [](std::uint16_t word) { return word == 0; }));
   }
 }
 
-TEST_CASE("a window of a host that is not armed leaves that of an armed one open") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
+TEST_CASE_FIXTURE(GuardedUnit, "a window of a host that is not armed leaves that of an armed one open") {
   RegisterHost armed(server, 1), stranger(server, 2);
   (void)armed.give(arming(armed, kShownCode));
   const WindowOpen window{5,     kBankA.first,   4, armed.give({.code = CommandCode::begin_staging}).token,
@@ -125,9 +119,8 @@ TEST_CASE("a window of a host that is not armed leaves that of an armed one open
   CHECK(model.bank_a[3] == 4);
 }
 
-TEST_CASE("a host is armed with all its programs, for its minutes; another host and another start are not") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
+TEST_CASE_FIXTURE(GuardedUnit,
+                  "a host is armed with all its programs, for its minutes; another host and another start are not") {
   RegisterHost host(server, 1);
   RegisterHost other(server, 2);
   (void)host.give(arming(host, kShownCode, 2));
@@ -147,10 +140,8 @@ TEST_CASE("a host is armed with all its programs, for its minutes; another host 
   CHECK(host.look().armed_s == 0);
 }
 
-TEST_CASE("after a wrong code no code is looked at for a while, twice as long with each one, at most a minute") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(
+    GuardedHost, "after a wrong code no code is looked at for a while, twice as long with each one, at most a minute") {
   for (const unsigned wait : {1U, 2U, 4U, 8U, 16U, 32U, 60U, 60U}) {
     CHECK(host.give(arming(host, "314159")).error == UnitError::wrong_code);
     CHECK(host.look().wait_s == wait);
@@ -161,9 +152,7 @@ TEST_CASE("after a wrong code no code is looked at for a while, twice as long wi
   CHECK(host.give(arming(host, kShownCode)).state == CommandState::done);
 }
 
-TEST_CASE("the proof of one session arms no other") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
+TEST_CASE_FIXTURE(GuardedUnit, "the proof of one session arms no other") {
   RegisterHost host(server, 1);
   RegisterHost thief(server, 2);
   CHECK(thief.give(arming(host, kShownCode)).error == UnitError::wrong_code);
@@ -212,9 +201,7 @@ TEST_CASE("a command that takes time ends in the list of events as it ended, and
   CHECK(events_of(server)[0].number == 102 - 64 + 1);
 }
 
-TEST_CASE("an arming that ends by itself and an output that ends without its host are events") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
+TEST_CASE_FIXTURE(GuardedUnit, "an arming that ends by itself and an output that ends without its host are events") {
   RegisterHost silent(server, 7), other(server, 8);
   (void)silent.give(arming(silent, kShownCode, 2));
   (void)other.give(arming(other, kShownCode, 30));
@@ -262,10 +249,7 @@ TEST_CASE("a window that is closed for wrong checks is an event of the host that
   CHECK(events[0].state == CommandState::refused);
 }
 
-TEST_CASE("nobody is armed for more than a day") {
-  UnitModel model;
-  RegisterServer server(model, kShownCode);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(GuardedHost, "nobody is armed for more than a day") {
   CHECK(host.give(arming(host, kShownCode, kMostArmed_min + 1)).error == UnitError::bad_argument);
   CHECK(host.give(arming(host, kShownCode, kMostArmed_min)).value == 86'400);
 }

@@ -6,9 +6,8 @@
 
 #include "base/file.hpp"
 #include "base/random.hpp"
-#include "protocol/client/block_encoder.hpp"
+#include "protocol/client/block_frames.hpp"
 #include "protocol/registers/unit_registers.hpp"
-#include "protocol/registers/window_block.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -17,6 +16,12 @@ using namespace ecs::protocol;
 namespace {
 
 constexpr std::uint32_t kStagingToken = 0xA1B2C3D4;
+
+struct StagedWindow {
+  StagedWindow() { window.stage_under(kStagingToken); }
+  UnitModel model;
+  MemoryWindow window{model};
+};
 
 Registers block_of(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& image) {
   const auto part = std::span(image).subspan(number * kBlockBytes, bytes_in_block(window.length, number));
@@ -53,10 +58,7 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
   }));
 }
 
-TEST_CASE("a block that is not intact, of another window or beyond its end is not taken") {
-  UnitModel model;
-  MemoryWindow window(model);
-  window.stage_under(kStagingToken);
+TEST_CASE_FIXTURE(StagedWindow, "a block that is not intact, of another window or beyond its end is not taken") {
   const auto image = noise_image(1000);
   const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
@@ -76,10 +78,7 @@ TEST_CASE("a block that is not intact, of another window or beyond its end is no
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto b) { return b == 0; }));
 }
 
-TEST_CASE("the same tag again keeps what has arrived, a new tag starts afresh") {
-  UnitModel model;
-  MemoryWindow window(model);
-  window.stage_under(kStagingToken);
+TEST_CASE_FIXTURE(StagedWindow, "the same tag again keeps what has arrived, a new tag starts afresh") {
   const auto image = noise_image(1000);
   const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
@@ -90,10 +89,7 @@ TEST_CASE("the same tag again keeps what has arrived, a new tag starts afresh") 
   CHECK(window.ack().received == 0);
 }
 
-TEST_CASE("a window onto memory that may not be written stays closed and says why") {
-  UnitModel model;
-  MemoryWindow window(model);
-  window.stage_under(kStagingToken);
+TEST_CASE_FIXTURE(StagedWindow, "a window onto memory that may not be written stays closed and says why") {
   const auto image = noise_image(1000);
   window.open({5, 0x900000, 1000});
   CHECK(window.ack().error == UnitError::address_unknown);
@@ -106,10 +102,8 @@ TEST_CASE("a window onto memory that may not be written stays closed and says wh
   CHECK(window.ack().error == UnitError::bad_argument);
 }
 
-TEST_CASE("the third wrong check of a block closes the window, and what came before stays in memory") {
-  UnitModel model;
-  MemoryWindow window(model);
-  window.stage_under(kStagingToken);
+TEST_CASE_FIXTURE(StagedWindow,
+                  "the third wrong check of a block closes the window, and what came before stays in memory") {
   const auto image = noise_image(1000);
   const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
@@ -142,7 +136,7 @@ TEST_CASE("only the connection that opened a window fills it, and a host that co
   const auto opened = [&](std::uint64_t connection) {
     server.arrives_on(connection);
     REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
-    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value();
+    return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value();
   };
   const auto taken = [&](std::uint64_t connection, std::uint16_t number) {
     server.arrives_on(connection);
@@ -212,7 +206,7 @@ TEST_CASE("a window belongs to a session that the unit knows") {
   const auto error_of = [&](std::uint32_t session) {
     const WindowOpen open{5, kBankA.first, 1000, token, false, session};
     REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
-    return window_ack_in(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+    return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
   };
   CHECK(error_of(host.session()) == UnitError::none);
   CHECK(error_of(host.session() + 1) == UnitError::session_unknown);
@@ -280,10 +274,7 @@ TEST_CASE("a coded frame that makes no sense is refused without a write") {
   CHECK(window.take(coded_frame(open, 0, code)));
 }
 
-TEST_CASE("a coded window lies in axis memory and holds at most 64 short blocks") {
-  UnitModel model;
-  MemoryWindow window(model);
-  window.stage_under(kStagingToken);
+TEST_CASE_FIXTURE(StagedWindow, "a coded window lies in axis memory and holds at most 64 short blocks") {
   window.open({5, kBankA.first, 64 * 120 + 1, kStagingToken, true});
   CHECK(window.ack().error == UnitError::bad_argument);
   window.open({6, kSystemRam.first, 120, 0, true});

@@ -10,6 +10,14 @@ using namespace ecs::protocol;
 
 namespace {
 
+struct ServedUnit {
+  UnitModel model;
+  RegisterServer server{model};
+};
+struct ServedHost : ServedUnit {
+  RegisterHost host{server};
+};
+
 Command output_closed() {
   Command command{.code = CommandCode::output_compensation};
   command.output_um = 5.0;
@@ -19,10 +27,7 @@ Command output_closed() {
 
 }  // namespace
 
-TEST_CASE("a command acts only when its whole block, with its check, comes in one request") {
-  UnitModel model;
-  RegisterServer server(model);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(ServedHost, "a command acts only when its whole block, with its check, comes in one request") {
   const auto block = registers_of(host.next(output_closed()), 0);
   for (std::size_t i = 0; i < block.size(); ++i)
     CHECK(server.write(static_cast<std::uint16_t>(kCommand.first + i), std::span(block).subspan(i, 1)).has_value());
@@ -38,10 +43,8 @@ TEST_CASE("a command acts only when its whole block, with its check, comes in on
   CHECK(model.commands_begun == 1);
 }
 
-TEST_CASE("a repeated command is answered as the first time, and a late repeat of an earlier one does nothing") {
-  UnitModel model;
-  RegisterServer server(model);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(
+    ServedHost, "a repeated command is answered as the first time, and a late repeat of an earlier one does nothing") {
   const Command begin = host.next({.code = CommandCode::begin_staging});
   const CommandResult first = host.send(begin);
   CHECK(first.state == CommandState::done);
@@ -51,9 +54,7 @@ TEST_CASE("a repeated command is answered as the first time, and a late repeat o
   CHECK(model.log == std::vector{CommandCode::begin_staging, CommandCode::clear_fault});
 }
 
-TEST_CASE("each of two hosts reads the result of its own command") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(ServedUnit, "each of two hosts reads the result of its own command") {
   RegisterHost one(server, 1);
   RegisterHost other(server, 2);
   CHECK(one.session() != other.session());
@@ -64,9 +65,9 @@ TEST_CASE("each of two hosts reads the result of its own command") {
   CHECK(one.result() == first);
 }
 
-TEST_CASE("a host whose program is asked again finds its session as it left it, another program gets one of its own") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(
+    ServedUnit,
+    "a host whose program is asked again finds its session as it left it, another program gets one of its own") {
   RegisterHost host(server, 1);
   const auto session = host.session();
   (void)host.give({.code = CommandCode::clear_fault});
@@ -92,9 +93,9 @@ TEST_CASE("a command that was given before everything was switched off is not ca
   }
 }
 
-TEST_CASE("a retry after another host switched everything off gives the answer of the first time and closes nothing") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(
+    ServedUnit,
+    "a retry after another host switched everything off gives the answer of the first time and closes nothing") {
   RegisterHost a(server, 1);
   RegisterHost b(server, 2);
   (void)a.look();
@@ -126,19 +127,13 @@ TEST_CASE("what moves or closes a relay lives for two seconds of the unit's cloc
   }
 }
 
-TEST_CASE("switching off has no age") {
-  UnitModel model;
-  RegisterServer server(model);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(ServedHost, "switching off has no age") {
   model.unit_clock.ms += 3'600'000;
   for (const CommandCode code : {CommandCode::output_off, CommandCode::stop, CommandCode::enter_integration})
     CHECK(host.send(host.next({.code = code})).state == CommandState::done);
 }
 
-TEST_CASE("a unit that has started again knows no session, no token and no result of before") {
-  UnitModel model;
-  RegisterServer server(model);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(ServedHost, "a unit that has started again knows no session, no token and no result of before") {
   const auto before = host.session();
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   ++model.unit_clock.starts;
@@ -148,9 +143,7 @@ TEST_CASE("a unit that has started again knows no session, no token and no resul
   CHECK(host.give({.code = CommandCode::abandon_staged, .token = token}).error == UnitError::no_staging);
 }
 
-TEST_CASE("the session used least lately gives way to the seventeenth") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(ServedUnit, "the session used least lately gives way to the seventeenth") {
   RegisterHost first(server, 100);
   const auto session = first.session();
   for (std::uint32_t k = 1; k < kSessions; ++k) RegisterHost(server, k);
@@ -159,21 +152,17 @@ TEST_CASE("the session used least lately gives way to the seventeenth") {
   CHECK(first.send(first.next({.code = CommandCode::clear_fault})).error == UnitError::session_unknown);
 }
 
-TEST_CASE("a host of another protocol version gets no session, and the unit names its own version") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(ServedUnit,
+                  "a host of another protocol version gets no session, and the unit names its own version") {
   const SessionOpen newer{kProtocolVersion + 1, 7, 7, 0, "from tomorrow"};
   REQUIRE(server.write(kSessionOpen.first, registers_of(newer, 0)).has_value());
-  const auto state = session_state_in(server.read(kSession.first, kSession.count).value()).value();
+  const auto state = value_in<SessionState>(server.read(kSession.first, kSession.count).value()).value();
   CHECK(state.error == UnitError::other_version);
   CHECK(state.session == 0);
   CHECK(state.protocol_version == kProtocolVersion);
 }
 
-TEST_CASE("a command whose number or fields make no sense is refused and does nothing") {
-  UnitModel model;
-  RegisterServer server(model);
-  RegisterHost host(server);
+TEST_CASE_FIXTURE(ServedHost, "a command whose number or fields make no sense is refused and does nothing") {
   (void)host.look();
   Command strange = host.next({.code = CommandCode::clear_fault});
   strange.code = static_cast<CommandCode>(kCommandCount + 3);
@@ -188,9 +177,7 @@ TEST_CASE("a command whose number or fields make no sense is refused and does no
   CHECK(model.commands_begun == 0);
 }
 
-TEST_CASE("checks of no bytes, of too many pieces and of no memory are exceptions") {
-  UnitModel model;
-  RegisterServer server(model);
+TEST_CASE_FIXTURE(ServedUnit, "checks of no bytes, of too many pieces and of no memory are exceptions") {
   const auto refusal = [&](const CheckSelect& select) {
     REQUIRE(server.write(kCheckSelect.first, registers_of(select, 0)).has_value());
     const auto answer = server.read(kChecks.first, kChecks.count);
