@@ -1,8 +1,7 @@
-#include "commissioning/certificate/dcc.hpp"
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "commissioning/certificate/certificate.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,5 +1,3 @@
-#include "commissioning/certificate/gather.hpp"
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -10,9 +8,10 @@
 #include "base/child_program.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
+#include "base/json_values.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "commissioning/certificate/certificate.hpp"
 #include "commissioning/logbook/observed.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/writers/measurement_writer.hpp"
@@ -66,21 +65,11 @@ const char* noun_of(LineKind kind) {
   }
 }
 
-std::string text_at(const Json& object, const char* key) {
-  return object.contains(key) && object[key].is_string() ? object[key].get<std::string>() : std::string();
-}
-
-std::optional<double> value_at(const Json& object, const char* key) {
-  return object.is_object() && object.contains(key) && object[key].is_number()
-             ? std::optional(object[key].get<double>())
-             : std::nullopt;
-}
-
 CertifiedCurve curve_of(const Json& targets, const char* key, std::string name, const std::string& unit) {
   CertifiedCurve curve{std::move(name), unit, {}, {}};
   for (const Json& target : targets) {
-    const auto position = value_at(target, "position_mm");
-    const auto mean = value_at(target, key);
+    const auto position = number_at(target, "position_mm");
+    const auto mean = number_at(target, key);
     if (!position || !mean) continue;
     curve.position_mm.push_back(*position);
     curve.value.push_back(*mean);
@@ -135,11 +124,11 @@ CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
   // The contributions to the uncertainty are those of positioning.
   const Json uncertainty = positioning && line.contains("uncertainty") ? line["uncertainty"] : Json();
   for (const StatedValue& stated : kValues)
-    if (const auto value = value_at(line, stated.key))
+    if (const auto value = number_at(line, stated.key))
       one.values.push_back(
           positioning
               ? CertifiedValue{fmt::format("{} (ISO 230-2)", stated.positioning),
-                               fmt::format("iso230-2_{}", stated.key), *value, unit, value_at(uncertainty, stated.key)}
+                               fmt::format("iso230-2_{}", stated.key), *value, unit, number_at(uncertainty, stated.key)}
               : CertifiedValue{fmt::format("{}: {} (formula of ISO 230-2)", noun_of(kind), stated.other),
                                fmt::format("iso230-1_{}", stated.key),
                                *value,

@@ -1,5 +1,3 @@
-#include "commissioning/certificate/xml.hpp"
-
 #include <algorithm>
 #include <cstdarg>
 #include <cstdlib>
@@ -15,6 +13,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/certificate/certificate.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/date.hpp"
-#include "base/json.hpp"
+#include "base/json_values.hpp"
 #include "base/text.hpp"
 #include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
@@ -170,12 +170,6 @@ std::vector<ComparedCause> causes_of(const std::array<LoggedState, 2>& states) {
   return causes;
 }
 
-std::optional<double> number_at(const Json& answer, const char* part, const char* key) {
-  if (!answer.contains(part) || !answer[part].is_object() || !answer[part].contains(key)) return std::nullopt;
-  const Json& value = answer[part][key];
-  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
-}
-
 std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run, std::vector<std::string>& notes,
                                         const std::string& date) {
   if (one.parameters_toml.empty()) {
@@ -191,8 +185,9 @@ std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run
     notes.push_back(fmt::format("{}: no volume: {}", date, said ? "no answer" : said.error().message));
     return std::nullopt;
   }
-  return ComparedVolume{number_at(answer, "before", "largest_um"), number_at(answer, "before", "rms_um"),
-                        number_at(answer, "after", "largest_um"), number_at(answer, "after", "rms_um")};
+  const Json before = answer.value("before", Json()), after = answer.value("after", Json());
+  return ComparedVolume{number_at(before, "largest_um"), number_at(before, "rms_um"), number_at(after, "largest_um"),
+                        number_at(after, "rms_um")};
 }
 
 Result<LoggedState> state_on(const Logbook& book, const std::string& date) {

@@ -1,14 +1,23 @@
 // The measuring instrument of an entry: what it is and the certificate that covers it, with the names that OPC 40210
-// gives to the calibration of a measuring device.
+// gives to the calibration of a measuring device; and the header of a measured file or a map, which may name it.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.hpp"
 
 namespace ecs::commissioning {
+
+struct HeaderLine {
+  std::string key;         ///< in lower case
+  std::string_view value;  ///< without blanks around it
+};
+
+/// As far as lines begin with #; those without a colon are left out. Views into `content`.
+[[nodiscard]] std::vector<HeaderLine> header_lines(std::string_view content);
 
 struct Instrument {
   std::string name;

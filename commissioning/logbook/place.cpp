@@ -12,7 +12,7 @@
 #include "base/settings.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
-#include "commissioning/logbook/header_lines.hpp"
+#include "commissioning/logbook/instrument.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,14 +1,18 @@
-// What this program does, written into the logbook of the machine without being asked. A logbook that cannot be written
-// never stops the work itself: it is said once.
+// What this program does, written into the logbook of the machine without being asked; also what went to a unit:
+// images, what became active, bytes of its memory. A logbook that cannot be written never stops the work itself: it is
+// said once.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "commissioning/logbook/entry.hpp"
+#include "commissioning/logbook/store.hpp"
+#include "commissioning/unit/transfer.hpp"
 
 namespace ecs::commissioning {
 
@@ -48,5 +52,18 @@ struct LogbookWord {
   std::string text;
 };
 [[nodiscard]] std::vector<LogbookWord> logbook_words();
+
+/// Two entries: the transfer, and the activation; `rollback` in its place where that image was active before the one
+/// that it replaces. A transfer that failed, or that found the image active, is one entry.
+void record_transfer(const SentImage& sent);
+
+/// Bytes written into the unit's memory, or, with a problem, perhaps a part of them.
+struct MemoryWritten {
+  std::string serial_number;
+  std::uint32_t address = 0;
+  std::span<const std::uint8_t> bytes;
+  std::string problem;  ///< why it failed; empty: it did not
+};
+void record_memory_write(const MemoryWritten& one);
 
 }  // namespace ecs::commissioning

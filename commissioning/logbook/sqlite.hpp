@@ -1,8 +1,10 @@
-// Statements and transactions of SQLite for the files of this folder that open a logbook. Not for others.
+// Statements and transactions of SQLite, and the compressed bytes of a kept file, for the files of this folder that
+// open a logbook. Not for others.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -14,7 +16,14 @@
 
 namespace ecs::commissioning {
 
-/// Longest text or blob in a logbook, twice the longest file that it keeps (packing.hpp).
+inline constexpr std::size_t kLargestKept = 32u << 20;  // of a file that is named by its hash alone
+
+[[nodiscard]] std::string packed(std::string_view content);
+/// Nothing where it is not the file of that hash.
+[[nodiscard]] std::optional<std::string> unpacked(const std::string& bytes, std::int64_t length,
+                                                  const std::string& sha256);
+
+/// Longest text or blob in a logbook, twice the longest file that it keeps (kLargestKept).
 inline constexpr int kLongestLogValue = 64 << 20;
 
 [[nodiscard]] Problem file_fault(const std::filesystem::path& path, ProblemKind kind, std::string what);

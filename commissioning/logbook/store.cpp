@@ -1,16 +1,97 @@
+// Entries and their hashes, whose logbook it is, and the file: opened, made, added to.
 #include "commissioning/logbook/store.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
-#include "commissioning/logbook/packing.hpp"
+#include "base/json_values.hpp"
 #include "commissioning/logbook/sqlite.hpp"
 
 namespace ecs::commissioning {
+namespace {
+
+constexpr std::string_view kHashed = "ecs-logbook-1";  // changes with what is hashed
+
+Json content_json(const LogbookEntry& entry) {
+  Json content = Json::parse(entry.content, nullptr, false);
+  return content.is_object() ? content : Json::object();
+}
+
+}  // namespace
+
+std::string hash_of(const LogbookEntry& entry) {
+  std::string bytes;
+  const auto add = [&bytes](std::string_view part) { bytes += fmt::format("{}:", part.size()).append(part); };
+  add(kHashed);
+  add(fmt::format("{}", entry.number));
+  for (const std::string* part : {&entry.time, &entry.kind, &entry.machine, &entry.serial_number, &entry.operator_name,
+                                  &entry.instrument, &entry.summary, &entry.content, &entry.previous})
+    add(*part);
+  return sha256_hex(bytes);
+}
+
+std::string no_previous() { return std::string(64, '0'); }
+
+std::vector<LogFile> files_of(const LogbookEntry& entry) {
+  std::vector<LogFile> files;
+  const Json content = content_json(entry);
+  const auto found = content.find("files");
+  if (found == content.end() || !found->is_array()) return files;
+  for (const Json& one : *found) {
+    if (!one.is_object()) continue;
+    LogFile file{text_at(one, "role"), text_at(one, "name"), text_at(one, "sha256"), 0, false};
+    if (const auto bytes = one.find("bytes"); bytes != one.end() && bytes->is_number_unsigned())
+      file.bytes = bytes->get<std::uint64_t>();
+    if (const auto kept = one.find("kept"); kept != one.end() && kept->is_boolean()) file.kept = kept->get<bool>();
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
+std::vector<std::string> words_of(const LogbookEntry& entry) {
+  std::vector<std::string> words;
+  const Json content = content_json(entry);
+  const auto found = content.find("words");
+  if (found == content.end() || !found->is_array()) return words;
+  for (const Json& word : *found)
+    if (word.is_string()) words.push_back(word.get<std::string>());
+  return words;
+}
+
+std::string folder_of(const LogbookEntry& entry) { return text_at(content_json(entry), "folder"); }
+
+namespace {
+
+constexpr std::size_t kLeastMachineCut = 37;  // bytes; a unit's identity cuts longer names (core/identity.cpp)
+
+bool same_machine(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  const auto& [shorter, longer] = a.size() < b.size() ? std::pair(a, b) : std::pair(b, a);
+  return shorter.size() >= kLeastMachineCut && longer.starts_with(shorter);
+}
+
+}  // namespace
+
+bool belongs(const LogOwner& owner, const LogOwner& of) {
+  const bool empty = owner.machine.empty() && owner.serial_number.empty();
+  const bool both_named = !owner.machine.empty() && !of.machine.empty();
+  const bool both_numbered = !owner.serial_number.empty() && !of.serial_number.empty();
+  if (both_named && !same_machine(owner.machine, of.machine)) return false;
+  if (both_numbered && owner.serial_number != of.serial_number) return false;
+  return empty || both_named || both_numbered;
+}
+
+std::string in_words(const LogOwner& owner) {
+  if (owner.machine.empty() && owner.serial_number.empty()) return "no machine yet";
+  if (owner.serial_number.empty()) return owner.machine;
+  if (owner.machine.empty()) return fmt::format("the unit with serial number {}", owner.serial_number);
+  return fmt::format("{}, serial number {}", owner.machine, owner.serial_number);
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/logbook/packing.hpp"
 #include "commissioning/logbook/sqlite.hpp"
 #include "commissioning/logbook/store.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/json_values.hpp"
 #include "base/paragraph.hpp"
 
 namespace ecs::commissioning {
@@ -21,15 +21,12 @@ std::string field_line(std::string_view name, const std::string& value) {
 
 std::string instrument_text(const Json& instrument) {
   if (!instrument.is_object()) return {};
-  const auto word = [&](const char* key) {
-    return instrument.contains(key) && instrument[key].is_string() ? instrument[key].get<std::string>() : std::string();
-  };
-  std::string text = word("name");
-  if (const std::string number = word("serial_number"); !number.empty())
-    text += fmt::format(", serial number {}", number);
-  if (const std::string name = word("calibration_certificate"); !name.empty())
-    text += fmt::format(", certificate {}", name);
-  if (const std::string day = word("valid_until"); !day.empty()) text += fmt::format(", valid until {}", day);
+  std::string text = text_at(instrument, "name");
+  for (const auto& [key, words] :
+       {std::pair("serial_number", "serial number"), std::pair("calibration_certificate", "certificate"),
+        std::pair("valid_until", "valid until")})
+    if (const std::string value = text_at(instrument, key); !value.empty())
+      text += fmt::format(", {} {}", words, value);
   if (instrument.contains("calibrated") && instrument["calibrated"] == false) text += " (NOT VALID THEN)";
   return text;
 }

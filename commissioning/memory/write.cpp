@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.hpp"
-#include "commissioning/logbook/transfers.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "core/fault.hpp"
 

@@ -13,7 +13,7 @@
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
-#include "commissioning/certificate/xml.hpp"
+#include "commissioning/certificate/certificate.hpp"
 #include "commissioning/logbook/instrument.hpp"
 #include "commissioning/logbook/view.hpp"
 #include "commissioning/unit/transfer.hpp"

@@ -17,7 +17,6 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "commissioning/logbook/packing.hpp"
 #include "commissioning/logbook/sqlite.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"

@@ -2,7 +2,6 @@
 #include <cstdlib>
 
 #include "base/file.hpp"
-#include "commissioning/certificate/xml.hpp"
 #include "tests/support/logbook_folder.hpp"
 #include "tests/support/short_lathe.hpp"
 #include "tests/support/verb_run.hpp"
