@@ -1,7 +1,9 @@
-// Diagnosing the machines of a manifest on all cores, gone on with where a former run ended.
-// Does not live here: what the answers of all machines together mean (merge.hpp).
+// Diagnosing the machines of a manifest on all cores, gone on with where a former run ended; the files of one machine:
+// their content as one hash, and their diagnosis. Does not live here: what the answers of all machines together mean
+// (merge.hpp).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -14,6 +16,26 @@
 #include "commissioning/manifest/manifest.hpp"
 
 namespace ecs::commissioning {
+
+/// A row of the manifest; paths are complete.
+struct MachineSet {
+  std::string id, model, data, machine, type, batch;
+};
+
+/// id, model, data; machine, type and batch may be absent.
+[[nodiscard]] const ManifestColumns& fleet_columns();
+[[nodiscard]] MachineSet machine_set_of(const Manifest& manifest, const ManifestRow& row);
+
+/// SHA-256 of what the answer depends on: model, its map, data, machine, and the number of noise replicates. Where the
+/// files lie and what they are called does not matter. Refuses what is no regular file, and more than 8 MiB of data
+/// (about 130,000 readings): many such sets at once would not fit into memory.
+[[nodiscard]] Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replicates);
+
+/// The diagnosis of `ecs model diagnose` on these files. Safe to call from several threads; the answer does not depend
+/// on how many.
+/// @param hash  content_hash()  @param cancelled  set by another thread: `refused`, soon
+[[nodiscard]] Result<FleetResult> diagnosed(const MachineSet& set, const std::string& hash,
+                                            std::size_t noise_replicates, const std::atomic<bool>* cancelled);
 
 /// A share of the rows, for one host of many: row number - 1, and every of-th from there on.
 struct FleetPart {
@@ -58,7 +80,7 @@ struct FleetWatch {
   std::function<void(const FleetError&)> error;        ///< by the calling thread too
 };
 
-/// A line for each machine is added to `output` (results_file.hpp) as soon as its answer is there; machines whose
+/// A line for each machine is added to `output` (result.hpp) as soon as its answer is there; machines whose
 /// content is in it already are skipped. A row that cannot be read or diagnosed becomes a line with its error; of rows
 /// with the same id the first is diagnosed, and the lines of the others come last. Beside `output` a file `.work`
 /// exists during the run. Stops in good order on a signal. Refuses an output that is no results file or belongs to

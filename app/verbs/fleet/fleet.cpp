@@ -5,8 +5,8 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/fleet/gathered.hpp"
-#include "commissioning/fleet/machine_set.hpp"
+#include "commissioning/fleet/merge.hpp"
+#include "commissioning/fleet/result.hpp"
 #include "commissioning/fleet/run.hpp"
 
 namespace ecs::app {

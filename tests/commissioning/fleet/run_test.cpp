@@ -4,8 +4,7 @@
 
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
-#include "commissioning/fleet/machine_set.hpp"
-#include "commissioning/fleet/under_way.hpp"
+#include "commissioning/fleet/result.hpp"
 #include "tests/support/fleet_folder.hpp"
 
 namespace ecs::commissioning {
