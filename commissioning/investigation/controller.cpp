@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/investigation/opening.hpp"
+#include "commissioning/investigation/socket_workshop.hpp"
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/models/work.hpp"

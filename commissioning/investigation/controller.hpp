@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "commissioning/investigation/followed.hpp"
 #include "commissioning/investigation/investigation.hpp"
-#include "commissioning/investigation/ledger_view.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"

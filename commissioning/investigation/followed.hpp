@@ -1,6 +1,6 @@
-// An investigation as somebody watches it: its steps, the run under way, what was said; and the readings it was given,
-// so that one that was stopped goes on where it was.
-// Does not live here: the ledger as text (ledger.hpp), its file (watched_folder.hpp).
+// An investigation as somebody watches it: its steps, the run under way, what was said, as rows of a screen too (a
+// falling staircase of the causes that are still possible); and the readings it was given, so that one that was stopped
+// goes on where it was. Does not live here: the ledger as text of a verb (ledger.hpp), its file (watched_folder.hpp).
 #pragma once
 
 #include <functional>
@@ -57,5 +57,26 @@ class FollowedWorkshop final : public Workshop {
   std::function<void()> changed_;
   std::size_t kept_ = 0;  ///< steps of this investigation
 };
+
+struct LedgerRow {
+  std::string numbers;      ///< number, minutes, minutes in all, rms, members left; below ledger_numbers_head()
+  std::size_t members = 0;  ///< left in the set; 0: nothing is named
+  bool settled = false;     ///< one cause is left, or nothing is missing
+  std::string measured;
+};
+
+struct LedgerView {
+  std::vector<LedgerRow> rows;
+  std::string set;    ///< "sag:X:EX 0.97, progressive:X:EX 0.03"; what the last verdict is where it is empty
+  std::string doing;  ///< empty: nothing
+  std::vector<std::string> said;  ///< newest last
+};
+
+/// " #    min in all   rms um left"
+[[nodiscard]] std::string ledger_numbers_head();
+[[nodiscard]] LedgerView view_of(const InvestigationProgress& progress);
+
+/// The view as lines that fit `columns`, bars as '#'; for a terminal that is redrawn.
+[[nodiscard]] std::vector<std::string> lines_of(const LedgerView& view, std::size_t columns);
 
 }  // namespace ecs::commissioning

@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/investigation/level.hpp"
 #include "commissioning/investigation/readings.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
@@ -328,7 +327,7 @@ class Investigator {
     step.measured = short_text(proposal);
     step.readings = run->set.readings.size();
     readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes, proposal.against_square);
-    if (auto diagnosed = diagnose(); !diagnosed) return diagnosed;
+    ECS_DO(diagnose());
     step.verdict = diagnosis_->verdict;
     step.set = members_left(*diagnosis_);
     step.rms_um = diagnosis_->rms_um;
@@ -367,8 +366,7 @@ class Investigator {
     result_.model = without_zeros(model::with_values(std::move(whole), fit));
     for (const Look& look : looks_)
       if (is_against_straight_edge(look.proposal))
-        if (auto level = make_level(result_.model, {look.proposal.axis, look.proposal.sense}, machine_); !level)
-          return level;
+        ECS_DO(make_level(result_.model, {look.proposal.axis, look.proposal.sense}, machine_));
     return {};
   }
 

@@ -1,5 +1,6 @@
-// What an investigation has done and found: a step for each run, the causes, minutes and errors; as text and JSON.
-// Does not live here: the work itself (investigation.hpp).
+// What an investigation has done and found: a step for each run, the causes that a diagnosis leaves possible, minutes
+// and errors; as text and JSON. Does not live here: the work itself (investigation.hpp), how a diagnosis finds causes
+// (model/diagnosis/diagnose.hpp).
 #pragma once
 
 #include <cstddef>
@@ -8,12 +9,22 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "commissioning/investigation/credible_set.hpp"
 #include "commissioning/investigation/first_look.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/fit.hpp"
 
 namespace ecs::commissioning {
+
+using model::SetMember;
+
+/// The credible set that holds one candidate, likeliest first; without the zeros of runs.
+[[nodiscard]] std::vector<SetMember> credible_set_of(const model::Candidate& candidate);
+
+/// The sets of all candidates of the answer, proved or likely; empty where it has none.
+[[nodiscard]] std::vector<SetMember> members_left(const model::Diagnosis& diagnosis);
+
+/// The answer has causes, and none has a rival.
+[[nodiscard]] bool causes_are_single(const model::Diagnosis& diagnosis);
 
 /// One run, and what all readings so far say.
 struct InvestigationStep {

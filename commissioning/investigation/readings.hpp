@@ -1,12 +1,15 @@
 // The readings of all runs of an investigation as one set, and the model with the zeros of the runs: every run begins
-// with an instrument set to zero anew, so that what shifts a whole run says nothing.
-// Does not live here: measuring (workshop.hpp).
+// with an instrument set to zero anew, so that what shifts a whole run says nothing. The slope of a line against a
+// straight edge, which is that of its set-up, is taken out of a model before a map is made. Does not live here:
+// measuring (workshop.hpp).
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/result.hpp"
+#include "commissioning/investigation/first_look.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/data/observations.hpp"
 #include "model/fit/model_file.hpp"
@@ -47,5 +50,10 @@ class InvestigationReadings {
 
 /// The model without the zeros of runs.
 [[nodiscard]] model::Model without_zeros(model::Model model);
+
+/// The usual slope of the line is set so that all that a map carries of it is level over the travel (least squares):
+/// then compensating the line does not turn the axis, from which squareness counts. A slope that a person gave stays.
+[[nodiscard]] Result<void> make_level(model::Model& model, const InvestigatedLine& line,
+                                      const params::Machine& machine);
 
 }  // namespace ecs::commissioning

@@ -1,14 +1,18 @@
 #include "commissioning/investigation/socket_workshop.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "commissioning/investigation/watched_folder.hpp"
 #include "commissioning/link/workshop_client.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
@@ -244,10 +248,42 @@ void SocketWorkshop::complete(laser::MeasurementSet& set, const MeasurementPropo
 Result<void> SocketWorkshop::activate(const model::Model& model) {
   ECS_TRY(files, write_map_files(messages_, model, options_.sources, folder_));
   return with_unit([&](protocol::UnitClient& client) -> Result<void> {
-    if (const auto sent = send_map_files(client, files); !sent) return sent;
-    if (const auto referenced = hands_->reference(); !referenced) return referenced;
+    ECS_DO(send_map_files(client, files));
+    ECS_DO(hands_->reference());
     return wait_for_compensation(client, kDatumWait_s);
   });
+}
+
+namespace {
+
+std::string params_of(const WorkshopChoice& choice) {
+  if (!choice.params.empty()) return choice.params;
+  const auto beside = std::filesystem::path(choice.machine).replace_filename("parameters.toml");
+  std::error_code error;
+  return std::filesystem::exists(beside, error) ? beside.string() : std::string();
+}
+
+}  // namespace
+
+Result<OpenedWorkshop> open_workshop(MessageSink& messages, const WorkshopChoice& choice,
+                                     const params::Machine& machine, const std::atomic<bool>& cancelled) {
+  const MapSources sources{choice.machine, params_of(choice)};
+  if (!choice.socket.empty()) {
+    ECS_TRY(opened, SocketWorkshop::open(messages,
+                                         {choice.socket, choice.link, sources, machine, choice.map_is_modelled,
+                                          choice.arm_code, choice.open_unit},
+                                         cancelled));
+    const std::string link = opened->link();
+    return OpenedWorkshop{std::move(opened), link};
+  }
+  const auto pause = [&cancelled](std::chrono::milliseconds time) {
+    std::this_thread::sleep_for(time);
+    return !cancelled;
+  };
+  ECS_TRY(opened, WatchedFolder::open(
+                      messages, {choice.folder, choice.model, choice.link, sources, machine, pause, choice.arm_code},
+                      cancelled));
+  return OpenedWorkshop{std::move(opened), ""};
 }
 
 }  // namespace ecs::commissioning

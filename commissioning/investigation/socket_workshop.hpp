@@ -1,5 +1,6 @@
 // A workshop that works by itself: part programs, virtual laser, waiting, warming up, load and realigned optics as
-// requests over its socket (docs/emulator.md). Only the requests are known here, nothing of the program behind them.
+// requests over its socket (docs/emulator.md); only the requests are known here, nothing of the program behind them.
+// And which workshop an investigation works in: opened by the socket or the folder that was named (watched_folder.hpp).
 #pragma once
 
 #include <atomic>
@@ -69,5 +70,26 @@ class SocketWorkshop final : public Workshop {
   double load_kg_ = 0.0;
   std::map<std::pair<Axis, Sense>, int> set_ups_;  ///< number of the last set-up of each line
 };
+
+struct WorkshopChoice {
+  std::string socket;   ///< of a running workshop
+  std::string folder;   ///< to watch, where no socket is named
+  std::string link;     ///< to the unit; empty: the one that the workshop names, or a person sends the map
+  std::string model;    ///< file
+  std::string machine;  ///< file
+  std::string params;   ///< file; empty: parameters.toml beside the machine, else those that fit it
+  bool map_is_modelled = false;
+  std::string arm_code{};  ///< that the unit shows; empty: that which the workshop names, or $ECS_ARM_CODE
+  OpenUnit open_unit{};    ///< a link that is open already
+};
+
+struct OpenedWorkshop {
+  std::unique_ptr<Workshop> workshop;
+  std::string link;  ///< that the workshop names; empty: none
+};
+
+/// @param messages, cancelled  outlive the workshop
+[[nodiscard]] Result<OpenedWorkshop> open_workshop(MessageSink& messages, const WorkshopChoice& choice,
+                                                   const params::Machine& machine, const std::atomic<bool>& cancelled);
 
 }  // namespace ecs::commissioning

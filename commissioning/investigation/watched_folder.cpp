@@ -181,8 +181,8 @@ Result<void> WatchedFolder::ask_for(const RequestedRun& run) const {
   const std::filesystem::path asked = options_.folder / kAsked;
   const std::string program = asked / fmt::format("run_{:02}.nc", run.number);
   const std::string targets = asked / fmt::format("run_{:02}_targets.csv", run.number);
-  if (auto written = write_file(program, part_program(run.proposal, options_.machine)); !written) return written;
-  if (auto written = write_file(targets, target_list(run.proposal)); !written) return written;
+  ECS_DO(write_file(program, part_program(run.proposal, options_.machine)));
+  ECS_DO(write_file(targets, target_list(run.proposal)));
   messages_.note(fmt::format("run {}{}: {}", run.number, run.with_new_map ? ", with the new map active" : "",
                              run.proposal.sentence));
   messages_.note(
@@ -271,7 +271,7 @@ Result<laser::MeasurementSet> WatchedFolder::taken(const std::filesystem::path& 
 
 Result<void> WatchedFolder::activate(const model::Model& model) {
   if (map_active_) return {};
-  if (auto active = make_active(model); !active) return active;
+  ECS_DO(make_active(model));
   map_active_ = true;
   return write_ledger();
 }
@@ -292,7 +292,7 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   choice.arm_code = options_.arm_code;
   ECS_TRY(unit, open_link(choice, cancelled_));
   ECS_DO(unit.client().status());
-  if (const auto sent = send_map_files(unit.client(), files); !sent) return sent;
+  ECS_DO(send_map_files(unit.client(), files));
   messages_.note("the map was sent; reference every axis of the machine now: the unit watches");
   return wait_for_compensation(unit.client(), kReferencing_s);
 }

@@ -8,8 +8,7 @@
 #include "base/paragraph.hpp"
 #include "commissioning/investigation/followed.hpp"
 #include "commissioning/investigation/investigation.hpp"
-#include "commissioning/investigation/ledger_view.hpp"
-#include "commissioning/investigation/opening.hpp"
+#include "commissioning/investigation/socket_workshop.hpp"
 #include "commissioning/models/work.hpp"
 
 namespace ecs::app {

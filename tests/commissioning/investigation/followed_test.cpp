@@ -7,7 +7,6 @@
 #include <doctest/doctest.h>
 
 #include "commissioning/investigation/investigation.hpp"
-#include "commissioning/investigation/ledger_view.hpp"
 #include "tests/commissioning/support/made_workshop.hpp"
 
 namespace ecs::commissioning {
