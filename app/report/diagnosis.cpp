@@ -10,7 +10,7 @@
 #include "app/report/markup.hpp"
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "base/json.hpp"
+#include "base/json_values.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -24,17 +24,8 @@ const Json& member(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? nothing : *found;
 }
-std::string word_in(const Json& object, const char* key) {
-  const Json& value = member(object, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-std::optional<double> number_in(const Json& object, const char* key) {
-  const Json& value = member(object, key);
-  if (!value.is_number()) return std::nullopt;
-  return value.get<double>();
-}
 std::size_t count_in(const Json& object, const char* key) {
-  const auto value = number_in(object, key);
+  const auto value = number_at(object, key);
   return value && *value > 0.0 && *value < 1e12 ? static_cast<std::size_t>(*value) : 0;
 }
 std::vector<std::string> words_in(const Json& object, const char* key) {
@@ -57,7 +48,7 @@ std::vector<std::string> parameters_in(const Json& object, const std::optional<m
   const Json& sigmas = member(object, "sigma");
   for (const auto& [name, value] : member(object, "parameters").items()) {
     if (!value.is_number()) continue;
-    const auto sigma = sigmas.is_object() ? number_in(sigmas, name.c_str()) : std::nullopt;
+    const auto sigma = sigmas.is_object() ? number_at(sigmas, name.c_str()) : std::nullopt;
     if (value.get<double>() != 0.0 || sigma)
       all.push_back(parameter_text(name, unit_of(effect, name), value.get<double>(), sigma));
   }
@@ -66,24 +57,24 @@ std::vector<std::string> parameters_in(const Json& object, const std::optional<m
 
 ReportedEffect effect_of(const Json& object) {
   ReportedEffect out;
-  out.place = word_in(object, "name");
+  out.place = text_at(object, "name");
   const auto effect = effect_in(object);
   if (effect) {
     out.place = place_text(*effect);
     out.title = effect->definition().title;
     out.facts = commissioning::facts_of(effect->definition());
   }
-  const bool likely = word_in(object, "standing") == name_of(model::Standing::likely);
+  const bool likely = text_at(object, "standing") == name_of(model::Standing::likely);
   out.named = likely || member(object, "named") == Json(true);
-  out.but = word_in(object, "but");
+  out.but = text_at(object, "but");
   if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);
-  out.rms_after_um = number_in(object, "rms_after_um");
-  out.explained = number_in(object, "explained");
-  out.held_out_before_um = number_in(object, "held_out_rms_before_um");
-  out.held_out_after_um = number_in(object, "held_out_rms_um");
+  out.rms_after_um = number_at(object, "rms_after_um");
+  out.explained = number_at(object, "explained");
+  out.held_out_before_um = number_at(object, "held_out_rms_before_um");
+  out.held_out_after_um = number_at(object, "held_out_rms_um");
   out.rivals = words_in(object, "indistinguishable_from");
-  out.because = word_in(object, "because");
-  out.next_measurement = word_in(object, "next_measurement");
+  out.because = text_at(object, "because");
+  out.next_measurement = text_at(object, "next_measurement");
   return out;
 }
 
@@ -99,24 +90,24 @@ std::string headline_from_ids(const ReportedDiagnosis& diagnosis) {
 /// @pre an object
 std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
   ReportedDiagnosis out;
-  out.verdict = word_in(object, "verdict");
-  const auto rms = number_in(object, "rms_um");
+  out.verdict = text_at(object, "verdict");
+  const auto rms = number_at(object, "rms_um");
   const auto known = {"adequate",      "missing_effect", "partly_explained", "unexplained_structure",
                       "likely_effect", "cannot_tell"};
   if (!rms || std::find(known.begin(), known.end(), out.verdict) == known.end()) return std::nullopt;
   out.readings = count_in(object, "observations");
   out.rms_um = *rms;
-  out.rms_after_um = number_in(object, "rms_after_um");
-  out.noise_um = number_in(object, "noise_um").value_or(0.0);
+  out.rms_after_um = number_at(object, "rms_after_um");
+  out.noise_um = number_at(object, "noise_um").value_or(0.0);
   out.noise_replicates = count_in(object, "blanks");
   for (const Json& one : member(object, "candidates"))
     if (one.is_object()) out.effects.push_back(effect_of(one));
   std::stable_sort(out.effects.begin(), out.effects.end(),
                    [](const ReportedEffect& a, const ReportedEffect& b) { return a.named && !b.named; });
   for (const Json& one : member(object, "where"))
-    if (one.is_object()) out.where.push_back({word_in(one, "variable"), number_in(one, "strength").value_or(0.0)});
+    if (one.is_object()) out.where.push_back({text_at(one, "variable"), number_at(one, "strength").value_or(0.0)});
   out.notes = words_in(object, "notes");
-  out.headline = word_in(object, "headline");
+  out.headline = text_at(object, "headline");
   if (out.headline.empty()) out.headline = headline_from_ids(out);
   return out;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/shown.hpp"
+#include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
@@ -136,6 +137,15 @@ std::string unit_text(std::string_view unit) {
 
 std::string counted(std::size_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::vector<TableColumn> columns(std::string_view titles) {
+  std::vector<TableColumn> all;
+  for (const std::string_view title : split(titles, '|')) {
+    const bool number = title.starts_with('>');
+    all.push_back({std::string(title.substr(number ? 1 : 0)), number});
+  }
+  return all;
 }
 
 TableMarkup::TableMarkup(std::vector<TableColumn> columns, std::string_view style)

@@ -65,6 +65,9 @@ struct TableColumn {
   bool number = false;  ///< right-aligned
 };
 
+/// "step|>rms [µm]": titles parted by "|", those of right-aligned columns begin with ">".
+[[nodiscard]] std::vector<TableColumn> columns(std::string_view titles);
+
 /// A table whose head is repeated on every page and whose rows are cut by none; a short one stays in one piece.
 class TableMarkup {
  public:

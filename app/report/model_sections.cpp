@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/report/sections.hpp"
+#include "app/report/page.hpp"
 #include "app/report/svg.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
@@ -43,14 +43,8 @@ std::string noise_ratio_text(const std::vector<TableRow>& rows) {
 }
 
 Markup map_prediction(const ReportContent& content) {
-  TableMarkup table({{"measurement"},
-                     {"band before", true},
-                     {"predicted", true},
-                     {"achieved", true},
-                     {"rms predicted", true},
-                     {"rms achieved", true},
-                     {"achieved ÷ predicted", true},
-                     {"unit"}});
+  TableMarkup table(
+      columns("measurement|>band before|>predicted|>achieved|>rms predicted|>rms achieved|>achieved ÷ predicted|unit"));
   for (std::size_t i = 0; i < content.rows.size(); ++i) {
     const TableRow& row = content.rows[i];
     const PredictedRow& p = content.predicted[i];
@@ -67,14 +61,8 @@ Markup map_prediction(const ReportContent& content) {
 }
 
 Markup directions_table(const ReportedModel& model) {
-  TableMarkup table({{"sense"},
-                     {"axis"},
-                     {"direction"},
-                     {"rms before", true},
-                     {"rms predicted", true},
-                     {"rms achieved", true},
-                     {"achieved ÷ predicted", true},
-                     {"unit"}});
+  TableMarkup table(
+      columns("sense|axis|direction|>rms before|>rms predicted|>rms achieved|>achieved ÷ predicted|unit"));
   for (const AfterDirection& one : model.directions) {
     const int decimals = decimals_for(one.predicted_um);
     table.row({element("strong", one.path.empty() ? std::string(name_of(one.sense)) : one.path),
@@ -99,10 +87,8 @@ Markup model_prediction(const ReportedModel& model) {
 // --- effects
 
 Markup evidence_table(const ReportedDiagnosis& d, bool named) {
-  TableMarkup table({{named ? "effect" : "rival or weaker explanation"},
-                     {"rms after [µm]", true},
-                     {"explained", true},
-                     {"held out before → after [µm]", true}});
+  TableMarkup table(columns(fmt::format("{}|>rms after [µm]|>explained|>held out before → after [µm]",
+                                        named ? "effect" : "rival or weaker explanation")));
   std::size_t left_out = 0;
   for (const ReportedEffect& effect : d.effects) {
     if (effect.named != named) continue;
@@ -183,7 +169,7 @@ std::string parameters_in_words(const model::EffectFit& fit) {
 }
 
 Markup effects_table(const ReportedModel& model) {
-  TableMarkup table({{"effect in the model"}, {"cause"}, {"values"}, {"rms [µm]", true}, {"compensated by"}});
+  TableMarkup table(columns("effect in the model|cause|values|>rms [µm]|compensated by"));
   for (const model::EffectFit& fit : model.effects) {
     const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
                                     [&](const auto& s) { return s.effect == to_text(fit.effect); });
@@ -208,13 +194,7 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
   PlotPanel panel{"", "", "rms [µm]", {}};
   PlotSeries bars{"rms", Mark::bar, {}};
   PlotSeries noise{fmt::format("noise {}", um(history.back().noise_um)), Mark::level, {}};
-  TableMarkup table({{"step"},
-                     {"effect added"},
-                     {"rms before [µm]", true},
-                     {"rms [µm]", true},
-                     {"peak [µm]", true},
-                     {"noise [µm]", true},
-                     {"held out [µm]", true}});
+  TableMarkup table(columns("step|effect added|>rms before [µm]|>rms [µm]|>peak [µm]|>noise [µm]|>held out [µm]"));
   for (std::size_t i = 0; i < history.size(); ++i) {
     const model::LadderStep& step = history[i];
     const std::string name = step.effect.empty() ? "start" : step.effect;

@@ -1,6 +1,6 @@
 // A figure drawn as SVG inside a page: stacked panels on one scale, or bars. Readable without colour: forward is a
 // solid line with full triangles upward, reverse a broken one with open triangles downward. Does not live here: which
-// curves (figures.cpp), figures in files (app/plot/gnuplot.hpp).
+// curves (curve_sections.cpp), figures in files (app/plot/gnuplot.hpp).
 #pragma once
 
 #include <vector>

@@ -6,7 +6,6 @@
 
 #include "app/cli/verb.hpp"
 #include "app/report/page.hpp"
-#include "app/report/sections.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "commissioning/measurements/files.hpp"

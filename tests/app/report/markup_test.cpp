@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/report/sections.hpp"
+#include "app/report/page.hpp"
 #include "app/report/svg.hpp"
 
 namespace ecs::app {
@@ -86,7 +86,7 @@ TEST_CASE("ids are unique and plain, whatever the names") {
 }
 
 TEST_CASE("a table repeats its head and escapes its cells") {
-  TableMarkup table({{"a<b"}, {"n", true}});
+  TableMarkup table(columns("a<b|>n"));
   table.row({text("<x>"), text("1")});
   const std::string html = table.markup().html();
   CHECK(html.find("<thead><tr><th scope=\"col\">a&lt;b</th><th class=\"n\" scope=\"col\">n</th></tr></thead>") !=
