@@ -28,46 +28,20 @@ void word_into(TomlReader& reader, const toml::table& table, std::string_view ke
   reader.complain(*table.get(key), fmt::format("{}: expected {}, got \"{}\"", key, expected, *word));
 }
 
-/// A number of a table, and what it may be.
-struct Field {
-  const char* key;
-  double* value;
-  double low;
-  double high;
-};
-
-void fields_into(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields) {
-  for (const Field& field : fields) {
-    const auto found = reader.number(table, field.key);
-    if (!found) continue;
-    if (*found >= field.low && *found <= field.high)
-      *field.value = *found;
-    else
-      reader.complain(*table.get(field.key),
-                      fmt::format("{}: expected {} to {}, got {}", field.key, field.low, field.high, *found));
-  }
-}
-
-void only(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields,
-          std::vector<std::string> others, std::string_view what) {
-  for (const Field& field : fields) others.emplace_back(field.key);
-  reader.only(table, others, what);
-}
-
 TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
   TransducerSettings transducer;
   double counts = 0.0;
-  const std::vector<Field> fields{{"period_mm", &transducer.period_mm, 1e-4, 1000.0},
-                                  {"offset", &transducer.offset, -0.5, 0.5},
-                                  {"imbalance", &transducer.imbalance, -1.0, 1.0},
-                                  {"quadrature_mrad", &transducer.quadrature_mrad, -500.0, 500.0},
-                                  {"carrier_Hz", &transducer.carrier_Hz, 50.0, 1e6},
-                                  {"noise_um", &transducer.noise_um, 0.0, 1000.0},
-                                  {"fastest_mm_min", &transducer.fastest_mm_min, 1.0, 1e6},
-                                  {"dirt_mm", &transducer.dirt_mm, -1e6, 1e6},
-                                  {"dirt_counts", &counts, 0.0, 1e6}};
-  only(reader, table, fields, {"excitation"}, "emulator.axis.transducer");
-  fields_into(reader, table, fields);
+  numbers_into(reader, table, "emulator.axis.transducer",
+               {{"period_mm", &transducer.period_mm, Within{1e-4, 1000.0}},
+                {"offset", &transducer.offset, Within{-0.5, 0.5}},
+                {"imbalance", &transducer.imbalance, Within{-1.0, 1.0}},
+                {"quadrature_mrad", &transducer.quadrature_mrad, Within{-500.0, 500.0}},
+                {"carrier_Hz", &transducer.carrier_Hz, Within{50.0, 1e6}},
+                {"noise_um", &transducer.noise_um, Within{0.0, 1000.0}},
+                {"fastest_mm_min", &transducer.fastest_mm_min, Within{1.0, 1e6}},
+                {"dirt_mm", &transducer.dirt_mm, Within{-1e6, 1e6}},
+                {"dirt_counts", &counts, Within{0.0, 1e6}}},
+               {"excitation"});
   const bool uneven = transducer.offset != 0.0 || transducer.imbalance != 0.0 || transducer.quadrature_mrad != 0.0;
   if (uneven && transducer.period_mm == 0.0)
     reader.complain(table, "transducer: expected period_mm beside offset, imbalance or quadrature_mrad");
@@ -77,31 +51,27 @@ TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
   return transducer;
 }
 
-}  // namespace
-
 AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
   AxisSettings axis;
-  const std::vector<Field> fields{{"kv_per_s", &axis.kv_per_s, 1.0, 300.0},
-                                  {"dac_um_per_count", &axis.dac_um_per_count, -100.0, 100.0},
-                                  {"acceleration_mm_s2", &axis.acceleration_mm_s2, 1.0, 1e5},
-                                  {"rapid_mm_min", &axis.rapid_mm_min, 10.0, 120'000.0},
-                                  {"servo_lag_um_per_m_min", &axis.servo_lag_um_per_m_min, -1e5, 1e5},
-                                  {"friction_Nm", &axis.friction_Nm, 0.0, 20.0},
-                                  {"breakaway_Nm", &axis.breakaway_Nm, 0.0, 20.0},
-                                  {"slip_mm_s", &axis.slip_mm_s, 1e-3, 1000.0},
-                                  {"lost_motion_um", &axis.slide.lost_motion_um, 0.0, 1e4},
-                                  {"wind_up_um", &axis.slide.wind_up_um, 0.0, 1e4},
-                                  {"wind_up_length_mm", &axis.slide.wind_up_length_mm, 1e-3, 1000.0},
-                                  {"reference_speed_mm_min", &axis.reference_speed_mm_min, 1.0, 60'000.0},
-                                  {"creep_speed_mm_min", &axis.creep_speed_mm_min, 1.0, 60'000.0},
-                                  {"marker_pitch_mm", &axis.marker_pitch_mm, 0.1, 100.0},
-                                  {"null_offset_mm", &axis.null_offset_mm, -1000.0, 1000.0},
-                                  {"switch_width_mm", &axis.switch_width_mm, 0.1, 100.0}};
-  only(
-      reader, table, fields,
-      {"drive", "feedback", "transducer", "count_polarity", "reference_kind", "reference_direction", "switch_polarity"},
-      "emulator.axis");
-  fields_into(reader, table, fields);
+  numbers_into(reader, table, "emulator.axis",
+               {{"kv_per_s", &axis.kv_per_s, Within{1.0, 300.0}},
+                {"dac_um_per_count", &axis.dac_um_per_count, Within{-100.0, 100.0}},
+                {"acceleration_mm_s2", &axis.acceleration_mm_s2, Within{1.0, 1e5}},
+                {"rapid_mm_min", &axis.rapid_mm_min, Within{10.0, 120'000.0}},
+                {"servo_lag_um_per_m_min", &axis.servo_lag_um_per_m_min, Within{-1e5, 1e5}},
+                {"friction_Nm", &axis.friction_Nm, Within{0.0, 20.0}},
+                {"breakaway_Nm", &axis.breakaway_Nm, Within{0.0, 20.0}},
+                {"slip_mm_s", &axis.slip_mm_s, Within{1e-3, 1000.0}},
+                {"lost_motion_um", &axis.slide.lost_motion_um, Within{0.0, 1e4}},
+                {"wind_up_um", &axis.slide.wind_up_um, Within{0.0, 1e4}},
+                {"wind_up_length_mm", &axis.slide.wind_up_length_mm, Within{1e-3, 1000.0}},
+                {"reference_speed_mm_min", &axis.reference_speed_mm_min, Within{1.0, 60'000.0}},
+                {"creep_speed_mm_min", &axis.creep_speed_mm_min, Within{1.0, 60'000.0}},
+                {"marker_pitch_mm", &axis.marker_pitch_mm, Within{0.1, 100.0}},
+                {"null_offset_mm", &axis.null_offset_mm, Within{-1000.0, 1000.0}},
+                {"switch_width_mm", &axis.switch_width_mm, Within{0.1, 100.0}}},
+               {"drive", "feedback", "transducer", "count_polarity", "reference_kind", "reference_direction",
+                "switch_polarity"});
   if (axis.dac_um_per_count == 0.0) reader.complain(*table.get("dac_um_per_count"), "dac_um_per_count: expected not 0");
   sign_into(reader, table, "count_polarity", axis.count_polarity);
   sign_into(reader, table, "switch_polarity", axis.switch_polarity);
@@ -119,8 +89,6 @@ AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
   if (const auto* transducer = reader.child(table, "transducer")) axis.transducer = transducer_of(reader, *transducer);
   return axis;
 }
-
-namespace {
 
 constexpr std::array<std::string_view, 3> kCompensations{"off", "manual", "automatic"};
 
@@ -193,27 +161,6 @@ void judge(TomlReader& reader, const toml::table& table, const LaserSettings& la
                     fmt::format("nonlinearity_cycles: expected 1 or 2, got {}", laser.nonlinearity_cycles));
 }
 
-}  // namespace
-
-std::string_view name_of(Compensation compensation) { return kCompensations[static_cast<std::size_t>(compensation)]; }
-
-std::optional<Compensation> compensation_named(std::string_view name) {
-  for (std::size_t i = 0; i < kCompensations.size(); ++i)
-    if (kCompensations[i] == name) return static_cast<Compensation>(i);
-  return std::nullopt;
-}
-
-LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
-  settings.air_compensation = setting.air.value_or(settings.air_compensation);
-  settings.material_compensation = setting.material.value_or(settings.material_compensation);
-  settings.material_degC = setting.material_degC.value_or(settings.material_degC);
-  settings.dead_path_m = setting.dead_path_m.value_or(settings.dead_path_m);
-  settings.misalignment_mrad = setting.misalignment_mrad.value_or(settings.misalignment_mrad);
-  settings.trigger_latency_s = setting.trigger_latency_s.value_or(settings.trigger_latency_s);
-  if (setting.reversed.value_or(false)) settings.square_error_um_per_m = -settings.square_error_um_per_m;
-  return settings;
-}
-
 LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) {
   LaserSettings laser;
   numbers_into(reader, table, "emulator.laser", fields_of(laser),
@@ -224,8 +171,6 @@ LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) 
   judge(reader, table, laser);
   return laser;
 }
-
-namespace {
 
 void serial_number_into(TomlReader& reader, const toml::table& table, std::string& serial_number) {
   const auto word = reader.word(table, "serial_number");
@@ -281,6 +226,25 @@ void reference_towards_datum(const toml::table& file, WorkshopMachine& workshop)
 }
 
 }  // namespace
+
+std::string_view name_of(Compensation compensation) { return kCompensations[static_cast<std::size_t>(compensation)]; }
+
+std::optional<Compensation> compensation_named(std::string_view name) {
+  for (std::size_t i = 0; i < kCompensations.size(); ++i)
+    if (kCompensations[i] == name) return static_cast<Compensation>(i);
+  return std::nullopt;
+}
+
+LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
+  settings.air_compensation = setting.air.value_or(settings.air_compensation);
+  settings.material_compensation = setting.material.value_or(settings.material_compensation);
+  settings.material_degC = setting.material_degC.value_or(settings.material_degC);
+  settings.dead_path_m = setting.dead_path_m.value_or(settings.dead_path_m);
+  settings.misalignment_mrad = setting.misalignment_mrad.value_or(settings.misalignment_mrad);
+  settings.trigger_latency_s = setting.trigger_latency_s.value_or(settings.trigger_latency_s);
+  if (setting.reversed.value_or(false)) settings.square_error_um_per_m = -settings.square_error_um_per_m;
+  return settings;
+}
 
 Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std::string& file,
                                                const std::filesystem::path& folder) {

@@ -6,23 +6,28 @@
 
 namespace ecs::emulator {
 
-void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value) {
+void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value) {
   const auto found = reader.number(table, key);
   if (!found) return;
-  const bool right = sign == Sign::any || (sign == Sign::not_negative && *found >= 0.0) ||
-                     (sign == Sign::positive && *found > 0.0) || (sign == Sign::not_zero && *found != 0.0);
+  const auto* range = std::get_if<Within>(&may);
+  const Sign sign = range != nullptr ? Sign::any : std::get<Sign>(may);
+  const bool right = range != nullptr
+                         ? *found >= range->low && *found <= range->high
+                         : sign == Sign::any || (sign == Sign::not_negative && *found >= 0.0) ||
+                               (sign == Sign::positive && *found > 0.0) || (sign == Sign::not_zero && *found != 0.0);
   if (right) {
     value = *found;
     return;
   }
   constexpr std::array<std::string_view, 4> kWanted{"a number", "0 or more", "a number above 0", "anything but 0"};
-  reader.complain(*table.get(key),
-                  fmt::format("{}: expected {}, got {}", key, kWanted[static_cast<std::size_t>(sign)], *found));
+  const std::string wanted = range != nullptr ? fmt::format("{} to {}", range->low, range->high)
+                                              : std::string(kWanted[static_cast<std::size_t>(sign)]);
+  reader.complain(*table.get(key), fmt::format("{}: expected {}, got {}", key, wanted, *found));
 }
 
-void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value) {
+void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value) {
   if (table.contains(key))
-    number_into(reader, table, key, sign, value);
+    number_into(reader, table, key, may, value);
   else
     reader.complain(table, fmt::format("{}: expected a number, it is missing", key));
 }
@@ -32,7 +37,7 @@ void numbers_into(TomlReader& reader, const toml::table& table, std::string_view
   for (const NumberField& field : fields) others.emplace_back(field.key);
   reader.only(table, others, what);
   for (const NumberField& field : fields) {
-    (field.required ? required_into : number_into)(reader, table, field.key, field.sign, *field.value);
+    (field.required ? required_into : number_into)(reader, table, field.key, field.may, *field.value);
     if (*field.value > field.most)
       reader.complain(*table.get(field.key),
                       fmt::format("{}: expected at most {}, got {}", field.key, field.most, *field.value));

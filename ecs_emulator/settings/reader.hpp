@@ -4,31 +4,37 @@
 
 #include <limits>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "base/toml_reader.hpp"
-#include "ecs_emulator/settings/emulator.hpp"
 
 namespace ecs::emulator {
 
 enum class Sign { any, not_negative, positive, not_zero };
+struct Within {
+  double low = 0.0;
+  double high = 0.0;
+};
+/// What a number may be.
+using Bounds = std::variant<Sign, Within>;
 
 /// Leaves `value` as it is where the key is absent or wrong.
-void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value);
+void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value);
 /// As number_into(), and complains where the key is absent.
-void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value);
+void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value);
 
 /// A number of a table, where it goes and what it may be.
 struct NumberField {
   const char* key;
   double* value;
-  Sign sign = Sign::any;
+  Bounds may = Sign::any;
   double most = std::numeric_limits<double>::infinity();
   bool required = false;
 };
 
-[[nodiscard]] inline NumberField required(const char* key, double& value, Sign sign) {
-  return {key, &value, sign, std::numeric_limits<double>::infinity(), true};
+[[nodiscard]] inline NumberField required(const char* key, double& value, Bounds may) {
+  return {key, &value, may, std::numeric_limits<double>::infinity(), true};
 }
 
 /// Reads every field; complains about each key of `table` that is neither a field nor one of `others`.
@@ -37,10 +43,5 @@ void numbers_into(TomlReader& reader, const toml::table& table, std::string_view
 
 /// +1 or −1.
 void sign_into(TomlReader& reader, const toml::table& table, std::string_view key, int& value);
-
-/// `[emulator.axis.X]`
-[[nodiscard]] AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table);
-/// `[emulator.laser]`
-[[nodiscard]] LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table);
 
 }  // namespace ecs::emulator
