@@ -45,7 +45,7 @@ class Measuring {
  private:
   Result<void> check() const {
     const auto& targets = plan_.targets_mm;
-    if (auto fit = MeasuringPost::fits(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting); !fit) return fit;
+    ECS_DO(MeasuringPost::fits(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting));
     if (targets.size() < 2) return refused("targets: expected at least 2");
     for (std::size_t i = 1; i < targets.size(); ++i)
       if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)
@@ -207,7 +207,7 @@ InstrumentKind kind_of(const CapturePlan& plan) {
 }
 
 Result<void> checked(const Simulation& simulation, const CapturePlan& plan) {
-  if (auto fit = MeasuringPost::fits(simulation, plan.axis, plan.sense, kind_of(plan)); !fit) return fit;
+  ECS_DO(MeasuringPost::fits(simulation, plan.axis, plan.sense, kind_of(plan)));
   const double most_Hz = 1.0 / simulation.period_s();
   if (!(plan.rate_Hz > 0.0 && plan.rate_Hz <= most_Hz + 1e-9))
     return refused(fmt::format("rate: expected above 0 to {} Hz, got {}", shortest(most_Hz), plan.rate_Hz));

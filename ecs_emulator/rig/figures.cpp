@@ -116,10 +116,9 @@ Result<void> draw_rig_pictures(const std::filesystem::path& folder, const RigPic
       servo_commands() + "set datafile separator whitespace\n";
   for (const Calibration& c : calibrations) {
     script += calibration_commands(c);
-    if (const auto written = write_file(folder / fmt::format("means_{}.dat", c.figure), means_of(*c.band)); !written)
-      return written;
+    ECS_DO(write_file(folder / fmt::format("means_{}.dat", c.figure), means_of(*c.band)));
   }
-  if (const auto written = write_file(folder / "figures.gp", script); !written) return written;
+  ECS_DO(write_file(folder / "figures.gp", script));
   return run_gnuplot(folder);
 }
 

@@ -71,8 +71,8 @@ Result<void> keep(UnitMemory& memory, const std::filesystem::path& path) {
     const ByteView bytes = memory.view(part.first, part.size);
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
-  if (auto written = write_file(path, content); !written) return written;
-  if (auto lasting = keep_name(path); !lasting) return lasting;
+  ECS_DO(write_file(path, content));
+  ECS_DO(keep_name(path));
   memory.kept();
   return {};
 }

@@ -12,8 +12,6 @@
 
 namespace ecs::emulator {
 
-class Arguments;
-
 /// Provokes the fault that the argument `name` names, or mends everything (`clear`); docs/emulator.md lists them.
 [[nodiscard]] Result<void> provoke(const Workshop& workshop, Arguments& arguments);
 

@@ -24,7 +24,7 @@ Result<void> stick_ram(const Workshop& workshop, Arguments& arguments) {
   const auto address = address_in(arguments, *workshop.unit);
   const auto bit = arguments.integer("bit", 0, 7).value_or(0);
   const auto level = arguments.integer("level", 0, 1).value_or(1);
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.unit->memory().stick(*address, static_cast<int>(bit), static_cast<int>(level));
   return {};
 }
@@ -32,7 +32,7 @@ Result<void> stick_ram(const Workshop& workshop, Arguments& arguments) {
 Result<void> corrupt_ram(const Workshop& workshop, Arguments& arguments) {
   const auto address = address_in(arguments, *workshop.unit);
   const auto bits = arguments.integer("bits", 1, 255).value_or(1);
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.unit->memory().corrupt(*address, static_cast<std::uint8_t>(bits));
   return {};
 }
@@ -40,20 +40,20 @@ Result<void> corrupt_ram(const Workshop& workshop, Arguments& arguments) {
 Result<void> overrun(const Workshop& workshop, Arguments& arguments) {
   const double extra_us = arguments.number_or("us", 1e6);
   const auto periods = arguments.integer("count", 0, 100'000'000).value_or(0);
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.unit->slow_down(extra_us, static_cast<std::uint64_t>(periods));
   return {};
 }
 
 Result<void> power_fails(const Workshop& workshop, Arguments& arguments) {
   const auto bytes = arguments.integer("count", 0, 100'000'000).value_or(0);
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.unit->memory().power_fails_after(static_cast<std::uint64_t>(bytes));
   return {};
 }
 
 Result<void> hang(const Workshop& workshop, Arguments& arguments) {
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.unit->hang();
   return {};
 }
@@ -69,7 +69,7 @@ std::optional<Axis> axis_in(const Workshop& workshop, Arguments& arguments) {
 Result<void> lose_transducer(const Workshop& workshop, Arguments& arguments) {
   const auto axis = axis_in(workshop, arguments);
   const bool back = arguments.flag("back");
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.simulation->machine().axis(*axis).lose_transducer(!back);
   return {};
 }
@@ -77,7 +77,7 @@ Result<void> lose_transducer(const Workshop& workshop, Arguments& arguments) {
 Result<void> lose_marker(const Workshop& workshop, Arguments& arguments) {
   const auto axis = axis_in(workshop, arguments);
   const bool back = arguments.flag("back");
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.simulation->machine().axis(*axis).lose_marker(!back);
   return {};
 }
@@ -86,7 +86,7 @@ Result<void> hang_switch(const Workshop& workshop, Arguments& arguments) {
   const auto axis = axis_in(workshop, arguments);
   const auto level = arguments.integer("level", 0, 1).value_or(1);
   const bool back = arguments.flag("back");
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.simulation->machine().axis(*axis).hang_switch(back ? std::nullopt : std::optional(level == 1));
   return {};
 }
@@ -94,7 +94,7 @@ Result<void> hang_switch(const Workshop& workshop, Arguments& arguments) {
 Result<void> miscount(const Workshop& workshop, Arguments& arguments) {
   const auto axis = axis_in(workshop, arguments);
   const auto counts = arguments.integer("count", -1'000'000'000, 1'000'000'000).value_or(10'000);
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   workshop.simulation->machine().axis(*axis).miscount(counts);
   workshop.simulation->idle_tick();
   return {};
@@ -106,7 +106,7 @@ Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol
   const auto slow_ms = arguments.number("slow_ms");
   if (workshop.line == nullptr) arguments.complain("no line comes here");
   if (!(probability >= 0.0 && probability <= 1.0)) arguments.complain("probability: expected 0 to 1");
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   if (slow_ms) workshop.line->slow_ms = *slow_ms;
   if (count)
     workshop.line->next(fault, static_cast<std::uint32_t>(*count));
@@ -116,7 +116,7 @@ Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol
 }
 
 Result<void> clear(const Workshop& workshop, Arguments& arguments) {
-  if (auto right = arguments.checked(); !right) return right;
+  ECS_DO(arguments.checked());
   if (workshop.line != nullptr) workshop.line->clear();
   if (workshop.unit != nullptr) {
     workshop.unit->memory().repair();

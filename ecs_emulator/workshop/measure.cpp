@@ -62,7 +62,7 @@ Answer follow_plan(const Workshop& workshop, Arguments& arguments,
     if (report) report(Json{{"progress", static_cast<double>(k) / static_cast<double>(requests.size())}}.dump());
     const Json request = Json::parse(requests[k]);
     Arguments row(request);
-    if (auto measured = measure_machine(workshop, row, {}); !measured) return measured;
+    ECS_DO(measure_machine(workshop, row, {}));
   }
   return Json{{"output", files}};
 }

@@ -20,11 +20,9 @@ class ReferenceCycle {
   Result<void> run() {
     const AxisSettings& s = axis_.settings();
     if (!go(start_position_mm(axis_.facts(), s), 0.0)) return stopped_early();
-    if (auto met = seek(
-            onward(), kAnywhere_mm, s.reference_speed_mm_min, [this] { return axis_.on_switch(); },
-            "the reference switch was not met before the end of travel");
-        !met)
-      return met;
+    ECS_DO(seek(
+        onward(), kAnywhere_mm, s.reference_speed_mm_min, [this] { return axis_.on_switch(); },
+        "the reference switch was not met before the end of travel"));
     auto marked = s.reference_kind == DatumKind::siemens ? marker_on_switch() : marker_after_switch();
     if (!marked) return marked;
     if (!go(machine_.command_mm()[index_of(name_)], 0.0)) return stopped_early();
@@ -106,8 +104,7 @@ class ReferenceCycle {
 }  // namespace
 
 Result<void> reference(Simulation& simulation, const std::vector<Axis>& axes) {
-  for (const Axis axis : axes)
-    if (auto referenced = ReferenceCycle(simulation, axis).run(); !referenced) return referenced;
+  for (const Axis axis : axes) ECS_DO(ReferenceCycle(simulation, axis).run());
   return {};
 }
 

@@ -84,9 +84,8 @@ class RunningWorkshop {
 
   Result<void> switch_on() {
     if (!battery_.empty()) {
-      if (auto restored = restore(unit_.memory(), battery_); !restored) return restored;
-      if (auto kept = keep(unit_.memory(), battery_); !kept)
-        return kept;  // a file that cannot be written shows at once
+      ECS_DO(restore(unit_.memory(), battery_));
+      ECS_DO(keep(unit_.memory(), battery_));  // a file that cannot be written shows at once
     }
     unit_.power(true);
     simulation_.idle_tick();
@@ -246,7 +245,7 @@ Result<void> serve(const ServeOptions& given, const std::atomic<int>& stop,
   if (second_line) greeting["second_link"] = second_link_of(second_line->address(), options.token_file);
   RunningWorkshop running(std::move(simulation), options, serial_number, std::move(line), std::move(second_line),
                           std::move(door), stop);
-  if (auto on = running.switch_on(); !on) return on;
+  ECS_DO(running.switch_on());
   ready(greeting.dump());
   return running.run();
 }

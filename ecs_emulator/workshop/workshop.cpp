@@ -34,6 +34,13 @@ Json by_axis(const MachineTool& machine, const Vector3& values) {
   return object;
 }
 
+/// Readings into the file under `output`, or back as `csv` where there is none.
+Answer handed_back(std::size_t readings, const std::string& csv, const std::string& output) {
+  if (output.empty()) return Json{{"readings", readings}, {"csv", csv}};
+  ECS_DO(write_file(output, csv));
+  return Json{{"readings", readings}, {"output", output}};
+}
+
 Json rack_in(const Unit& unit) {
   Json rack = Json::array();
   for (const RackModule& module : rack_of(unit.settings().memory_modules, unit.settings().axis_modules))
@@ -162,9 +169,7 @@ Answer read_circle(const Workshop& workshop, Arguments& arguments) {
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
   ECS_TRY(test, contour_circle(*workshop.simulation, plan));
-  if (output.empty()) return Json{{"readings", test.readings.size()}, {"csv", laser::to_csv(test)}};
-  ECS_DO(write_file(output, laser::to_csv(test)));
-  return Json{{"readings", test.readings.size()}, {"output", output}};
+  return handed_back(test.readings.size(), laser::to_csv(test), output);
 }
 
 Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
@@ -217,16 +222,7 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(arguments.checked());
   ECS_TRY(text, read_file(plan));
   ECS_TRY(lengths, measured_lengths(*workshop.simulation, text, plan, settings));
-  if (output.empty()) return Json{{"readings", lengths.readings}, {"csv", lengths.csv}};
-  ECS_DO(write_file(output, lengths.csv));
-  return Json{{"readings", lengths.readings}, {"output", output}};
-}
-
-/// Into the file under `output`, or back as `csv` where there is none.
-Answer kept(const laser::MeasurementSet& set, const std::string& output) {
-  if (output.empty()) return Json{{"readings", set.readings.size()}, {"csv", to_csv(set)}};
-  ECS_DO(write_measurement_set(output, set));
-  return Json{{"readings", set.readings.size()}, {"output", output}};
+  return handed_back(lengths.readings, lengths.csv, output);
 }
 
 /// What both kinds of readings of rotary axes share.
@@ -269,8 +265,8 @@ Answer read_ball(const Workshop& workshop, Arguments& arguments) {
   for (const std::string& text : arguments.words("sweep")) plan.sweeps.push_back(asked_sweep(arguments, text));
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
-  const auto set = ball_readings(*workshop.simulation, plan);
-  return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
+  ECS_TRY(set, ball_readings(*workshop.simulation, plan));
+  return handed_back(set.readings.size(), to_csv(set), output);
 }
 
 Answer read_turn(const Workshop& workshop, Arguments& arguments) {
@@ -284,8 +280,8 @@ Answer read_turn(const Workshop& workshop, Arguments& arguments) {
   ask_for_readings(workshop, arguments, plan.runs, plan.noise, plan.seconds);
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
-  const auto set = turn_readings(*workshop.simulation, plan);
-  return set ? kept(*set, output) : Answer(tl::unexpected(set.error()));
+  ECS_TRY(set, turn_readings(*workshop.simulation, plan));
+  return handed_back(set.readings.size(), to_csv(set), output);
 }
 
 /// Error motions and location errors of the rotary axes that the machine has.
