@@ -191,6 +191,9 @@ double rms_about_centre(const laser::CircleTest& test) {
 struct Tally {
   int cases = 0, right = 0, grouped = 0, wrong = 0;
   int beside = 0;  ///< with a further name, of a fault that is not there
+  void operator+=(const Tally& more) {
+    cases += more.cases, right += more.right, grouped += more.grouped, wrong += more.wrong, beside += more.beside;
+  }
 };
 
 /// A cause as the error model names it, in the words of the circle's faults: "backlash:X:EX" → "backlash:X".
@@ -337,6 +340,12 @@ Result<Named> named_by_model(const laser::CircleTest& test, const std::filesyste
   return named_by(diagnosis, laser::plane_name(test.plane));
 }
 
+std::string case_text(long long seed, bool right, const HiddenCircle& hidden, double sigma_um) {
+  return fmt::format("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um:", seed, right ? "right" : "WRONG",
+                     laser::plane_name(hidden.plan.plane), hidden.cause, hidden.plan.radius_mm, hidden.plan.feed_mm_min,
+                     sigma_um);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -372,6 +381,9 @@ int main(int argc, char** argv) {
   std::map<std::string, Tally> tallies;
   Tally all;
   int both = 0;  ///< of a seed that hides two faults together both are named
+  const auto count = [&](const std::string& name, const Tally& one) {
+    for (Tally* tally : {&tallies[name], &all}) *tally += one;
+  };
   for (long long seed = first; seed <= last; ++seed) {
     HiddenCircle hidden = hidden_circle(static_cast<std::uint64_t>(seed), second, together);
     const bool on_lines = hidden.fault == "backlash" || hidden.fault == "scale" || hidden.fault == "cyclic";
@@ -401,14 +413,8 @@ int main(int argc, char** argv) {
       const bool of_one = hidden.fault != "scale" && hidden.fault != "servo_mismatch";
       const bool alone = right && alike.empty() &&
                          (of_one || result->after.verdict.find(":" + hidden.axis + ":") != std::string::npos);
-      Tally& tally = tallies[hidden.fault];
-      for (Tally* one : {&tally, &all}) {
-        ++one->cases;
-        one->right += right;
-        one->grouped += right && !alone;
-        one->wrong += !right && result->after.first != "none";
-        one->beside += !result->after.further.empty();
-      }
+      count(hidden.fault,
+            {1, right, right && !alone, !right && result->after.first != "none", !result->after.further.empty()});
       fmt::print("seed {}: {}: hidden {}: {} or {}; {} -> {}{}{}\n", seed, right ? "right" : "WRONG", hidden.cause,
                  result->before.verdict, fmt::join(result->before.alike, ", "), result->sentence, result->after.verdict,
                  alone ? "" : " or ", fmt::join(result->after.alike, ", "));
@@ -427,19 +433,12 @@ int main(int argc, char** argv) {
       };
       const bool right = blank ? named->first == "none" : is_there(named->first) || among;
       both += together && right && std::any_of(named->further.begin(), named->further.end(), is_there);
-      Tally& tally = tallies[blank ? "blank" : hidden.fault];
-      for (Tally* one : {&tally, &all}) {
-        ++one->cases;
-        one->right += right;
-        one->grouped += right && !named->alike.empty();
-        one->wrong += !right && named->first != "none";
-        one->beside += !second && std::any_of(named->further.begin(), named->further.end(),
-                                              [&](const std::string& name) { return !together || !is_there(name); });
-      }
+      const bool beside = !second && std::any_of(named->further.begin(), named->further.end(),
+                                                 [&](const std::string& name) { return !together || !is_there(name); });
+      count(blank ? "blank" : hidden.fault,
+            {1, right, right && !named->alike.empty(), !right && named->first != "none", beside});
       if (show || !right) {
-        fmt::print("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um: {}", seed, right ? "right" : "WRONG",
-                   laser::plane_name(hidden.plan.plane), hidden.cause, hidden.plan.radius_mm, hidden.plan.feed_mm_min,
-                   sigma_um, named->verdict);
+        fmt::print("{} {}", case_text(seed, right, hidden, sigma_um), named->verdict);
         if (together) fmt::print(" ({})", hidden.machine.substr(hidden.machine.find("[emulator.axis")));
         for (const std::string& other : named->alike) fmt::print(" or {}", other);
         fmt::print("\n");
@@ -457,16 +456,10 @@ int main(int argc, char** argv) {
     const auto& faults = diagnosis->faults;
     const std::string named = faults.empty() ? "none" : faults.front().name;
     const bool right = blank ? faults.empty() : named == hidden.cause;
-    Tally& tally = tallies[blank ? "blank" : hidden.cause.substr(0, hidden.cause.find(':'))];
-    for (Tally* one : {&tally, &all}) {
-      ++one->cases;
-      one->right += right;
-      one->grouped += right && !faults.empty() && !faults.front().indistinguishable_from.empty();
-    }
+    count(blank ? "blank" : hidden.cause.substr(0, hidden.cause.find(':')),
+          {1, right, right && !faults.empty() && !faults.front().indistinguishable_from.empty(), false, false});
     if (show || !right) {
-      fmt::print("seed {}: {} {}: hidden {}, R {} mm, F {:.0f}, sigma {:.3f} um:", seed, right ? "right" : "WRONG",
-                 laser::plane_name(hidden.plan.plane), hidden.cause, hidden.plan.radius_mm, hidden.plan.feed_mm_min,
-                 sigma_um);
+      fmt::print("{}", case_text(seed, right, hidden, sigma_um));
       for (const auto& fault : faults) fmt::print(" {} {:.3f}", fault.name, fault.rms_um);
       fmt::print("; left {:.3f}\n", diagnosis->left_um);
     }
