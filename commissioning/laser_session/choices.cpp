@@ -1,6 +1,8 @@
 #include "commissioning/laser_session/choices.hpp"
 
-#include <algorithm>
+#include <type_traits>
+#include <utility>
+#include <variant>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
@@ -9,49 +11,23 @@
 namespace ecs::commissioning {
 namespace {
 
-/// Where each text answer stands.
-struct TextAnswer {
-  const char* name;
-  std::string ImportArguments::*value;
-};
-constexpr TextAnswer kTexts[] = {{"axis", &ImportArguments::axis},
-                                 {"sense", &ImportArguments::sense},
-                                 {"parked", &ImportArguments::parked},
-                                 {"encoding", &ImportArguments::encoding},
-                                 {"target-unit", &ImportArguments::target_unit},
-                                 {"reading-unit", &ImportArguments::reading_unit},
-                                 {"channel", &ImportArguments::channel},
-                                 {"channels", &ImportArguments::channels},
-                                 {"join", &ImportArguments::join},
-                                 {"environment", &ImportArguments::environment},
-                                 {"columns", &ImportArguments::columns},
-                                 {"delimiter", &ImportArguments::delimiter},
-                                 {"decimal", &ImportArguments::decimal},
-                                 {"values", &ImportArguments::values},
-                                 {"profile", &ImportArguments::profile}};
+/// An answer as text, whatever its kind; empty: not given.
+std::string text_of(const cli::Argument& answer) {
+  return std::visit(
+      [](const auto& value) -> std::string {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, std::string*>) return *value;
+        if constexpr (std::is_same_v<Value, std::optional<double>*>) return *value ? shortest(**value) : "";
+        if constexpr (std::is_same_v<Value, int*>) return *value > 0 ? std::to_string(*value) : "";
+        if constexpr (std::is_same_v<Value, bool*>) return *value ? "yes" : "";
+        return {};
+      },
+      answer.into);
+}
 
-struct NumberAnswer {
-  const char* name;
-  std::optional<double> ImportArguments::*value;
-};
-constexpr NumberAnswer kNumbers[] = {{"max-gap", &ImportArguments::max_gap_s},
-                                     {"at-rest", &ImportArguments::at_rest_mm},
-                                     {"environment-every", &ImportArguments::environment_every_s}};
-
-struct CountAnswer {
-  const char* name;
-  int ImportArguments::*value;
-};
-constexpr CountAnswer kCounts[] = {{"skip", &ImportArguments::skip}, {"rows", &ImportArguments::rows}};
-
-struct FlagAnswer {
-  const char* name;
-  bool ImportArguments::*value;
-};
-constexpr FlagAnswer kFlags[] = {{"accept-truncated", &ImportArguments::accept_truncated},
-                                 {"table-holds-errors", &ImportArguments::table_holds_errors},
-                                 {"average", &ImportArguments::average},
-                                 {"keep-set-up", &ImportArguments::keep_set_up}};
+/// The options of `laser import`, as they stand in these answers.
+cli::Arguments options_of(ImportArguments& answers) { return cli::fields_of<ImportArguments>().arguments_for(answers); }
+std::string name_of(const cli::Argument& option) { return option.name.substr(2); }
 
 Json json_of(const LaserLineChoice& line) {
   Json runs = Json::array(), readings = Json::array();
@@ -139,37 +115,31 @@ std::optional<LaserChoices> choices_in(const std::string& text) {
 
 std::map<std::string, std::string> given_answers(const ImportArguments& answers) {
   std::map<std::string, std::string> given;
-  for (const TextAnswer& answer : kTexts)
-    if (!(answers.*answer.value).empty()) given[answer.name] = answers.*answer.value;
-  for (const NumberAnswer& answer : kNumbers)
-    if (const auto& value = answers.*answer.value) given[answer.name] = shortest(*value);
-  for (const CountAnswer& answer : kCounts)
-    if (answers.*answer.value > 0) given[answer.name] = std::to_string(answers.*answer.value);
-  for (const FlagAnswer& answer : kFlags)
-    if (answers.*answer.value) given[answer.name] = "yes";
+  ImportArguments copy = answers;
+  for (const cli::Argument& option : options_of(copy))
+    if (std::string text = text_of(option); !text.empty()) given[name_of(option)] = std::move(text);
   return given;
 }
 
 std::vector<std::string> import_words(const ImportArguments& answers) {
+  std::map<std::string, std::vector<std::string>> by_name;
+  ImportArguments copy = answers;
+  for (const cli::Argument& option : options_of(copy))
+    if (std::string text = text_of(option); !text.empty())
+      by_name[option.name] = option.is_flag() ? std::vector{option.name} : std::vector{option.name, std::move(text)};
   std::vector<std::string> words;
-  for (const auto& [name, value] : given_answers(answers)) {
-    words.push_back("--" + name);
-    const bool flag =
-        std::any_of(std::begin(kFlags), std::end(kFlags), [&](const auto& one) { return name == one.name; });
-    if (!flag) words.push_back(value);
-  }
+  for (const auto& [name, with_value] : by_name) words.insert(words.end(), with_value.begin(), with_value.end());
   return words;
 }
 
 void set_answer(ImportArguments& answers, const std::string& name, const std::string& value) {
-  for (const TextAnswer& answer : kTexts)
-    if (name == answer.name) answers.*answer.value = value;
-  for (const NumberAnswer& answer : kNumbers)
-    if (name == answer.name) answers.*answer.value = number_in(value);
-  for (const CountAnswer& answer : kCounts)
-    if (name == answer.name) answers.*answer.value = static_cast<int>(integer_in(value).value_or(0));
-  for (const FlagAnswer& answer : kFlags)
-    if (name == answer.name) answers.*answer.value = value == "yes";
+  for (const cli::Argument& option : options_of(answers)) {
+    if (name_of(option) != name) continue;
+    if (auto* const* text = std::get_if<std::string*>(&option.into)) **text = value;
+    if (auto* const* number = std::get_if<std::optional<double>*>(&option.into)) **number = number_in(value);
+    if (auto* const* count = std::get_if<int*>(&option.into)) **count = static_cast<int>(integer_in(value).value_or(0));
+    if (auto* const* flag = std::get_if<bool*>(&option.into)) **flag = value == "yes";
+  }
 }
 
 const std::vector<AnswerField>& answer_fields() {
