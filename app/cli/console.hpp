@@ -12,7 +12,6 @@
 
 #include "app/names/commissioning.hpp"
 #include "base/result.hpp"
-#include "commissioning/session/keyboard.hpp"
 #include "commissioning/session/message.hpp"
 
 namespace ecs::app {

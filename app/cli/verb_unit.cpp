@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 
 namespace ecs::app {
 

@@ -1,4 +1,4 @@
-// A picture of the terminal as cells, drawn into without any terminal, so that every screen can be tested as text.
+// A picture of a screen without a terminal: cells with a letter and a tone each, and how many columns a letter takes.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,36 @@
 #include <vector>
 
 #include "app/names/commissioning.hpp"
-#include "app/ui/letters.hpp"
 #include "commissioning/session/message.hpp"
 
 namespace ecs::app {
+
+/// A letter in the columns it takes: 1, or 2 as those of Chinese and most pictures do.
+struct Letter {
+  char32_t glyph = U' ';
+  int columns = 1;
+  friend bool operator==(const Letter&, const Letter&) = default;
+};
+
+/// The letters of a text, in order. A mark that stands over another letter is joined with it where Unicode has one
+/// character for both, else left away; control characters become a blank or '?'.
+[[nodiscard]] std::vector<Letter> letters_of(std::string_view utf8);
+
+/// Columns of one letter on a terminal, 0 to 2, by its East Asian width (Unicode Standard Annex 11).
+[[nodiscard]] int columns_of(char32_t glyph);
+
+/// UTF-8 to code points; what is no UTF-8 becomes '?'.
+[[nodiscard]] std::u32string code_points(std::string_view utf8);
+[[nodiscard]] std::string utf8_of(char32_t glyph);
+[[nodiscard]] std::string utf8_of(std::u32string_view glyphs);
+/// Columns that a text takes on a terminal.
+[[nodiscard]] int width_of(std::string_view utf8);
+/// The text with blanks behind it, so that it takes `columns`; cut with an ellipsis where it is longer.
+[[nodiscard]] std::string in_columns(std::string_view utf8, int columns);
+/// Words of a text in lines of at most `columns`.
+[[nodiscard]] std::vector<std::string> wrapped(std::string_view utf8, int columns);
+/// The nearest character of ASCII: µ → u, ± → +/- is left to the caller (one cell is one character).
+[[nodiscard]] char32_t in_ascii(char32_t glyph);
 
 /// In the cell behind a letter that takes two columns.
 inline constexpr char32_t kSecondHalf = 0;
@@ -73,7 +99,7 @@ class Canvas {
   /// A frame on the edge of `area`, its title in the upper edge.
   void frame(const Area& area, std::string_view title = {}, Tone tone = Tone::faint);
 
-  /// Of texts that are seen in part only: F2 shows them whole, on every screen (overlay.hpp).
+  /// Of texts that are seen in part only: F2 shows them whole, on every screen (screen_program.hpp).
   void keep_whole(std::string_view text);
   [[nodiscard]] const std::vector<std::string>& whole_texts() const { return whole_texts_; }
 

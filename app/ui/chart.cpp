@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "app/ui/chart_plot.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {

@@ -1,5 +1,6 @@
 // Curves in a terminal: braille dots, or letters where the terminal has no braille; axes with ticks and units, a cursor
 // with read-out, a part of the x range.
+// Where in its area the curves of a chart lie; for charts and for what is marked on them.
 #pragma once
 
 #include <optional>
@@ -7,7 +8,7 @@
 #include <vector>
 
 #include "app/ui/cells.hpp"
-#include "app/ui/keys.hpp"
+#include "app/ui/screen.hpp"
 #include "commissioning/plot/figure.hpp"
 
 namespace ecs::app {
@@ -38,5 +39,12 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
 
 /// The keys that every chart has: left and right move the cursor, + - 0 zoom. @return whether it was one of them
 [[nodiscard]] bool on_chart_key(const Key& key, const PlotPanel& panel, ChartView& view);
+
+constexpr int kYAxisColumns = 9;
+constexpr int kRowsAroundPlot = 4;  ///< title above; axis, its numbers and the legend below
+
+[[nodiscard]] constexpr Area plot_area(const Area& chart) {
+  return {chart.row + 1, chart.column + kYAxisColumns, chart.rows - kRowsAroundPlot, chart.columns - kYAxisColumns};
+}
 
 }  // namespace ecs::app

@@ -1,16 +1,198 @@
 #include "app/ui/screen_program.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
-#include "app/ui/copying.hpp"
-#include "app/ui/key_line.hpp"
-#include "app/ui/overlay.hpp"
-#include "app/ui/talk.hpp"
+#include <fmt/format.h>
+
+#include "app/ui/cells.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/widgets.hpp"
 #include "base/interrupt.hpp"
+#include "base/text.hpp"
 #include "commissioning/session/drafts.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
+namespace {
+
+/// A word with its other forms in `forms`, parted by '|'.
+struct GlossaryRow {
+  const char* forms;
+  const char* meaning;
+};
+
+constexpr GlossaryRow kGlossary[] = {
+    {"alias", "another period that the same targets cannot tell from the one found"},
+    {"approach", "the direction in which the axis last moved: forward (up) or reverse (down)"},
+    {"armed|arm code", "the unit takes writes and commands of this host; its code, which it shows, is needed for that"},
+    {"commit", "the step that makes a map sent completely the active one; before it the old map stays"},
+    {"compensation mode|compensating|compensation",
+     "the unit adds the map's values to the feedback, in every period of its loop; it takes no writes"},
+    {"datum|datuming", "finding the machine's zero: switch, then marker, while the control references the axis"},
+    {"deadband", "travel in the new direction after which the approach counts as changed"},
+    {"dead path", "laser path that is there before the reading is set to zero; its air is not corrected"},
+    {"diagnosis|diagnose", "the search for what the model lacks, with proof"},
+    {"held out|held-out",
+     "checked on readings that were kept out of the fit: an effect that is not real does not help there"},
+    {"integration mode|integration|integrating",
+     "the unit is set up: it takes parameters, maps and commands, and compensates nothing; relays are open"},
+    {"lack of fit", "whether the model misses more than the scatter of repeated readings explains"},
+    {"marker", "the index pulse of the transducer, once a revolution or at one place; with the switch it is the datum"},
+    {"parked", "where the other axes stood while one was measured: angles act by the distance to that place"},
+    {"pitch", "travel per turn of a screw, or distance of the lines of a scale: errors repeat with it"},
+    {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
+    {"relay", "connects the unit's output with the control's feedback; open: the unit cannot act on the machine"},
+    {"residual", "what the model leaves of a reading"},
+    {"reversal error|reversal", "difference of the two approaches at the same target; backlash is one cause"},
+    {"rms", "root of the mean square: the usual size of what is left"},
+    {"rival|rivals", "an effect that these data cannot tell from the one named"},
+    {"scope", "what the unit compensates with: linear (each axis by itself), planar or volumetric"},
+    {"sigma", "standard deviation; 1 sigma is the usual scatter of one reading"},
+    {"slope", "the part of a curve that is proportional to the position, in um/m"},
+    {"squareness", "how far two axes are from 90 degrees, one number for a pair of axes, in um/m"},
+    {"staging", "the place in the unit where a new map is written beside the active one"},
+    {"tie|tied", "effects that do the same on these data; a further measurement decides"},
+};
+
+bool is_letter_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+bool occurs(const std::string& text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !is_letter_of_word(text[at - 1])) && (end == text.size() || !is_letter_of_word(text[end])))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<ExplainedWord> words_explained_in(const std::string& text) {
+  const std::string seen = lower(text);
+  std::vector<ExplainedWord> found;
+  for (const GlossaryRow& row : kGlossary) {
+    const auto forms = split(row.forms, '|');
+    for (const std::string_view form : forms)
+      if (occurs(seen, form)) {
+        found.push_back({std::string(forms.front()), row.meaning});
+        break;
+      }
+  }
+  return found;
+}
+
+void Overlay::show_help(const Screen& screen, const std::string& seen) {
+  *this = {};
+  title_ = screen.title() + ": help";
+  parts_ = {{"", screen.help()}, {"", ""}};
+  const std::vector<KeyHelp> keys = screen.keys();
+  for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
+  if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
+    parts_.push_back({"Esc", "back; on the first screen: leave"});
+  parts_.push_back({"F2", "shows whole what ends in ... F2"});
+  parts_.push_back({"F3", "finds any screen or command by its name, here too"});
+  parts_.push_back({"F4", "copies the selected row, or the screen, to your clipboard (OSC 52)"});
+  parts_.push_back({"F6", "COMMANDS: what was done here, as commands of ecs; a script of them"});
+  parts_.push_back({"Ctrl-L, Ctrl-C", "draw everything anew; leave the program"});
+  const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
+  if (!words.empty()) parts_.push_back({"", ""});
+  for (const ExplainedWord& word : words) parts_.push_back({word.word, word.meaning});
+}
+
+void Overlay::show_whole(const std::vector<std::string>& texts) {
+  if (texts.empty()) return;
+  *this = {};
+  title_ = "whole text (LOG keeps it)";
+  const auto known = logged();
+  for (const std::string& text : texts) {
+    if (!parts_.empty()) parts_.push_back({});
+    parts_.push_back({"", text});
+    if (std::none_of(known.begin(), known.end(), [&](const LogEntry& entry) { return entry.text == text; }))
+      log_event(Tone::plain, text);
+  }
+}
+
+std::vector<std::string> Overlay::lines(int columns) const {
+  std::vector<std::string> lines;
+  const int keys = columns >= 50 ? 15 : 9;
+  for (const Part& part : parts_) {
+    const int begin = part.key.empty() ? 0 : std::max(keys, width_of(part.key) + 1);
+    bool first = true;
+    for (const std::string& line : wrapped(part.text, columns - begin)) {
+      lines.push_back(in_columns(first ? part.key : "", begin) + line);
+      first = false;
+    }
+  }
+  return lines;
+}
+
+void Overlay::draw(Canvas& canvas) const {
+  const auto all = lines(canvas.columns() - 8);
+  const int count = static_cast<int>(all.size());
+  page_ = std::max(1, std::min(count, canvas.rows() - 4));
+  const Area box{(canvas.rows() - page_ - 2) / 2, 2, page_ + 2, canvas.columns() - 4};
+  canvas.fill(box);
+  const std::string ways = count > page_ ? "up, down; Esc goes on" : "any key goes on";
+  const std::string whole = title_ + "; " + ways;
+  canvas.frame(box, width_of(whole) + 5 > box.columns ? ways : whole, Tone::plain);
+  const Area inside = box.inside();
+  draw_scrolled(canvas, {inside.row, inside.column + 1, inside.rows, inside.columns - 1}, all, scroll_);
+  fits_ = count <= page_;
+  end_ = scroll_.first + page_ >= count;
+}
+
+void Overlay::on_key(const Key& key) {
+  if (key.name == Key::Name::resized) return;
+  if (!fits_ && scroll_.on_key(key, page_)) return;
+  if (!end_ && is_letter(key, U' '))
+    scroll_.first += page_;
+  else
+    *this = {};
+}
+
+namespace {
+
+std::string row_text(const Canvas& canvas, const Area& area, int row) {
+  std::u32string letters;
+  for (int column = area.column; column < area.column + area.columns; ++column)
+    if (const char32_t glyph = canvas.at(row, column).glyph; glyph != kSecondHalf) letters += glyph;
+  return std::string(trimmed(utf8_of(letters)));
+}
+
+bool is_selected(const Canvas& canvas, const Area& area, int row) {
+  for (int column = area.column; column < area.column + area.columns; ++column)
+    if (const Cell& cell = canvas.at(row, column); cell.tone == Tone::selected && cell.glyph != U' ') return true;
+  return false;
+}
+
+}  // namespace
+
+std::string text_to_copy(const Canvas& canvas, const Area& area) {
+  std::string selected, all;
+  for (int row = area.row; row < area.row + area.rows; ++row) {
+    const std::string line = row_text(canvas, area, row);
+    if (!all.empty() || !line.empty()) all += line + "\n";
+    if (is_selected(canvas, area, row)) selected += (selected.empty() ? "" : "\n") + line;
+  }
+  while (all.ends_with("\n")) all.pop_back();
+  return selected.empty() ? all : selected;
+}
+
+std::string copied_words(const std::string& text) {
+  const auto rows = std::count(text.begin(), text.end(), '\n') + 1;
+  return rows > 1 ? fmt::format("copied: {} rows of this screen", rows) : "copied: " + text;
+}
+
+std::string idle_key_words(const Screen& screen, char32_t letter) {
+  const std::string key = utf8_of(std::u32string(1, letter));
+  for (const KeyHelp& help : screen.keys())
+    for (const std::string_view name : split(help.keys, ' '))
+      if (name == key) return fmt::format("{} ({}): there is nothing for it to do now", key, help.does);
+  return fmt::format("{} does nothing here; {} lists the keys", key, screen.typing() ? "F1" : "?");
+}
+
 namespace {
 
 constexpr int kWait_ms = 40;  ///< between two looks at running work

@@ -1,14 +1,61 @@
-// The loop of the screens: draws the one in front with header and status line, hands it keys, keeps the way back.
+// The loop of the screens: draws the one in front with header and status line, hands it keys, keeps the way back. Over
+// it the help with the words of the trade that are seen, and whole texts; what F4 copies.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "app/ui/screen.hpp"
 #include "app/ui/terminal.hpp"
+#include "app/ui/widgets.hpp"
 
 namespace ecs::app {
+
+struct ExplainedWord {
+  std::string word;
+  std::string meaning;
+};
+
+/// Those that occur in a text, whatever their case, in the order of the alphabet.
+[[nodiscard]] std::vector<ExplainedWord> words_explained_in(const std::string& text);
+
+class Overlay {
+ public:
+  [[nodiscard]] bool shown() const { return !title_.empty(); }
+  /// @param seen  the picture of the screen: words of the trade that it shows are explained
+  void show_help(const Screen& screen, const std::string& seen = {});
+  /// Nothing is laid over where there is no text. What the log does not hold yet goes there as well.
+  void show_whole(const std::vector<std::string>& texts);
+  void draw(Canvas& canvas) const;
+  /// Scrolls; any other key takes it away.
+  void on_key(const Key& key);
+
+ private:
+  /// A text in lines; those after the first begin below it, behind the key.
+  struct Part {
+    std::string key;
+    std::string text;
+  };
+  [[nodiscard]] std::vector<std::string> lines(int columns) const;
+
+  std::string title_;  ///< empty: nothing is laid over
+  std::vector<Part> parts_;
+  ScrollPlace scroll_;
+  mutable int page_ = 1;  ///< rows seen
+  mutable bool fits_ = true;
+  mutable bool end_ = true;  ///< the last row is seen
+};
+
+/// The rows that are selected, else the whole picture without header and key line. @param area  of the screen itself
+[[nodiscard]] std::string text_to_copy(const Canvas& canvas, const Area& area);
+
+/// "copied: EXX  X axis …"; of several rows how many.
+[[nodiscard]] std::string copied_words(const std::string& text);
+
+/// Why a letter that changed nothing did nothing, in one line.
+[[nodiscard]] std::string idle_key_words(const Screen& screen, char32_t letter);
 
 /// Said in the status line of every screen.
 struct StatusLine {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "app/ui/cells.hpp"
-#include "app/ui/keys.hpp"
+#include "app/ui/screen.hpp"
 #include "base/result.hpp"
 
 namespace ecs::app {

@@ -1,4 +1,5 @@
-// Parts of screens: a list to choose from, a line to type into, text to scroll. They hold a place, not the content.
+// Parts of screens: a list to choose from, a line to type into, text to scroll; messages, questions with yes or no, the
+// progress of long work. They hold a place, not the content.
 #pragma once
 
 #include <optional>
@@ -6,7 +7,8 @@
 #include <vector>
 
 #include "app/ui/cells.hpp"
-#include "app/ui/keys.hpp"
+#include "app/ui/screen.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
 
@@ -79,5 +81,24 @@ struct PathCompletion {
 [[nodiscard]] PathCompletion completed_path(const std::string& typed);
 /// The same for the last of several paths, separated by blanks; one with blanks in it is put in quotes.
 [[nodiscard]] PathCompletion completed_paths(const std::string& typed);
+
+/// Rows that a message takes, 1 to `most`: a screen gives it those and the rest to what stands above.
+[[nodiscard]] int rows_of_message(const Message& message, int columns, int most);
+/// Whole words over as many rows as `area` has; the last one ends in "… F2" where it is not all (cells.hpp).
+void draw_message(Canvas& canvas, const Area& area, const Message& message);
+
+enum class Reply { none, yes, no };
+/// y: yes; n, Esc: no; Enter is neither: nobody confirms by accident.
+[[nodiscard]] Reply reply_to(const Key& key);
+/// A box in the middle of `area`.
+void draw_question(Canvas& canvas, const Area& area, const Question& question);
+/// Nothing where none waits.
+void draw_question(Canvas& canvas, const Area& area, const Asking& asking);
+/// @return whether the key was for the question: while one waits, all are
+bool answers(Asking& asking, const Key& key);
+
+/// "sending the map  [=======>      ]  62 %  8 s left"; a negative `seconds_left` is not shown.
+void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,
+                   double seconds_left = -1.0);
 
 }  // namespace ecs::app

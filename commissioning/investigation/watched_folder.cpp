@@ -10,7 +10,7 @@
 #include "base/file.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
 

@@ -1,3 +1,5 @@
+// A map sent by the laser controller, and a look at the unit after sending failed.
+// The map read back from the unit: the verdict, whether it still holds, compensation with it.
 #include "commissioning/laser_session/controller.hpp"
 
 #include <algorithm>
@@ -12,8 +14,8 @@
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
-#include "commissioning/laser_session/machine_mismatch.hpp"
-#include "commissioning/link/unit_commands.hpp"
+#include "commissioning/laser_session/unit_work.hpp"
+#include "commissioning/link/unit_connection.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
@@ -357,6 +359,169 @@ bool LaserController::advance() {
   look_after_failure();
   changed = looking_.advance() || changed;
   return note_changes() || changed;
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kBetweenLooks{1};
+
+}  // namespace
+
+void LaserController::send() {
+  if (!idle() || !ready_) return;
+  failed_.reset();
+  after_failure_.clear();
+  forget_verdict();
+  const auto work = [ready = *ready_, unit = unit_](JobControl& control) { return sent_map(*unit, control, ready); };
+  task_.start("sending the map", work,
+              [this, ready = *ready_](const SendAttempt& attempt) { take_sent(attempt, ready); });
+}
+
+void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& ready) {
+  ready_.reset();
+  if (attempt.sent) {
+    sent_ = *attempt.sent;
+    sent_csv_ = saved_csv_;
+    note_sent_map(*unit_, ready.files);
+    message_.say(sent_text(*sent_));
+    return;
+  }
+  next_look_ = Clock::now() + kBetweenLooks;
+  failed_ = ready;
+  after_failure_ = attempt.begun ? "The unit keeps the map it had until a new one is whole. As soon as it answers, it "
+                                   "is asked which map is active."
+                                 : "Nothing was sent: the unit keeps the map it had.";
+  say_failed("not sent", attempt.sent.error());
+}
+
+void LaserController::look_after_failure() {
+  if (!failed_ || task_.running() || Clock::now() < next_look_ || !unit_->snapshot().open) return;
+  next_look_ = Clock::now() + kBetweenLooks;
+  const auto work = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
+  task_.start("looking at the unit", work, [this](const Result<UnitHolding>& holding) {
+    next_look_ = Clock::now() + kBetweenLooks;
+    if (holding) take_active_after_failure(holding->check);
+  });
+}
+
+void LaserController::take_active_after_failure(const std::optional<std::uint32_t>& active) {
+  const std::string now = active ? fmt::format("block check {:08X}", *active) : "none";
+  if (active && failed_ && *active == failed_->check)
+    after_failure_ = "The unit has taken the new map after all (" + now + "). Step 9 compares it byte by byte.";
+  else if (failed_ && active == failed_->active)
+    after_failure_ =
+        active ? "The unit answers: the map it had before is still active and whole (" + now + "). Enter sends again."
+               : "The unit answers: it holds no map, as before. Enter sends again.";
+  else
+    after_failure_ = "The unit answers; it holds another map than before (" + now + "). Enter sends again.";
+  message_.say(after_failure_, Tone::warning);
+  failed_.reset();
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kBetweenUnitLooks{3};  ///< a look takes half a second of a line of 9,600 baud
+
+}  // namespace
+
+void LaserController::verify() {
+  if (!idle()) return;
+  if (saved_file_.empty()) {
+    message_.say("there is nothing to compare with yet: step 8 saves and sends the map", Tone::warning);
+    return;
+  }
+  const auto work = [files = files_of_map(saved_file_), unit = unit_](JobControl& control) {
+    return verified_map(*unit, control, files);
+  };
+  task_.start("reading the map back", work,
+              [this, files = files_of_map(saved_file_)](const Result<VerifiedMap>& verified) {
+                if (!verified) return say_failed("reading the map back", verified.error());
+                take_verdict(*verified);
+                note_on_unit(*unit_, {"map", "verify", path_word(files.map), "--params", path_word(files.parameters)},
+                             verdict_->same() ? 0 : 1);
+                message_.say(
+                    verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
+                    verdict_->same() ? Tone::good : Tone::bad);
+              });
+}
+
+bool LaserController::may_compensate() {
+  if (!idle()) return false;
+  if (!verdict_ && !sent_)
+    message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
+  else if (verdict_ && !verdict_->same())
+    message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again", Tone::bad);
+  else
+    return true;
+  return false;
+}
+
+void LaserController::compensate() {
+  if (!may_compensate()) return;
+  const ExpectedMap expected{compared_ ? std::nullopt : sent_, compared_};
+  const auto work = [expected, unit = unit_](JobControl& control) {
+    return switch_to_compensation(*unit, control, expected);
+  };
+  task_.start("compensation mode", work, [this](const Result<void>& switched) {
+    if (!switched) return say_failed("compensation mode", switched.error());
+    note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
+    message_.say(
+        "the unit watches: reference every axis at the control now; ECS UTILITY, DISPLAY ECS STATUS shows how far it "
+        "is (emulator: g there)");
+  });
+}
+
+void LaserController::forget_verdict() {
+  verdict_.reset();
+  compared_.reset();
+  compared_csv_.clear();
+  stale_.clear();
+  unit_time_us_ = 0;
+  ++comparison_;
+}
+
+void LaserController::take_verdict(const VerifiedMap& verified) {
+  forget_verdict();
+  verdict_ = verified.verdict;
+  compared_ = verified.holding;
+  compared_csv_ = saved_csv_;
+  next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
+}
+
+void LaserController::say_stale(const std::string& why) {
+  stale_ = why;
+  if (!message_.is_problem() || message_.text().empty())  // an error stays until the next action
+    message_.say("the unit has changed since it was compared: " + why + "; step 9, Enter compares again",
+                 Tone::warning);
+}
+
+bool LaserController::note_changes() {
+  if (!compared_ || !stale_.empty()) return false;
+  const WatchedUnit unit = unit_->snapshot();
+  UnitHolding now = *compared_;
+  if (unit.identity) now.serial_number = unit.identity->serial_number;
+  now.opened_at = unit.opened_at;
+  std::string why = unit.open ? changed_since(*compared_, now) : "the link to it was lost";
+  if (const auto sample = unit_->newest(); sample && why.empty()) {
+    if (sample->unit_time_us < unit_time_us_) why = "it was restarted";
+    unit_time_us_ = std::max(unit_time_us_, sample->unit_time_us);
+  }
+  if (why.empty()) return false;
+  say_stale(why);
+  return true;
+}
+
+void LaserController::watch_verdict() {
+  if (!compared_ || !stale_.empty() || task_.running() || looking_.running()) return;
+  if (Clock::now() < next_verdict_look_ || !unit_->snapshot().open) return;
+  const auto look = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
+  looking_.start("looking at the unit", look, [this, comparison = comparison_](const Result<UnitHolding>& now) {
+    next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
+    if (comparison != comparison_ || !now || !compared_ || !stale_.empty()) return;
+    if (const std::string why = changed_since(*compared_, *now); !why.empty()) say_stale(why);
+  });
 }
 
 }  // namespace ecs::commissioning

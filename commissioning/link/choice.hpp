@@ -1,4 +1,5 @@
-// Which link a verb uses: --link, else the stored one, else the bundled emulator; where the pieces of the emulator lie.
+// Which link is used: --link, else the stored one, else the bundled emulator; where the pieces of the emulator lie. The
+// same as fields: what kind, which port, how fast, which unit.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
@@ -47,5 +49,44 @@ struct LinkChoice {
 [[nodiscard]] std::optional<std::filesystem::path> sample_machine();
 /// `ecs-emulator`: $ECS_EMULATOR, beside this program, in the build tree, on PATH.
 [[nodiscard]] std::optional<std::filesystem::path> emulator_program();
+
+enum class LinkKind { serial, network, emulator };
+
+/// One row of the form.
+struct LinkField {
+  std::string name;  ///< "port"
+  std::string value;
+  std::vector<std::string> choices;  ///< to step through; empty: typed only
+  std::string help;
+};
+
+class LinkForm {
+ public:
+  LinkForm() = default;
+  /// The fields that make this link; those of other kinds as usual.
+  explicit LinkForm(const LinkChoice& choice);
+
+  [[nodiscard]] LinkKind kind() const { return kind_; }
+  /// @param ports  serial ports of this computer
+  [[nodiscard]] std::vector<LinkField> fields(const std::vector<std::string>& ports) const;
+  /// @param row  of fields()
+  void set(int row, const std::string& value);
+  /// The next or the previous choice of a field that has choices.
+  void step(int row, int by, const std::vector<std::string>& ports);
+
+  /// As --link takes it; may be wrong, parsed_link() tells.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  LinkKind kind_ = LinkKind::serial;
+  std::string device_ = "/dev/ttyUSB0";
+  std::string baud_ = "115200";
+  std::string format_ = "8N1";
+  std::string token_;
+  std::string unit_ = "1";
+  std::string host_ = "192.168.0.10";
+  std::string port_ = "502";
+  std::string machine_;  ///< empty: the sample
+};
 
 }  // namespace ecs::commissioning

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/link/port_survey.hpp"
+#include "commissioning/link/doctor.hpp"
 #include "commissioning/session/commands.hpp"
-#include "commissioning/session/shell_word.hpp"
 
 namespace ecs::commissioning {
 namespace {

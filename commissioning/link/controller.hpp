@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "commissioning/link/choice.hpp"
 #include "commissioning/link/doctor.hpp"
-#include "commissioning/link/form.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"

@@ -1,17 +1,39 @@
-// Why a link does not work, found out without writing to the unit; and whether the other programs are there.
+// Why a link does not work, found out without writing to the unit: what can be learnt about a serial port without
+// talking Modbus, what answers on it; and whether the other programs are there.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/interrupt.hpp"
+#include "base/result.hpp"
 #include "commissioning/link/choice.hpp"
 #include "protocol/client/client.hpp"
+#include "protocol/line/link_address.hpp"
 
 namespace ecs::commissioning {
+
+/// Serial ports of this computer: USB adapters and built-in ones that have hardware behind them.
+[[nodiscard]] std::vector<std::string> serial_ports();
+
+/// Why the device cannot be opened, in words with what to do; nothing if it can.
+struct PortTrouble {
+  std::string message;
+  std::string action;
+};
+[[nodiscard]] std::optional<PortTrouble> trouble_with(const std::string& device);
+
+/// Sends one read request, byte by byte as they are, and gives what comes back within half a second.
+struct PortAnswer {
+  std::vector<std::uint8_t> sent;
+  std::vector<std::uint8_t> received;
+  [[nodiscard]] bool is_echo() const;  ///< the link returns what is sent
+};
+[[nodiscard]] Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit);
 
 enum class FindingState { ok, note, problem };
 [[nodiscard]] std::string_view name_of(FindingState state);

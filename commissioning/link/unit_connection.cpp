@@ -1,8 +1,10 @@
 #include "commissioning/link/unit_connection.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
-#include "commissioning/session/event_log.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -285,6 +287,29 @@ protocol::ProgressCallback progress_into(JobControl& control) {
       control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
     control.seconds_left = progress.seconds_left;
   };
+}
+
+std::vector<std::string> words_on_unit(const UnitConnection& unit, std::vector<std::string> words) {
+  words.insert(words.begin(), "ecs");
+  const std::string link = unit.snapshot().link.empty() ? unit.link() : unit.snapshot().link;
+  if (!link.empty()) words.insert(words.end(), {"--link", link});
+  return words;
+}
+
+void note_on_unit(const UnitConnection& unit, std::vector<std::string> words, int exit_code) {
+  NotedCommand command;
+  command.words = words_on_unit(unit, std::move(words));
+  command.exit_code = exit_code;
+  note(std::move(command));
+}
+
+void note_form(const UnitConnection& unit, std::vector<std::string> words, int exit_code) {
+  const auto option = std::find(words.begin(), words.end(), "--link");
+  if (option != words.end() && option + 1 != words.end()) {
+    if (*(option + 1) != unit.link()) return static_cast<void>(note_command(std::move(words), exit_code));
+    words.erase(option, option + 2);
+  }
+  note_on_unit(unit, std::move(words), exit_code);
 }
 
 }  // namespace ecs::commissioning

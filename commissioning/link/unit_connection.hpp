@@ -1,6 +1,7 @@
 // The link to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
 // the screens; work on it is done one piece after the other. A bundled emulator runs as long as the connection.
 // Its threads are its own and no TaskRunner's: they watch as long as the connection lives and have no result.
+// Actions on the unit are noted as the commands that do the same (commissioning/session/commands.hpp).
 #pragma once
 
 #include <atomic>
@@ -12,9 +13,11 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/result.hpp"
 #include "commissioning/link/unit_link.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -171,5 +174,14 @@ class UnitConnection {
 
 /// Shows a transfer in the progress of the task that it is part of.
 [[nodiscard]] protocol::ProgressCallback progress_into(JobControl& control);
+
+/// The words with the --link that reaches this unit, "ecs" in front of them.
+[[nodiscard]] std::vector<std::string> words_on_unit(const UnitConnection& unit, std::vector<std::string> words);
+/// Notes them.
+void note_on_unit(const UnitConnection& unit, std::vector<std::string> words, int exit_code = 0);
+
+/// A verb that was run from a form, with the words of the form: over the link of the screens where it names that one or
+/// none.
+void note_form(const UnitConnection& unit, std::vector<std::string> words, int exit_code);
 
 }  // namespace ecs::commissioning

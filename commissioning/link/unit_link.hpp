@@ -1,4 +1,5 @@
-// The way to a unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
+// The way to a unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it. Units
+// know this computer and its user by a key that all programs of the user share, and a name for records.
 #pragma once
 
 #include <atomic>
@@ -11,6 +12,12 @@
 #include "protocol/client/client.hpp"
 
 namespace ecs::commissioning {
+
+/// The key is kept in state_folder(); where that cannot be written, it is one by chance. Without a code.
+[[nodiscard]] protocol::Host this_host();
+
+/// $ECS_ARM_CODE; empty: not set.
+[[nodiscard]] std::string arm_code_in_environment();
 
 /// An open link. Destroying it closes the port and stops the emulator it started.
 class UnitLink {

@@ -12,7 +12,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 
 namespace ecs::commissioning {
 namespace {

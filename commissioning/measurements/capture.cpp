@@ -14,7 +14,7 @@
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/devices.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::commissioning {

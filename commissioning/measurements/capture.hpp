@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "commissioning/measurements/capture_source.hpp"
-#include "commissioning/session/keyboard.hpp"
 #include "commissioning/session/message.hpp"
 #include "devices/capture_record.hpp"
 #include "devices/port.hpp"

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "commissioning/session/keyboard.hpp"
 #include "commissioning/session/message.hpp"
 #include "devices/description.hpp"
 #include "devices/port.hpp"

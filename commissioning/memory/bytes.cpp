@@ -1,10 +1,75 @@
 #include "commissioning/memory/bytes.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
-#include "commissioning/memory/space.hpp"
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "commissioning/unit/transfer.hpp"
 
 namespace ecs::commissioning {
+namespace {
+
+constexpr std::uint32_t kAddressSpace = 0x1000000;  ///< 24 bits
+
+std::optional<std::uint8_t> nibble(char c) {
+  if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
+  const char low = static_cast<char>(c | 0x20);
+  if (low >= 'a' && low <= 'f') return static_cast<std::uint8_t>(low - 'a' + 10);
+  return std::nullopt;
+}
+
+/// "4E75" or "0x4E75"
+Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
+  const std::string_view whole = word;
+  if (word.starts_with("0x") || word.starts_with("0X")) word.remove_prefix(2);
+  if (word.size() % 2 != 0)
+    return problem(ProblemKind::usage, fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
+  for (std::size_t i = 0; i < word.size(); i += 2) {
+    const auto high = nibble(word[i]), low = nibble(word[i + 1]);
+    if (!high || !low)
+      return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
+    bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::uint32_t size_of(const Region& region, std::size_t modules) {
+  const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;
+  return is_bank ? bank_bytes(static_cast<std::uint8_t>(std::min(modules, kMostModules))) : region.size;
+}
+
+Result<void> within_space(Address address, std::size_t bytes) {
+  if (bytes == 0) return problem(ProblemKind::usage, "expected at least 1 byte, got 0");
+  if (address < kAddressSpace && bytes <= kAddressSpace - address) return {};
+  return problem(ProblemKind::usage,
+                 fmt::format("{} bytes from {}: the unit's memory lies below 0x1000000", bytes, hex_address(address)));
+}
+
+Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules) {
+  std::string map;
+  for (const Region& region : kRegions) {
+    const std::uint32_t size = size_of(region, modules);
+    if (address >= region.first && address - region.first + bytes <= size) return {};
+    map += fmt::format("{}{} {} to {}", map.empty() ? "" : ", ", region.name, hex_address(region.first),
+                       hex_address(region.first + size - 1));
+  }
+  return problem(ProblemKind::refused, fmt::format("{} bytes from {}: the unit has no memory there; it has {}", bytes,
+                                                   hex_address(address), map));
+}
+
+Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {
+  std::vector<std::uint8_t> bytes;
+  for (const std::string& argument : arguments)
+    for (const std::string_view word : split(argument, ' ')) ECS_DO(take_hex(trimmed(word), bytes));
+  return bytes;
+}
+
 namespace {
 
 std::size_t pages_of(std::uint32_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes; }
@@ -118,6 +183,60 @@ MemoryDump MemoryBytes::as_dump() const {
     dump.regions.push_back({regions_[r].name, regions_[r].first, std::move(bytes), regions_[r].size, true});
   }
   return dump;
+}
+
+namespace {
+
+using Pattern = std::vector<std::uint8_t>;
+
+Result<Pattern> whole_pattern(std::string_view digits, std::size_t bytes) {
+  const auto value = integer_in(digits);
+  const auto bits = static_cast<int>(8 * bytes);
+  const bool fits = value && (bytes == 8 || (*value >= -(1ll << (bits - 1)) && *value < (1ll << bits)));
+  if (!fits)
+    return problem(ProblemKind::usage,
+                   fmt::format("expected a whole number of {} bits after {}:, got \"{}\"", bits, bits, digits));
+  Pattern pattern(8);
+  store_big(Bytes(pattern), 0, static_cast<std::uint64_t>(*value));
+  return Pattern(pattern.end() - static_cast<std::ptrdiff_t>(bytes), pattern.end());
+}
+
+Result<Pattern> real_pattern(std::string_view digits) {
+  const auto value = number_in(digits);
+  if (!value) return problem(ProblemKind::usage, fmt::format("expected a number after f:, got \"{}\"", digits));
+  Pattern pattern(8);
+  store_double(Bytes(pattern), 0, *value);
+  return pattern;
+}
+
+}  // namespace
+
+Result<std::vector<std::uint8_t>> pattern_in(std::string_view typed) {
+  const std::string_view text = trimmed(typed);
+  if (text.starts_with('"')) {
+    const std::string_view inner = text.substr(1, text.ends_with('"') && text.size() > 1 ? text.size() - 2 : text.npos);
+    if (inner.empty()) return problem(ProblemKind::usage, "expected text between the quotes, got none");
+    return Pattern(inner.begin(), inner.end());
+  }
+  if (text.starts_with("f:")) return real_pattern(text.substr(2));
+  for (const auto& [sign, bytes] : {std::pair{"8:", 1u}, {"16:", 2u}, {"32:", 4u}, {"64:", 8u}})
+    if (text.starts_with(sign)) return whole_pattern(text.substr(text.find(':') + 1), bytes);
+  auto bytes = hex_bytes({std::string(text)});
+  if (!bytes) return problem(ProblemKind::usage, fmt::format("{}; give {}", bytes.error().message, kPatternHint));
+  if (bytes->empty())
+    return problem(ProblemKind::usage, fmt::format("expected bytes, got none; give {}", kPatternHint));
+  return bytes;
+}
+
+SearchStep find_pattern(const MemoryBytes& memory, ByteView pattern, Address from) {
+  const MemoryRegion* region = memory.region_of(from);
+  if (region == nullptr || pattern.empty()) return {};
+  const std::uint32_t left = region->size - (from - region->first);
+  const ByteView known = memory.known(from, left);
+  const auto found = std::search(known.begin(), known.end(), pattern.begin(), pattern.end());
+  if (found != known.end()) return {SearchStep::Kind::found, from + static_cast<Address>(found - known.begin())};
+  if (known.size() < left) return {SearchStep::Kind::unread, from + static_cast<Address>(known.size())};
+  return {};
 }
 
 }  // namespace ecs::commissioning

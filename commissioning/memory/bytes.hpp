@@ -1,15 +1,33 @@
 // The bytes of a memory as far as they are known: pages of a unit that arrive one after the other, or a dump at once.
+// What the address space allows, and what is typed to be found in it or written into it.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/result.hpp"
 #include "commissioning/memory/dump.hpp"
+#include "core/address_map.hpp"
 #include "core/bytes.hpp"
+#include "protocol/registers/unit_data.hpp"
 
 namespace ecs::commissioning {
+
+/// A usage problem unless there is at least one byte and all of them lie in the 24 bits of the address space.
+[[nodiscard]] Result<void> within_space(Address address, std::size_t bytes);
+
+/// A refused problem unless one region of the address map holds all of these bytes.
+/// @param modules  axis memory modules that the unit has
+[[nodiscard]] Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules = kMostModules);
+
+/// Bytes of a region in a unit with so many modules.
+[[nodiscard]] std::uint32_t size_of(const Region& region, std::size_t modules);
+
+/// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
+[[nodiscard]] Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments);
 
 /// As much as one request over the link reads.
 inline constexpr std::uint32_t kPageBytes = 240;
@@ -63,5 +81,19 @@ class MemoryBytes {
   std::vector<MemoryRegion> regions_;
   std::vector<Held> held_;
 };
+
+/// `45 43 53` bytes, `"ECSI"` text, `16:-250` and `8:`, `32:`, `64:` whole numbers of so many bits, `f:0.01` a real
+/// number of 8 bytes; all as the unit stores them, high byte first. A usage problem for anything else.
+[[nodiscard]] Result<std::vector<std::uint8_t>> pattern_in(std::string_view typed);
+inline constexpr std::string_view kPatternHint = "bytes 45 43, text \"ECSI\", or numbers 8:255 16:-250 32:70000 f:0.01";
+
+/// How far a search is.
+struct SearchStep {
+  enum class Kind { found, unread, nowhere };
+  Kind kind = Kind::nowhere;
+  Address address = 0;  ///< of what was found, or of the first byte that must be read to go on
+};
+/// From `from` to the end of its region.
+[[nodiscard]] SearchStep find_pattern(const MemoryBytes& memory, ByteView pattern, Address from);
 
 }  // namespace ecs::commissioning

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/memory/differences.hpp"
+#include "commissioning/memory/bytes.hpp"
+#include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/names.hpp"
-#include "commissioning/memory/pattern.hpp"
 #include "commissioning/memory/write.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/memory/fields.hpp"
+#include "commissioning/memory/names.hpp"
 #include "commissioning/unit/status.hpp"
 #include "laser/map/error_map.hpp"
 

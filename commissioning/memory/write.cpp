@@ -4,7 +4,7 @@
 
 #include "base/json.hpp"
 #include "commissioning/logbook/recorder.hpp"
-#include "commissioning/memory/fields.hpp"
+#include "commissioning/memory/names.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::commissioning {

@@ -1,5 +1,5 @@
-// What is done to a model on the MODEL screen, as commands of `ecs model`. The screen changes the model in memory and
-// writes it once, so the commands since then are noted when it is written.
+// What is done to a model on the MODEL screen, as commands of `ecs model` and as entries of the logbook. The screen
+// changes the model in memory and writes it once, so the commands since then are noted when it is written.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "commissioning/investigation/controller.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/work.hpp"
+#include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
 
 namespace ecs::commissioning {
@@ -58,5 +59,10 @@ class ModelCommands {
   bool lost_ = false;                         ///< what was done since then is more than commands do
   std::optional<std::size_t> investigation_;  ///< noted at this place
 };
+
+void log_saved_model(const ModelArguments& files, const model::Model& model);
+
+/// @param model  as it was when the diagnosis began
+void log_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis);
 
 }  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "base/file.hpp"
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
-#include "commissioning/parameters/draft.hpp"
+#include "commissioning/parameters/set.hpp"
 #include "commissioning/session/commands.hpp"
 
 namespace ecs::commissioning {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "commissioning/parameters/set.hpp"
-#include "commissioning/parameters/unit.hpp"
+#include "commissioning/parameters/transfer.hpp"
 #include "commissioning/session/drafts.hpp"
 #include "commissioning/session/edit_history.hpp"
 #include "params/check.hpp"

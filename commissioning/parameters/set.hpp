@@ -1,4 +1,5 @@
-// One parameter set as the screen edits it: the unit's parameters with the identity of their owner, each under a key.
+// One parameter set as the screen edits it: the unit's parameters with the identity of their owner, each under a key;
+// unsaved ones as the text of a draft.
 #pragma once
 
 #include <string>
@@ -50,5 +51,15 @@ struct KeyWords {
 [[nodiscard]] KeyWords words_of(std::string_view key);
 /// Words that the value cycles through: choices, true and false, the two values of a sign; empty: typed.
 [[nodiscard]] std::vector<std::string> choices_of(std::string_view key);
+
+struct ParametersDraft {
+  std::string file;     ///< they were opened from; empty: none
+  std::string machine;  ///< file they were checked against; empty: none
+  ParameterSet set;
+  ParameterSet base;  ///< as last loaded, saved or sent
+};
+/// Two parameter files one after the other, so that people can read it too.
+[[nodiscard]] std::string draft_text(const ParametersDraft& draft);
+[[nodiscard]] Result<ParametersDraft> parsed_draft(const std::string& text);
 
 }  // namespace ecs::commissioning

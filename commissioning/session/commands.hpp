@@ -48,4 +48,9 @@ void name_in_commands(const std::string& path, const std::string& word);
 /// the first workshop $WORKSHOP, which the environment may name otherwise.
 [[nodiscard]] std::string script_of(const std::vector<NotedCommand>& commands);
 
+/// As a POSIX shell takes it: quoted where it holds more than letters, digits and signs that mean nothing there.
+[[nodiscard]] std::string shell_word(const std::string& word);
+/// A whole command.
+[[nodiscard]] std::string shell_command(const std::vector<std::string>& words);
+
 }  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "commissioning/session/event_log.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::commissioning {
 namespace {

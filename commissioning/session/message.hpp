@@ -1,12 +1,14 @@
-// What an action has to say to whoever asked for it: tones, messages, questions. A verb prints them, a screen shows
-// them.
+// What work under way and whoever asked for it say to each other: tones, messages, questions, lines that are typed; and
+// the log of what the screens said. A verb prints them, a screen shows them.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.hpp"
 
@@ -44,7 +46,7 @@ class NoMessages final : public MessageSink {
   void warn(std::string_view) override {}
 };
 
-/// What was said last to the user of a controller; everything said goes to the log as well (event_log.hpp).
+/// What was said last to the user of a controller; everything said goes to the log as well (log_event()).
 class Message {
  public:
   void say(const std::string& text, Tone tone = Tone::good);
@@ -80,5 +82,30 @@ class Asking {
   std::optional<Question> question_;
   std::function<void()> on_yes_, on_no_;
 };
+
+class Keyboard {
+ public:
+  virtual ~Keyboard() = default;
+  /// The next whole line, without its end, if it is there already.
+  [[nodiscard]] virtual std::optional<std::string> line() = 0;
+  /// No line will come any more.
+  [[nodiscard]] virtual bool ended() const = 0;
+};
+
+struct LogEntry {
+  std::string time;  ///< "14:05:09", local
+  Tone tone = Tone::plain;
+  std::string text;
+};
+
+/// From any thread. The same text again at once counts once.
+void log_event(Tone tone, const std::string& text);
+/// The last thousand.
+[[nodiscard]] std::vector<LogEntry> logged();
+/// What must still be read when the screens are gone: logged, and printed once the terminal is given back.
+void leave_word(const std::string& text);
+[[nodiscard]] std::vector<std::string> words_left();
+/// state_folder()/screens.log; begun afresh when it has grown beyond a megabyte. Empty: there is nowhere to write.
+[[nodiscard]] std::filesystem::path log_file();
 
 }  // namespace ecs::commissioning

@@ -8,10 +8,9 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/unit_commands.hpp"
+#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/memory/view.hpp"
 #include "commissioning/unit/utility_work.hpp"
-#include "commissioning/utility/emulated_machine.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "core/fault.hpp"
 

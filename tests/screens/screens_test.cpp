@@ -14,7 +14,7 @@
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
-#include "commissioning/session/measured_phases.hpp"
+#include "commissioning/session/remembered.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/screen_driver.hpp"
 

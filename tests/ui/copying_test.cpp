@@ -1,7 +1,7 @@
 // What F4 copies, and what is said of a key that does nothing.
-#include "app/ui/copying.hpp"
-
 #include <doctest/doctest.h>
+
+#include "app/ui/screen_program.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,9 +1,8 @@
 // Letters of other scripts: two columns, no column, and rows that stay aligned whatever a file is called.
-#include "app/ui/letters.hpp"
-
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
+#include "app/ui/cells.hpp"
 #include "app/ui/widgets.hpp"
 
 using namespace ecs;

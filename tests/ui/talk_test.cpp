@@ -1,15 +1,13 @@
 // Messages, questions and help: nobody meets half a sentence without a way to the rest of it.
-#include "app/ui/talk.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
 #include <doctest/doctest.h>
 
-#include "app/ui/key_line.hpp"
-#include "app/ui/overlay.hpp"
+#include "app/ui/screen.hpp"
 #include "app/ui/screen_program.hpp"
-#include "commissioning/session/event_log.hpp"
+#include "app/ui/widgets.hpp"
+#include "commissioning/session/message.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "commissioning/batch/batch.hpp"
 #include "commissioning/link/choice.hpp"
-#include "commissioning/link/port_survey.hpp"
+#include "commissioning/link/doctor.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -12,17 +12,15 @@
 #include "app/plot/gnuplot.hpp"
 #include "app/screens/files/prompt.hpp"
 #include "app/ui/chart.hpp"
-#include "app/ui/key_line.hpp"
-#include "app/ui/talk.hpp"
+#include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/files/known_files.hpp"
-#include "commissioning/link/unit_commands.hpp"
-#include "commissioning/session/event_log.hpp"
-#include "commissioning/session/keyboard.hpp"
+#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
@@ -535,7 +533,7 @@ class FormScreen final : public Screen {
   void take(FormAnswer answer) {
     stop_asking();
     (void)hear();
-    answer.lines.insert(answer.lines.begin(), said_.begin(), said_.end());
+    answer.lines.insert(row_.talks ? answer.lines.end() : answer.lines.begin(), said_.begin(), said_.end());
     answer_ = std::move(answer);
     if (row_.done) row_.done(*connection_, typed(), answer_->exit_code);
     if (answer_->exit_code > 1) {

@@ -1,20 +1,98 @@
-// One step of PROCESS LASER DATA on the screen, and what all steps share: the controller, questions, forms, pictures.
+// One step of PROCESS LASER DATA on the screen, and what all steps share: the controller, questions, forms, charts.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "app/screens/laser/form.hpp"
+#include "app/screens/files/prompt.hpp"
+#include "app/ui/cells.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/laser_session/controller.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "commissioning/plot/picture_export.hpp"
 
 namespace ecs::app {
+
+struct LaserField {
+  std::string name;
+  std::string help;
+  std::string value;
+  std::vector<std::string> choices{};  ///< words that are allowed; empty: any text
+  bool path = false;                   ///< Tab completes it; where it is empty a file is chosen
+  FileWish wish{};                     ///< of a path
+};
+
+class LaserForm {
+ public:
+  /// @param take  the values in the order of the fields; its answer says why they are refused; empty: taken
+  using Take = std::function<std::string(const std::vector<std::string>&)>;
+  LaserForm(std::string title, std::vector<LaserField> fields, Take take);
+
+  /// Begins at this field rather than at the first.
+  void go_to(const std::string& field);
+
+  /// A box in the middle of `area`.
+  void draw(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] CellPosition cursor(const Area& area) const;
+  /// @return false: the form is done, taken or given up
+  [[nodiscard]] bool on_key(const Key& key);
+  [[nodiscard]] bool advance() { return files_.advance(); }
+
+ private:
+  struct Layout {
+    Area box, inside;
+    int names = 0, values = 0, fields = 0;
+  };
+  [[nodiscard]] Layout layout(const Area& area) const;
+  void type(const Key& key);
+  void next_choice(int by);
+  void next_choice_with(char32_t letter);
+
+  std::string title_;
+  std::vector<LaserField> fields_;
+  std::vector<TextLine> lines_;
+  ListPlace place_;
+  Take take_;
+  Prompt files_;
+  std::string hint_;
+  bool refused_ = false;
+};
+
+/// What of the readings left out is seen: those no farther from the others than the others spread, the rest is beyond.
+struct LeftOutSeen {
+  std::vector<PlotPoint> inside;
+  std::vector<PlotPoint> above;
+  std::vector<PlotPoint> below;
+  ChartView view;  ///< both ranges stated: room for `inside`, and for marks at the edge
+};
+/// @pre `left_out` is not empty. @param panel  the readings that count; may be empty: then nothing is far
+[[nodiscard]] LeftOutSeen left_out_seen(const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                                        const ChartView& view);
+
+/// "beyond the edge: 47.5 um at -200", of many the least and the most; empty: none is.
+[[nodiscard]] std::string beyond_text(const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                                      std::string_view unit);
+/// The legend of the marks: "x left out: 18; beyond the edge: 47.5 um at -200". @pre something is left out
+[[nodiscard]] std::string left_out_legend(const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                                          std::string_view unit);
+
+/// As draw_chart(), the readings left out as x over it, and under a cursor the means: single runs would not fit. The
+/// legend of the marks is left to whoever draws it.
+void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                      const ChartView& view);
+
+/// As on_chart_key(); the cursor stops at what is left out as well.
+[[nodiscard]] bool on_laser_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                                      ChartView& view);
+
+/// For pictures: those inside as a series of its own, those beyond named in the title.
+[[nodiscard]] PlotPanel with_left_out(PlotPanel panel, const std::vector<PlotPoint>& left_out, std::string_view unit);
 
 /// What a step asks of the screen.
 class LaserHost {

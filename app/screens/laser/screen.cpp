@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
 
 namespace ecs::app {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 
@@ -198,43 +198,36 @@ void MemoryScreen::to_named(bool forward) {
     controller_.message().say(forward ? "no name after this place" : "no name before this place", Tone::warning);
 }
 
-void MemoryScreen::on_letter(char32_t letter) {
-  switch (letter) {
-    case U'g':
-      return begin_typing(Typing::place);
-    case U'/':
-      return begin_typing(Typing::sought);
-    case U'm':
-      return controller_.seek_on();
-    case U'n':
-      return to_named(true);
-    case U'p':
-      return to_named(false);
-    case U'w':
-      if (controller_.lets_write()) begin_typing(Typing::bytes);
-      return;
-    case U'u':
-      return controller_.propose_undo();
-    case U'r':
-      return controller_.read_again(rows_.shown());
-    case U'a':
-      return controller_.read_region();
-    case U'c':
-      return choose_comparison();
-    case U'd':
-      return controller_.to_next_difference();
-    case U's':
-      return begin_typing(Typing::file_to_save, dump_name());
-    case U'o':
-      return choose_dump();
-    case U'1':
-    case U'2':
-    case U'3':
-      page_ = static_cast<Page>(letter - U'1');
-      return;
-    default:
-      return;
-  }
+std::vector<KeyRow> MemoryScreen::key_table() {
+  const auto page = [this](Page to) { return [this, to] { page_ = to; }; };
+  const auto write = [this] {
+    if (controller_.lets_write()) begin_typing(Typing::bytes);
+  };
+  const auto undo = [this] { controller_.propose_undo(); };
+  return {{"g", "go to", [this] { begin_typing(Typing::place); }},
+          {"/ m", "find, next"},
+          {"/", "", [this] { begin_typing(Typing::sought); }},
+          {"m", "", [this] { controller_.seek_on(); }},
+          {"n p", "field"},
+          {"n", "", [this] { to_named(true); }},
+          {"p", "", [this] { to_named(false); }},
+          {"w u", "write, undo"},
+          {"w", "", write},
+          {"u Ctrl-Z", "", undo},
+          {"c d", "compare, next"},
+          {"c", "", [this] { choose_comparison(); }},
+          {"d", "", [this] { controller_.to_next_difference(); }},
+          {"s o", "save, open"},
+          {"s", "", [this] { begin_typing(Typing::file_to_save, dump_name()); }},
+          {"o", "", [this] { choose_dump(); }},
+          {"a r", "read the region, read again"},
+          {"a", "", [this] { controller_.read_region(); }},
+          {"r", "", [this] { controller_.read_again(rows_.shown()); }},
+          {"Tab 1 2 3", "bytes, differences, written"},
+          {"Tab", "", [this] { page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3); }},
+          {"1", "", page(Page::bytes)},
+          {"2", "", page(Page::differences)},
+          {"3", "", page(Page::written)}};
 }
 
 Step MemoryScreen::on_key(const Key& key) {
@@ -250,13 +243,8 @@ Step MemoryScreen::on_key(const Key& key) {
   }
   if (key.name == Key::Name::resized) return stay();
   controller_.message().clear();
-  if (key.name == Key::Name::tab)
-    page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3);
-  else if (key.name == Key::Name::letter)
-    on_letter(key.letter);
-  else if (key.name == Key::Name::control && key.letter == U'z')
-    controller_.propose_undo();
-  else if (page_ != Page::bytes)
+  if (act_on(keys_, key)) return stay();
+  if (page_ != Page::bytes)
     on_list_key(key);
   else
     (void)on_move_key(key);
@@ -266,14 +254,7 @@ Step MemoryScreen::on_key(const Key& key) {
 std::vector<KeyHelp> MemoryScreen::keys() const {
   if (files_.active()) return files_.keys();
   if (typing()) return {{"Enter", "done"}, {"Esc", "leave it"}};
-  return {{"g", "go to"},
-          {"/ m", "find, next"},
-          {"n p", "field"},
-          {"w u", "write, undo"},
-          {"c d", "compare, next"},
-          {"s o", "save, open"},
-          {"a r", "read the region, read again"},
-          {"Tab 1 2 3", "bytes, differences, written"}};
+  return helps_of(keys_);
 }
 
 std::string MemoryScreen::help() const {

@@ -14,11 +14,10 @@
 #include "app/screens/files/prompt.hpp"
 #include "app/screens/model/screen.hpp"
 #include "app/ui/screen.hpp"
-#include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/files/known_files.hpp"
 #include "commissioning/model_session/controller.hpp"
-#include "commissioning/session/recent_files.hpp"
+#include "commissioning/session/remembered.hpp"
 
 namespace ecs::app {
 namespace {

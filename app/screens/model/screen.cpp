@@ -8,7 +8,7 @@
 
 #include "app/cli/catalogue.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
@@ -88,73 +88,33 @@ Step ModelScreen::on_question(const Key& key) {
   return back();
 }
 
-void ModelScreen::on_asked(const Key& key) {
-  if (key.name == Key::Name::escape) {
-    asked_.reset();
-    controller_->drop_plan();
-  } else if (key.name == Key::Name::tab && asked_->purpose == Asked::For::effect) {
-    asked_->line.set(completed_effect(asked_->line.text()));
-  } else if (key.name == Key::Name::tab) {
-    asked_->line.set(completed_path(asked_->line.text()).completed);
-  } else if (key.name == Key::Name::enter) {
-    const Asked asked = *asked_;
-    asked_.reset();
-    const bool may_be_empty = asked.purpose == Asked::For::params || asked.purpose == Asked::For::zero_reason ||
-                              asked.purpose == Asked::For::workshop;
-    if (may_be_empty || !asked.line.text().empty()) on_answer(asked);
-  } else {
-    (void)asked_->line.on_key(key);
-  }
+void ModelScreen::ask_effect() {
+  prompt_
+      .ask("effect to add:", Prompt::Kind::text, "",
+           [this](const std::string& effect) {
+             page_ = Page::ladder;
+             controller_->start_adding(effect);
+           })
+      .completed_by(completed_effect);
 }
 
-void ModelScreen::on_answer(const Asked& asked) {
-  const std::string text = asked.line.text();
-  const auto& before = controller_->investigation().request();
-  switch (asked.purpose) {
-    case Asked::For::map:
-      map_file_ = text;
-      asked_ = {Asked::For::params, "parameters of the unit (empty: received from it, else those of the machine):",
-                TextLine(controller_->params_proposed())};
-      return;
-    case Asked::For::params:
-      return controller_->plan_map(map_file_, text);
-    case Asked::For::zero_reason:
-      return write_map(text);
-    case Asked::For::effect:
-      page_ = Page::ladder;
-      return controller_->start_adding(text);
-    case Asked::For::workshop:
-      if (auto place = controller_->investigation_place(text); place)
-        workshop_ = std::move(*place);
-      else
-        return;
-      asked_ = {Asked::For::minutes,
-                "minutes that the runs may take:", TextLine(before ? fmt::format("{:g}", before->minutes) : "240")};
-      return;
-    case Asked::For::minutes:
-      return controller_->start_investigation(workshop_, text);
-    case Asked::For::investigated:
-      return controller_->write_investigated(text);
-  }
-}
-
-bool ModelScreen::on_investigation_key(const Key& key) {
-  const InvestigationController& investigation = controller_->investigation();
-  if (is_letter(key, U'i')) {
-    if (!controller_->may_investigate()) return true;
-    const std::string emulated = controller_->emulated_workshop();
-    const std::string before = investigation.request() ? investigation.request()->place : "";
-    asked_ = {Asked::For::workshop,
-              fmt::format("workshop socket, or folder for readings{}:",
-                          emulated.empty() ? "" : " (empty: the emulated machine of this link)"),
-              TextLine(before == emulated ? "" : before)};
-  } else if (is_letter(key, U'f') && investigation.found()) {
-    asked_ = {Asked::For::investigated, "write the model to:",
-              TextLine(std::filesystem::path(controller_->model_file()).replace_extension(".found.toml").string())};
-  } else {
-    return false;
-  }
-  return true;
+/// The place, then the minutes.
+void ModelScreen::ask_investigation() {
+  if (!controller_->may_investigate()) return;
+  const auto& request = controller_->investigation().request();
+  const std::string emulated = controller_->emulated_workshop();
+  const std::string before = request ? request->place : "";
+  const std::string minutes = request ? fmt::format("{:g}", request->minutes) : "240";
+  const auto take = [this, minutes](const std::string& typed) {
+    const auto place = controller_->investigation_place(typed);
+    if (place)
+      prompt_.ask("minutes that the runs may take:", Prompt::Kind::number, minutes,
+                  [this, place = *place](const std::string& most) { controller_->start_investigation(place, most); });
+  };
+  prompt_
+      .ask("workshop socket, or folder for readings:", Prompt::Kind::path, before == emulated ? "" : before, take,
+           emulated.empty() ? "" : "empty: the emulated machine of this link")
+      .or_nothing();
 }
 
 std::size_t ModelScreen::chosen_cause() const {
@@ -231,7 +191,14 @@ void ModelScreen::begin_map() {
   const auto ask = [this] {
     const std::string proposed =
         std::filesystem::path(controller_->model_file()).replace_extension(".map.csv").string();
-    asked_ = {Asked::For::map, "write the map to:", TextLine(proposed)};
+    prompt_.ask("write the map to:", Prompt::Kind::path, proposed, [this](const std::string& map) {
+      prompt_
+          .ask(
+              "parameters of the unit:", Prompt::Kind::path, controller_->params_proposed(),
+              [this, map](const std::string& params) { controller_->plan_map(map, params); },
+              "empty: received from it, else those of the machine")
+          .or_nothing();
+    });
   };
   if (controller_->is_kept()) return ask();
   asking_.ask({"Save the model first?",
@@ -257,15 +224,18 @@ void ModelScreen::write_map(const std::string& zero_reason) {
 }
 
 bool ModelScreen::advance() {
-  const bool looked = files_.advance();
+  const bool looked = prompt_.advance();
   const bool changed = controller_->advance() || looked;
-  if (controller_->busy() || asked_ || files_.active() || asking_.active()) return changed;
+  if (controller_->busy() || prompt_.active() || asking_.active()) return changed;
   if (const auto& planned = controller_->planned_map()) {
     if (planned->missing.empty())
       write_map("");
     else
-      asked_ = {Asked::For::zero_reason,
-                "declared zero because (empty: leave them missing):", TextLine("not measured, no effect in the model")};
+      prompt_
+          .ask(
+              "declared zero because:", Prompt::Kind::text, "not measured, no effect in the model",
+              [this](const std::string& reason) { write_map(reason); }, "empty: leave them missing")
+          .or_nothing();
     return true;
   }
   if (controller_->ready()) {
@@ -276,32 +246,45 @@ bool ModelScreen::advance() {
   return changed;
 }
 
+std::size_t ModelScreen::chosen_effect() const {
+  return static_cast<std::size_t>(
+      std::clamp(effect_.selected, 0, static_cast<int>(controller_->model().effects.size()) - 1));
+}
+
 bool ModelScreen::on_ladder_key(const Key& key) {
-  const int count = static_cast<int>(controller_->model().effects.size());
-  const auto chosen = static_cast<std::size_t>(std::clamp(effect_.selected, 0, count - 1));
-  const model::EffectInstance& effect = controller_->model().effects[chosen];
-  if (is_letter(key, U'x') || key.name == Key::Name::erase)
-    controller_->start_removing(chosen);
-  else if (key.name == Key::Name::enter && !effect.tied_with.empty())
-    asking_.ask({fmt::format("Is it decided that it is {}?", place_text(effect)),
-                 fmt::format("Until now it could be {} as well.", effect.tied_with), "decided", "still open"},
-                [this, chosen] { controller_->decide(chosen); });
-  else
-    return effect_.on_key(key, count);
+  const auto& effects = controller_->model().effects;
+  const std::size_t chosen = chosen_effect();
+  if (key.name != Key::Name::enter || effects[chosen].tied_with.empty())
+    return effect_.on_key(key, static_cast<int>(effects.size()));
+  asking_.ask({fmt::format("Is it decided that it is {}?", place_text(effects[chosen])),
+               fmt::format("Until now it could be {} as well.", effects[chosen].tied_with), "decided", "still open"},
+              [this, chosen] { controller_->decide(chosen); });
   return true;
 }
 
-bool ModelScreen::on_after_key(const Key& key) {
-  if (is_letter(key, U'w')) {
-    controller_->start_after({});
-  } else if (is_letter(key, U'o')) {
-    files_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
-                  [this](const std::vector<std::string>& paths) { controller_->start_after(paths); });
-  } else if (is_letter(key, U'm')) {
-    begin_map();
-  } else if (is_letter(key, U't')) {
-    controller_->prepare_sending();
-  } else if (is_letter(key, U'c')) {
+CellPosition ModelScreen::cursor(const Area& area) const {
+  return prompt_.cursor(area, prompt_.choosing() ? 0 : area.rows - 1);
+}
+
+std::vector<KeyRow> ModelScreen::key_table() {
+  const auto on = [this](Page page) { return [this, page] { return page_ == page; }; };
+  const auto causes = [this](Opened opened) {
+    return [this, opened] { return page_ == Page::causes && opened_ == opened; };
+  };
+  const auto after = [this](std::function<void()> act) {
+    return [this, act = std::move(act)] {
+      act();
+      page_ = Page::after;
+      scroll_ = {};
+    };
+  };
+  const auto diagnose = [this] {
+    page_ = Page::causes;
+    cause_ = {};
+    opened_ = Opened::list;
+    controller_->start_diagnosis();
+  };
+  const auto compensate = [this] {
     if (controller_->may_compensate())
       asking_.ask(
           {"Switch the unit to compensation?",
@@ -309,114 +292,86 @@ bool ModelScreen::on_after_key(const Key& key) {
            "the relays once every axis is referenced, and from then on moves the axes by the values of that map.",
            "switch", "not now"},
           [this] { controller_->compensate(); });
-  } else {
-    return false;
-  }
-  page_ = Page::after;
-  scroll_ = {};
-  return true;
-}
-
-CellPosition ModelScreen::cursor(const Area& area) const {
-  if (files_.active()) return files_.cursor(area, 0);
-  if (!asked_) return {-1, -1};
-  const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
-  return {area.row + area.rows - 1,
-          area.column + begin + asked_->line.cursor_column(std::max(4, area.columns - begin - 1))};
+  };
+  const auto measured_again = [this] {
+    prompt_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
+                   [this](const std::vector<std::string>& paths) { controller_->start_after(paths); });
+  };
+  const auto write_found = [this] {
+    prompt_.ask("write the model to:", Prompt::Kind::path,
+                std::filesystem::path(controller_->model_file()).replace_extension(".found.toml").string(),
+                [this](const std::string& file) { controller_->write_investigated(file); });
+  };
+  const auto candidates = [this] {
+    return page_ != Page::after && controller_->diagnosis() && !controller_->diagnosis()->candidates.empty();
+  };
+  return {{"a", "add",
+           [this] {
+             if (controller_->diagnosis()) add_chosen();
+           },
+           candidates, true},
+          {"f", "write what was found", write_found,
+           [this] { return page_ == Page::next && controller_->investigation().found(); }},
+          {"i", "investigate", [this] { ask_investigation(); }, on(Page::next)},
+          {"Enter", "details", {}, causes(Opened::list)},
+          {"Enter", "evidence", {}, causes(Opened::details)},
+          {"Enter", "details", {}, causes(Opened::evidence)},
+          {"w", "what if", after([this] { controller_->start_after({}); }), on(Page::after), true},
+          {"d", "diagnose", diagnose,
+           [this] { return page_ != Page::after && (page_ != Page::causes || opened_ == Opened::list); }, true},
+          {"s", "save", [this] { controller_->save(); }},
+          {"m", "map", after([this] { begin_map(); }), on(Page::after), true},
+          {"t", "send", after([this] { controller_->prepare_sending(); }), on(Page::after), true},
+          {"c", "compensate", after(compensate), on(Page::after), true},
+          {"o", "measured again", after(measured_again), on(Page::after), true},
+          {"x Del", "remove", [this] { controller_->start_removing(chosen_effect()); }, on(Page::ladder)},
+          {"Tab", "page", [this] { turn_page(1); }},
+          {"Shift-Tab", "", [this] { turn_page(-1); }},
+          {"up/down", "line", {}, on(Page::curves)},
+          {"v", "residual against", {}, on(Page::curves)},
+          {"r", "runs", {}, on(Page::curves)},
+          {"left/right", "cursor", {}, on(Page::curves)},
+          {"+ - 0", "zoom", {}, on(Page::curves)},
+          {"up/down", "effect", {}, on(Page::ladder)},
+          {"up/down", "choose", {}, causes(Opened::list)},
+          {"up/down", "read", {}, on(Page::next)},
+          {"up/down", "read", {}, on(Page::fails)},
+          {"left/right", "sideways", {}, on(Page::fails)},
+          {"Esc", "back to the list", {}, [this] { return page_ == Page::causes && opened_ != Opened::list; }},
+          {"u", "undo", [this] { controller_->undo(); }},
+          {"y", "redo", [this] { controller_->redo(); }},
+          {"n", "name an effect", [this] { ask_effect(); }},
+          {"e", "picture", [this] { controller_->export_picture(write_plot); }}};
 }
 
 Step ModelScreen::on_key(const Key& key) {
   if (draft_ || leaving_) return on_question(key);
-  if (answers(asking_, key) || files_.on_key(key)) return stay();
-  if (asked_) {
-    on_asked(key);
-    return stay();
-  }
+  if (answers(asking_, key) || prompt_.on_key(key)) return stay();
   if (key.name == Key::Name::escape && page_ == Page::causes && opened_ != Opened::list && !controller_->busy()) {
     opened_ = Opened::list;
     scroll_ = {};
-    return stay();
-  }
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (controller_->busy()) {
-      controller_->cancel();
-      return stay();
-    }
-    if (!controller_->changed()) return back();
-    leaving_ = true;
-    return stay();
-  }
-  if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
-    turn_page(key.name == Key::Name::tab ? 1 : -1);
-    return stay();
-  }
-  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kPages) {
+  } else if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (!controller_->busy() && !controller_->changed()) return back();
+    leaving_ = !controller_->busy();
+    controller_->cancel();
+  } else if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kPages) {
     page_ = static_cast<Page>(static_cast<int>(key.letter - U'1'));
     scroll_ = {};
-    return stay();
-  }
-  if (is_letter(key, U'd')) {
-    page_ = Page::causes;
-    cause_ = {};
-    opened_ = Opened::list;
-    controller_->start_diagnosis();
-  } else if (is_letter(key, U'a') && controller_->diagnosis()) {
-    add_chosen();
-  } else if (is_letter(key, U'u')) {
-    controller_->undo();
-  } else if (is_letter(key, U'y')) {
-    controller_->redo();
-  } else if (is_letter(key, U'n')) {
-    asked_ = {Asked::For::effect, "effect to add:", {}};
-  } else if (is_letter(key, U's')) {
-    controller_->save();
-  } else if (is_letter(key, U'e')) {
-    controller_->export_picture(write_plot);
-  } else if (on_after_key(key) || (page_ == Page::next && on_investigation_key(key))) {
-    return stay();
-  } else if (page_ == Page::curves) {
-    (void)on_curve_key(key);
-  } else if (page_ == Page::ladder) {
-    if (!on_ladder_key(key)) (void)scroll_.on_key(key);
-  } else if (page_ == Page::causes) {
-    if (!on_causes_key(key)) (void)scroll_.on_key(key);
-  } else {
-    (void)scroll_.on_key(key);
+  } else if (!act_on(keys_, key)) {
+    on_page_key(key);
   }
   return stay();
 }
 
+void ModelScreen::on_page_key(const Key& key) {
+  const bool taken = (page_ == Page::curves && on_curve_key(key)) || (page_ == Page::ladder && on_ladder_key(key)) ||
+                     (page_ == Page::causes && on_causes_key(key));
+  if (!taken && page_ != Page::curves) (void)scroll_.on_key(key);
+}
+
 std::vector<KeyHelp> ModelScreen::keys() const {
   if (const auto& question = asking_.question()) return {{"y", question->yes}, {"n", question->no}};
-  if (files_.active()) return files_.keys();
-  if (asked_) return {{"Enter", "go on"}, {"Tab", "complete"}, {"Esc", "leave it"}};
-  std::vector<KeyHelp> keys;
-  if (page_ == Page::curves)
-    keys = {{"d", "diagnose"}, {"Tab", "page"},          {"up/down", "line"}, {"v", "residual against"},
-            {"r", "runs"},     {"left/right", "cursor"}, {"+ - 0", "zoom"}};
-  else if (page_ == Page::after)
-    keys = {{"w", "what if"},        {"m", "map"},   {"t", "send"}, {"c", "compensate"},
-            {"o", "measured again"}, {"Tab", "page"}};
-  else if (page_ == Page::causes && opened_ == Opened::list)
-    keys = {{"Enter", "details"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
-  else if (page_ == Page::causes)
-    keys = {{"Enter", opened_ == Opened::details ? "evidence" : "details"}, {"Esc", "back to the list"}};
-  else if (page_ == Page::next)
-    keys = {{"i", "investigate"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}};
-  else if (page_ == Page::ladder)
-    keys = {{"d", "diagnose"}, {"x", "remove"}, {"up/down", "effect"}, {"Tab", "page"}};
-  else
-    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
-  if (page_ == Page::next && controller_->investigation().found())
-    keys.insert(keys.begin(), {"f", "write what was found"});
-  if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty() && page_ != Page::after)
-    keys.insert(keys.begin(), {"a", "add"});
-  keys.insert(keys.begin() + 2, {"s", "save"});
-  keys.push_back({"u", "undo"});
-  keys.push_back({"y", "redo"});
-  keys.push_back({"n", "name an effect"});
-  keys.push_back({"e", "picture"});
-  return keys;
+  return prompt_.active() ? prompt_.keys() : helps_of(keys_);
 }
 
 std::string ModelScreen::help() const {

@@ -25,18 +25,12 @@ class ModelScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] std::string unsaved() const override;
-  [[nodiscard]] bool typing() const override { return (asked_.has_value() || files_.active()) && !asking_.active(); }
+  [[nodiscard]] bool typing() const override { return prompt_.active() && !asking_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { curves, fails, causes, ladder, next, after };
   static constexpr int kPages = 6;
-  /// A line that is being typed at the bottom.
-  struct Asked {
-    enum class For { map, params, zero_reason, workshop, minutes, investigated, effect } purpose;
-    std::string label;
-    TextLine line;
-  };
   /// The curves of one line as they are shown, made anew only when something else is to be seen.
   struct Curves {
     int generation = -1;
@@ -48,7 +42,6 @@ class ModelScreen final : public Screen {
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
   [[nodiscard]] std::string state_text() const;
-  [[nodiscard]] int asked_rows(const Area& area) const;
   [[nodiscard]] int state_rows(const Area& area) const;
   void draw_state(Canvas& canvas, const Area& area) const;
   void draw_curves(Canvas& canvas, const Area& area) const;
@@ -62,9 +55,10 @@ class ModelScreen final : public Screen {
   [[nodiscard]] const Curves& curves() const;
   [[nodiscard]] ChartView residual_view() const;
   [[nodiscard]] Step on_question(const Key& key);
-  void on_asked(const Key& key);
-  void on_answer(const Asked& asked);
-  [[nodiscard]] bool on_after_key(const Key& key);
+  [[nodiscard]] std::vector<KeyRow> key_table();
+  void ask_effect();
+  void ask_investigation();
+  void on_page_key(const Key& key);
   [[nodiscard]] bool on_ladder_key(const Key& key);
   [[nodiscard]] bool on_causes_key(const Key& key);
   void add_chosen();
@@ -73,7 +67,7 @@ class ModelScreen final : public Screen {
   void write_map(const std::string& zero_reason);
   [[nodiscard]] std::vector<std::string> after_lines(int columns) const;
   [[nodiscard]] std::size_t chosen_cause() const;
-  [[nodiscard]] bool on_investigation_key(const Key& key);
+  [[nodiscard]] std::size_t chosen_effect() const;
   void next_run();
 
   std::unique_ptr<ModelController> controller_;
@@ -89,12 +83,10 @@ class ModelScreen final : public Screen {
   mutable Curves curves_;
   std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
   bool leaving_ = false;        ///< asked whether the model may stay unsaved
-  std::optional<Asked> asked_;
-  Prompt files_;          ///< measured again with compensation
-  Asking asking_;         ///< before the model is saved, files are overwritten, the map is sent
-  ListPlace effect_;      ///< in the list of the page Ladder
-  std::string map_file_;  ///< as typed; the parameters are asked next
-  std::string workshop_;  ///< socket or folder, as typed; the minutes are asked next
+  Prompt prompt_;
+  Asking asking_;     ///< before the model is saved, files are overwritten, the map is sent
+  ListPlace effect_;  ///< in the list of the page Ladder
+  std::vector<KeyRow> keys_ = key_table();
 };
 
 }  // namespace ecs::app

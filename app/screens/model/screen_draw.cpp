@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/screens/model/screen.hpp"
-#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
 #include "base/text.hpp"
 #include "commissioning/investigation/ledger.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
@@ -64,7 +64,7 @@ void draw_bar(Canvas& canvas, const Area& area, int row, double value, double mo
 }  // namespace
 
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
-  if (files_.active()) return files_.draw(canvas, area, 0);
+  if (prompt_.choosing()) return prompt_.draw(canvas, area, 0);
   draw_tabs(canvas, area.top(1));
   const int state_part = state_rows(area);
   const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - state_part), area.columns};
@@ -88,6 +88,7 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
   }
   draw_state(canvas, {area.row + area.rows - state_part, area.column, state_part, area.columns});
+  prompt_.draw(canvas, area, area.rows - 1);
   if (draft_)
     draw_question(canvas, area,
                   {"Unsaved work on this model was found. Take it up?",
@@ -115,13 +116,6 @@ void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
   if (column + width_of(file) + 2 <= area.columns) canvas.text_right(area.left(area.columns - 1), 0, file, Tone::faint);
 }
 
-/// What is asked has rows of its own where the text would be cut beside it, or little would be left to type into.
-int ModelScreen::asked_rows(const Area& area) const {
-  const int label = width_of(asked_->label);
-  const bool beside = label <= area.columns * 2 / 3 && label + width_of(asked_->line.text()) + 4 <= area.columns;
-  return beside ? 0 : static_cast<int>(wrapped(asked_->label, area.columns - 2).size());
-}
-
 /// What the last rows say while nothing is asked and nothing was told.
 std::string ModelScreen::state_text() const {
   const model::Fit& fit = controller_->fit();
@@ -133,7 +127,7 @@ std::string ModelScreen::state_text() const {
 
 int ModelScreen::state_rows(const Area& area) const {
   if (controller_->busy()) return 1;
-  if (asked_) return 1 + asked_rows(area);
+  if (prompt_.active()) return 2;
   const int most = std::max(1, area.rows / 4);
   if (!controller_->message().text().empty()) return rows_of_message(controller_->message(), area.columns - 2, most);
   return std::min(most, static_cast<int>(wrapped(state_text(), area.columns - 2).size()));
@@ -146,10 +140,6 @@ void ModelScreen::draw_state(Canvas& canvas, const Area& area) const {
         text, 0,
         fmt::format("{} ... {:.0f} s, Esc gives up", controller_->working_on(), controller_->seconds_working()),
         Tone::warning);
-  } else if (asked_) {
-    canvas.paragraph(text, 0, asked_->label, Tone::strong);
-    const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
-    asked_->line.draw(canvas, area, area.rows - 1, begin, std::max(4, area.columns - begin - 1), true);
   } else if (!controller_->message().text().empty()) {
     draw_message(canvas, text, controller_->message());
   } else {

@@ -1,11 +1,23 @@
+// What the parameters screen does beyond a single value: files asked for, sending, receiving, finding by name.
 #include "app/screens/parameters/screen.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.hpp"
+#include "commissioning/session/remembered.hpp"
 
 namespace ecs::app {
+namespace {
+
+/// Empty: none.
+std::string refusal_of(const Result<void>& done) { return done ? "" : to_text(done.error()); }
+
+}  // namespace
 
 ParametersScreen::ParametersScreen(std::shared_ptr<UnitConnection> line)
     : draft_(controller_.draft()), transfer_(std::move(line), controller_, message_) {}
@@ -59,7 +71,7 @@ void ParametersScreen::go_to(const std::string& key) {
   message_.say(fmt::format("{} belongs to an axis that configuration.axes does not name", key), Tone::warning);
 }
 
-bool ParametersScreen::typing() const { return prompt_ || seeking_ || (edit_ && !edit_->choosing); }
+bool ParametersScreen::typing() const { return prompt_.active() || seeking_ || (edit_ && !edit_->choosing); }
 
 std::string ParametersScreen::unsaved() const {
   if (!controller_.unsaved()) return {};
@@ -69,7 +81,7 @@ std::string ParametersScreen::unsaved() const {
 
 bool ParametersScreen::advance() {
   bool changed = transfer_.advance();
-  if (prompt_ && prompt_->chooser) changed = prompt_->chooser->advance() || changed;
+  changed = prompt_.advance() || changed;
   if (Asking question = transfer_.take_question(); question.active()) asking_ = std::move(question);
   if (controller_.loaded() && on_group()) settle_on_field(1);
   if (!controller_.loaded() && seen_changes_ != transfer_.connection().changes()) {
@@ -82,10 +94,7 @@ bool ParametersScreen::advance() {
 Step ParametersScreen::on_key(const Key& key) {
   if (answers(asking_, key)) return std::exchange(leaving_, false) ? back() : stay();
   if (key.name != Key::Name::none && key.name != Key::Name::resized) message_.clear();
-  if (prompt_) {
-    on_prompt_key(key);
-    return stay();
-  }
+  if (prompt_.on_key(key)) return stay();
   if (edit_) {
     on_edit_key(key);
     return stay();
@@ -169,39 +178,50 @@ Step ParametersScreen::on_page_key(const Key& key) {
     return stay();
   } else if (transfer_.task().running()) {
     message_.say("wait until the exchange with the unit is done, or Esc cancels it", Tone::warning);
-  } else if (!on_command(key)) {
-    if (on_group())
-      on_field_key(key);
-    else if (page_ == Page::findings)
-      on_findings_key(key);
-    else
-      on_compare_key(key);
+  } else if (!act_on(keys_, key) && on_group()) {
+    on_field_key(key);
   }
   return stay();
 }
 
-bool ParametersScreen::on_command(const Key& key) {
-  if (is_letter(key, U's'))
-    ask_where_to_save();
-  else if (is_letter(key, U't'))
-    send();
-  else if (is_letter(key, U'r'))
-    unless_lost("Receive the parameters of the unit?", [this] { receive(); });
-  else if (is_letter(key, U'o'))
-    unless_lost("Open another file?", [this] { ask_for_file(); });
-  else if (is_letter(key, U'n'))
-    unless_lost("Begin with new parameters?", [this] { ask_for_machine(); });
-  else if (is_letter(key, U'm'))
-    ask_for_check();
-  else if (is_letter(key, U'l'))
-    look_again();
-  else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z'))
-    report_undo(controller_.undo(), "taken back");
-  else if (is_letter(key, U'y') || (key.name == Key::Name::control && key.letter == U'y'))
-    report_undo(controller_.redo(), "done again");
-  else
-    return false;
-  return true;
+std::vector<KeyRow> ParametersScreen::key_table() {
+  const auto fields = [this] { return on_group(); };
+  const auto findings = [this] { return page_ == Page::findings; };
+  const auto compare = [this] { return page_ == Page::compare; };
+  const auto undo = [this] { report_undo(controller_.undo(), "taken back"); };
+  const auto redo = [this] { report_undo(controller_.redo(), "done again"); };
+  const auto default_here = [this] {
+    const std::string here = key_here();
+    if (here.empty()) return;
+    controller_.set_default(here);
+    message_.say(fmt::format("{} has its default; u takes it back", full_label_of(here)));
+    settle_on_field(1);
+  };
+  const auto save = [this] { ask_where_to_save(controller_.file().empty() ? "parameters.toml" : controller_.file()); };
+  const auto to_compared = [this] {
+    if (const std::string here = compared_here(); !here.empty()) go_to(here);
+  };
+  return {{"Enter", "edit", {}, fields},
+          {"Space", "next", {}, fields},
+          {"Enter", "go to field", [this] { go_to_finding(); }, findings},
+          {"Enter", "go to field", to_compared, compare},
+          {"f", "take file's", [this] { take_compared(true); }, compare},
+          {"g", "take unit's", [this] { take_compared(false); }, compare},
+          {"u", "undo", undo},
+          {"s", "save", save},
+          {"t", "send", [this] { send(); }},
+          {"r", "receive", [this] { unless_lost("Receive the parameters of the unit?", [this] { receive(); }); }},
+          {"/", "find"},
+          {"Tab 1-5", "page"},
+          {"d", "default of the field", default_here},
+          {"y", "do again what u took back", redo},
+          {"m", "check against a machine file", [this] { ask_for_check(); }},
+          {"o", "open a file", [this] { unless_lost("Open another file?", [this] { ask_for_file(); }); }},
+          {"n", "new from a machine file",
+           [this] { unless_lost("Begin with new parameters?", [this] { ask_for_machine(); }); }},
+          {"l", "look into the unit again", [this] { look_again(); }},
+          {"Ctrl-Z", "", undo},
+          {"Ctrl-Y", "", redo}};
 }
 
 void ParametersScreen::report_undo(const std::string& what, const char* word) {
@@ -219,35 +239,31 @@ void ParametersScreen::on_field_key(const Key& key) {
     begin_edit();
   } else if (is_letter(key, U' ') || key.name == Key::Name::right || key.name == Key::Name::left) {
     if (!controller_.cycle(here, key.name == Key::Name::left ? -1 : 1) && is_letter(key, U' ')) begin_edit();
-  } else if (is_letter(key, U'd')) {
-    controller_.set_default(here);
-    message_.say(fmt::format("{} has its default; u takes it back", full_label_of(here)));
   }
   settle_on_field(1);
 }
 
-void ParametersScreen::on_findings_key(const Key& key) {
+void ParametersScreen::go_to_finding() {
   const auto& findings = controller_.findings();
-  if (key.name != Key::Name::enter || findings.empty()) return;
+  if (findings.empty()) return;
   const auto k = std::min(static_cast<std::size_t>(place().selected), findings.size() - 1);
   if (!findings[k].keys.empty()) go_to(std::string(findings[k].keys.front()));
 }
 
-void ParametersScreen::on_compare_key(const Key& key) {
+std::string ParametersScreen::compared_here() const {
   const auto& compared = controller_.compared();
-  if (compared.empty()) return;
-  const std::string here = compared[std::min(static_cast<std::size_t>(place().selected), compared.size() - 1)].key;
-  if (key.name == Key::Name::enter) {
-    return go_to(here);
-  }
-  if (is_letter(key, U'f') || is_letter(key, U'g')) {
-    const bool file = is_letter(key, U'f');
-    if (file ? controller_.take_from_file(here) : controller_.take_from_unit(here))
-      message_.say(fmt::format("{} taken from the {}; u takes it back", full_label_of(here), file ? "file" : "unit"));
-    else
-      message_.say(file ? "there is no file to take it from" : "no unit has given a value that could be taken",
-                   Tone::warning);
-  }
+  if (compared.empty()) return {};
+  return compared[std::min(static_cast<std::size_t>(place().selected), compared.size() - 1)].key;
+}
+
+void ParametersScreen::take_compared(bool of_file) {
+  const std::string here = compared_here();
+  if (here.empty()) return;
+  if (of_file ? controller_.take_from_file(here) : controller_.take_from_unit(here))
+    message_.say(fmt::format("{} taken from the {}; u takes it back", full_label_of(here), of_file ? "file" : "unit"));
+  else
+    message_.say(of_file ? "there is no file to take it from" : "no unit has given a value that could be taken",
+                 Tone::warning);
   place().selected = std::clamp(place().selected, 0, std::max(0, static_cast<int>(controller_.compared().size()) - 1));
 }
 
@@ -286,6 +302,179 @@ void ParametersScreen::on_edit_key(const Key& key) {
       edit_->text.set(choices[static_cast<std::size_t>((now + (onward ? 1 : count - 1)) % count)]);
   } else if (edit_->text.on_key(key)) {
     edit_->refusal.clear();
+  }
+}
+
+void ParametersScreen::after(const Result<void>& done, const std::string& said) {
+  if (done)
+    message_.say(said);
+  else
+    message_.say(done.error());
+}
+
+void ParametersScreen::unless_lost(const std::string& title, std::function<void()> what) {
+  if (!controller_.unsaved()) return what();
+  asking_.ask(
+      {title,
+       fmt::format("{} change{} here neither saved nor sent. {} kept as a draft, which is offered again later; "
+                   "n, then s saves {} first.",
+                   controller_.changes(), controller_.changes() == 1 ? " is" : "s are",
+                   controller_.changes() == 1 ? "It is" : "They are", controller_.changes() == 1 ? "it" : "them"),
+       "go on, keep the draft", "stay"},
+      std::move(what));
+}
+
+void ParametersScreen::choose_file(const std::string& title, FileWish wish,
+                                   std::function<Result<void>(const std::string&)> take) {
+  const std::filesystem::path beside = std::filesystem::path(controller_.file()).parent_path();
+  if (!beside.empty()) prompt_.begin_in(beside);
+  prompt_.choose(title, std::move(wish),
+                 [take = std::move(take)](const std::string& path) { return refusal_of(take(path)); });
+}
+
+Result<void> ParametersScreen::opened(const std::string& path) {
+  auto opened = controller_.open_file(path);
+  if (!opened) return opened;
+  turn_page(0);
+  message_.say(path + " is open");
+  return {};
+}
+
+Result<void> ParametersScreen::begun_from(const std::string& machine) {
+  auto begun = controller_.start_from_machine(machine);
+  if (!begun) return begun;
+  turn_page(0);
+  message_.say(
+      "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
+      std::string(controller_.findings().empty() ? "of the control" : "of the control; page 4 says what is missing"));
+  return {};
+}
+
+void ParametersScreen::open(const std::string& path, FileKind kind) {
+  if (draft_) set_draft_aside(kParametersDraft);
+  draft_.reset();
+  if (const auto done = kind == FileKind::machine ? begun_from(path) : opened(path); !done) message_.say(done.error());
+}
+
+void ParametersScreen::ask_for_file() {
+  choose_file("open the parameter file", {{FileKind::parameters}},
+              [this](const std::string& path) { return opened(path); });
+}
+
+void ParametersScreen::ask_for_machine() {
+  choose_file("new parameters for the machine file", {{FileKind::machine}},
+              [this](const std::string& path) { return begun_from(path); });
+}
+
+void ParametersScreen::ask_for_check() {
+  choose_file("check axes, travels, transducers and datum against the machine file",
+              {{FileKind::machine}, false, "without a machine file"}, [this](const std::string& path) -> Result<void> {
+                ECS_DO(controller_.check_with(path));
+                const std::size_t count = controller_.findings().size();
+                message_.say(count == 0 ? "no findings for these parameters"
+                                        : fmt::format("{} finding{}: page 4", count, count == 1 ? "" : "s"),
+                             count == 0 ? Tone::good : Tone::warning);
+                return {};
+              });
+}
+
+void ParametersScreen::ask_where_to_save(const std::string& proposed) {
+  prompt_.ask(
+      "save as:", Prompt::Kind::path, proposed,
+      [this](const std::string& typed) {
+        const std::string path(trimmed(typed));
+        const std::string lost = controller_.overwrites(path);
+        if (lost.empty()) return refusal_of(save_to(path));
+        const auto again = [this, path] { ask_where_to_save(path); };
+        asking_.ask(
+            {"Save over it?", lost, "save", "do not save"},
+            [this, path, again] {
+              const auto saved = save_to(path);
+              if (!saved) again();
+              if (!saved) message_.say(saved.error());
+            },
+            again);
+        return std::string();
+      },
+      "the old file stays whole until the new one is on disc");
+}
+
+Result<void> ParametersScreen::save_to(const std::string& path) {
+  ECS_DO(controller_.save(path));
+  remember_file(path);
+  const std::size_t errors = controller_.errors();
+  if (errors == 0)
+    message_.say("saved to " + path);
+  else
+    message_.say(fmt::format("saved to {}, though {} against it: page 4", path,
+                             errors == 1 ? "there is an error" : fmt::format("there are {} errors", errors)),
+                 Tone::warning);
+  return {};
+}
+
+void ParametersScreen::send() {
+  if (controller_.errors() > 0) {
+    turn_page(static_cast<int>(Page::findings));
+    place().selected = 0;
+    message_.say(fmt::format("not sent: {} against these parameters; Enter goes to the field",
+                             controller_.errors() == 1 ? "there is an error"
+                                                       : fmt::format("there are {} errors", controller_.errors())),
+                 Tone::warning);
+    return;
+  }
+  transfer_.send();
+}
+
+void ParametersScreen::receive() {
+  if (!transfer_.task().running()) transfer_.receive();
+}
+
+void ParametersScreen::look_again() {
+  transfer_.look();
+  if (transfer_.connection().snapshot().open)
+    message_.say("reading the unit again; page 5 shows what differs");
+  else
+    message_.say("no unit answers now; it is looked into as soon as one does", Tone::warning);
+}
+
+void ParametersScreen::begin_seeking() {
+  if (!on_group()) turn_page(0);
+  seeking_ = Seeking{TextLine(), {}, 0, page_, place().selected};
+}
+
+/// Names first, then help and the words of the thesis.
+void ParametersScreen::seek() {
+  const std::string sought = lower(seeking_->text.text());
+  seeking_->found.clear();
+  seeking_->at = 0;
+  if (sought.empty()) return;
+  std::vector<std::string> by_help;
+  for (const params::Group group : {params::Group::configuration, params::Group::compensation, params::Group::datuming})
+    for (const ParameterRow& row : rows_of(group, controller_.set().parameters)) {
+      if (row.key.empty()) continue;
+      const KeyWords words = words_of(row.key);
+      if (lower(row.key + " " + full_label_of(row.key)).find(sought) != std::string::npos)
+        seeking_->found.push_back(row.key);
+      else if (lower(words.help + " " + words.thesis_name).find(sought) != std::string::npos)
+        by_help.push_back(row.key);
+    }
+  seeking_->found.insert(seeking_->found.end(), by_help.begin(), by_help.end());
+  if (!seeking_->found.empty()) go_to(seeking_->found.front());
+}
+
+void ParametersScreen::on_seek_key(const Key& key) {
+  const int count = static_cast<int>(seeking_->found.size());
+  if (key.name == Key::Name::enter) {
+    seeking_.reset();
+  } else if (key.name == Key::Name::escape) {
+    page_ = seeking_->page;
+    place().selected = seeking_->row;
+    seeking_.reset();
+  } else if ((key.name == Key::Name::down || key.name == Key::Name::up) && count > 0) {
+    seeking_->at = (seeking_->at + (key.name == Key::Name::down ? 1 : count - 1)) % count;
+    go_to(seeking_->found[static_cast<std::size_t>(seeking_->at)]);
+  } else if (seeking_->text.on_key(key)) {
+    seek();
   }
 }
 

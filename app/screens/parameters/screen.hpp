@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "app/screens/files/chooser.hpp"
+#include "app/screens/files/prompt.hpp"
 #include "app/screens/parameters/view.hpp"
 #include "app/ui/screen.hpp"
-#include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/parameters/controller.hpp"
@@ -41,15 +40,6 @@ class ParametersScreen final : public Screen {
  private:
   enum class Page { configuration, compensation, datuming, findings, compare };
   static constexpr int kPages = 5;
-  /// A file being asked for in the panel.
-  struct PathPrompt {
-    std::string title;
-    std::string help;
-    TextLine path;
-    std::string hint;  ///< what Tab found, or why the file was refused
-    std::function<void(const std::string&)> done;
-    std::optional<FileChooser> chooser{};  ///< of a file that is there
-  };
   /// A parameter being sought by its name or help.
   struct Seeking {
     TextLine text;
@@ -66,16 +56,16 @@ class ParametersScreen final : public Screen {
   [[nodiscard]] bool nothing_listed() const;
   void draw_below(Canvas& canvas, const Area& area) const;
   void draw_bottom(Canvas& canvas, const Area& area) const;
-  void draw_prompt(Canvas& canvas, const Area& area) const;
   // keys
   [[nodiscard]] Step on_start_key(const Key& key);
   [[nodiscard]] Step on_page_key(const Key& key);
-  [[nodiscard]] bool on_command(const Key& key);
+  [[nodiscard]] std::vector<KeyRow> key_table();
   void on_field_key(const Key& key);
-  void on_findings_key(const Key& key);
-  void on_compare_key(const Key& key);
+  void go_to_finding();
+  /// The key under the cursor of the comparison; empty: there is none.
+  [[nodiscard]] std::string compared_here() const;
+  void take_compared(bool of_file);
   void on_edit_key(const Key& key);
-  void on_prompt_key(const Key& key);
   void on_seek_key(const Key& key);
   void on_click(const Key& key);
   [[nodiscard]] Step leave();
@@ -83,17 +73,15 @@ class ParametersScreen final : public Screen {
   void begin_edit();
   void begin_seeking();
   void seek();
-  void prompt_for(std::string title, std::string help, const std::string& path,
-                  std::function<void(const std::string&)> done);
-  void choose_file(std::string title, FileWish wish, std::function<void(const std::string&)> done);
-  void on_chooser_key(const Key& key);
+  /// @param take  what becomes of it; what it refuses stays open for correction
+  void choose_file(const std::string& title, FileWish wish, std::function<Result<void>(const std::string&)> take);
   [[nodiscard]] Result<void> opened(const std::string& path);
   [[nodiscard]] Result<void> begun_from(const std::string& machine);
   void ask_for_file();
   void ask_for_machine();
   void ask_for_check();
-  void ask_where_to_save();
-  void save_to(const std::string& path);
+  void ask_where_to_save(const std::string& proposed);
+  [[nodiscard]] Result<void> save_to(const std::string& path);
   void send();
   void receive();
   void look_again();
@@ -121,12 +109,13 @@ class ParametersScreen final : public Screen {
   ListPlace start_;
   Message message_;
   std::optional<ValueEdit> edit_;
-  std::optional<PathPrompt> prompt_;
+  Prompt prompt_;
   std::optional<Seeking> seeking_;
   Asking asking_;
   bool leaving_ = false;  ///< the question about it was answered with yes
   mutable CellPosition cursor_{-1, -1};
   mutable Area list_area_;  ///< rows of the list, for clicks and pages
+  std::vector<KeyRow> keys_ = key_table();
 };
 
 }  // namespace ecs::app

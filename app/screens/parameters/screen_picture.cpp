@@ -37,11 +37,10 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 0, "the terminal is too small");
     return;
   }
-  if (prompt_ && prompt_->chooser) {
-    const Area inside = area.between_margins();
-    canvas.text(inside, 0, 0, prompt_->title, Tone::strong);
-    prompt_->chooser->draw(canvas, inside.below(1));
-    cursor_ = prompt_->chooser->cursor(inside.below(1));
+  const Area inside = area.between_margins();
+  if (prompt_.choosing()) {
+    prompt_.draw(canvas, inside, 0);
+    cursor_ = prompt_.cursor(inside, 0);
     return;
   }
   if (!controller_.loaded()) {
@@ -62,13 +61,17 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     }
     draw_bottom(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
   }
+  if (prompt_.active()) {
+    prompt_.draw(canvas, inside, inside.rows - 1);
+    cursor_ = prompt_.cursor(inside, inside.rows - 1);
+  }
   if (asking_.active()) cursor_ = {-1, -1};
   draw_question(canvas, area, asking_);
 }
 
-/// The page has one sentence instead of rows, and nothing is asked or told below it.
+/// The page has one sentence instead of rows, and nothing is told below it.
 bool ParametersScreen::nothing_listed() const {
-  if (prompt_ || !message_.text().empty()) return false;
+  if (!message_.text().empty()) return false;
   return (page_ == Page::findings && controller_.findings().empty()) ||
          (page_ == Page::compare && controller_.compared().empty());
 }
@@ -106,9 +109,7 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
   const std::string words = unit_words(unit);
   row += canvas.paragraph(inside.top(row + 4), row, "Line: " + words, unit.open ? Tone::good : Tone::warning);
   row = std::min(row + 1, area.rows - 2);
-  if (prompt_)
-    draw_prompt(canvas, area.below(std::min(row, area.rows - 6)));
-  else if (transfer_.task().running())
+  if (transfer_.task().running())
     draw_transfer(canvas, inside.below(row), transfer_);
   else
     draw_message(canvas, inside.below(row), message_);
@@ -146,9 +147,7 @@ void ParametersScreen::draw_page(Canvas& canvas, const Area& area) const {
 }
 
 void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
-  if (prompt_) {
-    draw_prompt(canvas, area);
-  } else if (message_.is_problem() && !message_.text().empty()) {
+  if (message_.is_problem() && !message_.text().empty()) {
     draw_panel(canvas, area, "", {{message_.text(), Tone::bad}});
   } else if (width_of(message_.text()) > area.columns - 2) {
     draw_panel(canvas, area, "", {{message_.text(), Tone::strong}});
@@ -179,27 +178,11 @@ void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   }
 }
 
-void ParametersScreen::draw_prompt(Canvas& canvas, const Area& area) const {
-  std::vector<PanelText> texts{{" "}};
-  if (!prompt_->hint.empty()) texts.push_back({prompt_->hint, Tone::warning});
-  texts.push_back({prompt_->help, Tone::faint});
-  canvas.fill(area);
-  draw_panel(canvas, area, prompt_->title, texts);
-  const Area line{area.row + 1, area.column + 1, 1, std::max(8, area.columns - 2)};
-  prompt_->path.draw(canvas, line, 0, 0, line.columns, true);
-  cursor_ = {line.row, line.column + prompt_->path.cursor_column(line.columns)};
-}
-
 CellPosition ParametersScreen::cursor(const Area& /*area*/) const { return cursor_; }
 
 std::vector<KeyHelp> ParametersScreen::keys() const {
   if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
-  if (prompt_ && prompt_->chooser) {
-    std::vector<KeyHelp> keys;
-    for (const auto& [name, does] : prompt_->chooser->keys()) keys.push_back({name, does});
-    return keys;
-  }
-  if (prompt_) return {{"Enter", "take it"}, {"Tab", "complete the path"}, {"Esc", "give it up"}};
+  if (prompt_.active()) return prompt_.keys();
   if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
   if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
   if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
@@ -208,24 +191,7 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
     return {{"Enter", "take it up"}, {"d", "drop it"}, {"b", "begin others"}, {"Esc", "back"}};
   if (!controller_.loaded())
     return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
-  std::vector<KeyHelp> keys;
-  if (on_group()) keys = {{"Enter", "edit"}, {"Space", "next"}};
-  if (page_ == Page::findings) keys = {{"Enter", "go to field"}};
-  if (page_ == Page::compare) keys = {{"Enter", "go to field"}, {"f", "take file's"}, {"g", "take unit's"}};
-  for (const KeyHelp& key : std::vector<KeyHelp>{{"u", "undo"},
-                                                 {"s", "save"},
-                                                 {"t", "send"},
-                                                 {"r", "receive"},
-                                                 {"/", "find"},
-                                                 {"Tab 1-5", "page"},
-                                                 {"d", "default of the field"},
-                                                 {"y", "do again what u took back"},
-                                                 {"m", "check against a machine file"},
-                                                 {"o", "open a file"},
-                                                 {"n", "new from a machine file"},
-                                                 {"l", "look into the unit again"}})
-    keys.push_back(key);
-  return keys;
+  return helps_of(keys_);
 }
 
 std::string ParametersScreen::help() const {

@@ -12,8 +12,7 @@
 
 #include "app/screens/files/prompt.hpp"
 #include "app/screens/unit/screens.hpp"
-#include "app/ui/key_line.hpp"
-#include "app/ui/talk.hpp"
+#include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
@@ -23,7 +22,7 @@
 #include "commissioning/logbook/recorder.hpp"
 #include "commissioning/logbook/view.hpp"
 #include "commissioning/session/commands.hpp"
-#include "commissioning/session/event_log.hpp"
+#include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {

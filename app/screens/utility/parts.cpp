@@ -7,6 +7,7 @@
 #include "core/fault.hpp"
 
 namespace ecs::app {
+
 void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& unit) {
   if (!unit.watched.problem.empty()) {
     const std::string age = unit.sample ? " (" + age_text(std::max(1.0, unit.age_s)) + ")" : "";
@@ -76,6 +77,32 @@ std::optional<Axis> axis_of_key(const Key& key) {
     if (is_letter(key, static_cast<char32_t>(letter_of(a))) || is_letter(key, static_cast<char32_t>(letter_of(a) + 32)))
       return a;
   return std::nullopt;
+}
+
+void MachineDriver::ask(Prompt& prompt, const WatchedUnit& unit, Message& message) {
+  if (!can_drive(unit)) {
+    message.say("This is a real unit: move the axes at the machine's own control.", Tone::warning);
+    return;
+  }
+  if (task_.running()) {
+    message.say("The emulated machine moves: Esc stops it.", Tone::warning);
+    return;
+  }
+  prompt.ask(
+      "Drive to:", Prompt::Kind::text, "",
+      [this, workshop = unit.workshop, &message](const std::string& typed) {
+        const auto request = drive_request(typed);
+        if (!request) return request.error().message;
+        drive_machine(task_, workshop, *request, message);
+        return std::string();
+      },
+      "X-100 F2000 (machine mm), G01 X-100, or a program's file");
+}
+
+bool MachineDriver::stop() {
+  const bool moved = task_.running();
+  task_.cancel();
+  return moved;
 }
 
 }  // namespace ecs::app

@@ -1,5 +1,5 @@
 // What the screens of ECS UTILITY share: the unit's state and its axes in rows, a question with what follows from it, a
-// line to type into.
+// line to type into, the emulated machine driven.
 #pragma once
 
 #include <functional>
@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "app/screens/files/prompt.hpp"
 #include "app/ui/screen.hpp"
-#include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/utility/unit_view.hpp"
 
 namespace ecs::app {
@@ -96,6 +98,62 @@ class UtilityScreen : public Screen {
   Controller controller_;
   Prompt prompt_;
   Asking asking_;
+};
+
+/// The emulated machine driven from a screen: to a place, by a block, by a part program.
+class MachineDriver {
+ public:
+  /// Whether there is a machine to drive: the bundled emulator's.
+  [[nodiscard]] static bool can_drive(const WatchedUnit& unit) { return unit.emulator && !unit.workshop.empty(); }
+  [[nodiscard]] static KeyHelp key() { return {"j", "jog, or run a program"}; }
+  /// Asks where to go; of a real unit it says that its own control moves it.
+  /// @param prompt, message  outlive this
+  void ask(Prompt& prompt, const WatchedUnit& unit, Message& message);
+  [[nodiscard]] bool running() const { return task_.running(); }
+  /// Stops the machine. @return whether it moved
+  bool stop();
+  [[nodiscard]] bool advance() { return task_.advance() || task_.running(); }
+
+ private:
+  TaskRunner task_;
+};
+
+/// A screen of axes, one of them chosen, on which the emulated machine can be driven as well.
+template <class Controller>
+class DrivingScreen : public UtilityScreen<Controller> {
+ public:
+  using UtilityScreen<Controller>::UtilityScreen;
+
+  [[nodiscard]] bool advance() override {
+    const bool moved = driver_.advance();
+    return UtilityScreen<Controller>::advance() || moved;
+  }
+
+ protected:
+  [[nodiscard]] Step leave() override { return driver_.stop() ? stay() : UtilityScreen<Controller>::leave(); }
+  void ask_to_drive() { driver_.ask(this->prompt_, this->controller_.unit().watched, this->controller_.message()); }
+  [[nodiscard]] Axis chosen() const { return chosen_axis(place_, this->controller_.unit().axes()); }
+  /// With the key that drives, where there is an emulated machine. @param at  its place among them
+  [[nodiscard]] std::vector<KeyHelp> with_driver(std::vector<KeyHelp> keys, std::ptrdiff_t at) const {
+    if (MachineDriver::can_drive(this->controller_.unit().watched))
+      keys.insert(keys.begin() + at, MachineDriver::key());
+    return keys;
+  }
+  /// While the machine's control is to reference an axis.
+  [[nodiscard]] std::vector<KeyHelp> keys_while_referencing() const {
+    std::vector<KeyHelp> keys{{"Esc", "give up"}};
+    if (this->controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
+    return with_driver(keys, static_cast<std::ptrdiff_t>(keys.size()));
+  }
+  /// What a person does now.
+  [[nodiscard]] std::string call_to_reference(Axis axis) const {
+    return fmt::format(
+        "REFERENCE AXIS {} NOW{}.", letter_of(axis),
+        this->controller_.emulator() ? ": g lets the emulated machine do it" : ", at the machine's own control");
+  }
+
+  ListPlace place_;
+  MachineDriver driver_;
 };
 
 }  // namespace ecs::app

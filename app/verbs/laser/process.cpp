@@ -12,7 +12,7 @@
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
 #include "base/text.hpp"
-#include "commissioning/laser_session/prepared_lines.hpp"
+#include "commissioning/laser_session/lines.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/plot/curves.hpp"

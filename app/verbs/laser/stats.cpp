@@ -21,7 +21,7 @@
 #include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "laser/analysis/growth.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"

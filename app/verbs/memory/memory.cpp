@@ -8,13 +8,13 @@
 #include "base/file.hpp"
 #include "base/numbers.hpp"
 #include "base/text.hpp"
+#include "commissioning/memory/bytes.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/decode.hpp"
-#include "commissioning/memory/fields.hpp"
-#include "commissioning/memory/space.hpp"
+#include "commissioning/memory/names.hpp"
 #include "commissioning/memory/view.hpp"
 #include "commissioning/memory/write.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/unit/transfer.hpp"
 
 namespace ecs::app {

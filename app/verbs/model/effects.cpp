@@ -18,7 +18,7 @@
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "model/effects/definition.hpp"
 

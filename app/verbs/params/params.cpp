@@ -7,7 +7,7 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "commissioning/parameters/set.hpp"
-#include "commissioning/session/shell_word.hpp"
+#include "commissioning/session/commands.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"

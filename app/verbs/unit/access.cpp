@@ -4,7 +4,7 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/link/host.hpp"
+#include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/status.hpp"
 
 namespace ecs::app {

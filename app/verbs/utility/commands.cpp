@@ -1,6 +1,8 @@
 // `ecs utility position, output, run, ramtest, reset, clear`: single commands to the unit. `mode`: integration or
 // compensation, and how far datuming is.
 
+#include "commissioning/session/commands.hpp"
+
 #include <chrono>
 
 #include <fmt/format.h>
@@ -9,7 +11,6 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
-#include "commissioning/session/shell_word.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
 

@@ -1,8 +1,7 @@
 // Words as a shell takes them.
-#include "commissioning/session/shell_word.hpp"
-
 #include <doctest/doctest.h>
 
+#include "commissioning/session/commands.hpp"
 #include "tests/support/command_output.hpp"
 
 using namespace ecs;

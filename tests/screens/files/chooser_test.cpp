@@ -1,9 +1,8 @@
 // Choosing files, and opening what is given.
-#include "app/screens/files/chooser.hpp"
-
-#include "app/screens/open_files.hpp"
+#include "app/screens/files/prompt.hpp"
+#include "app/screens/start.hpp"
 #include "commissioning/session/drafts.hpp"
-#include "commissioning/session/recent_files.hpp"
+#include "commissioning/session/remembered.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {

@@ -1,9 +1,9 @@
 // What the memory screen is made of: bytes that are known, patterns, differences.
 #include <doctest/doctest.h>
 
-#include "app/screens/memory/picture.hpp"
-#include "commissioning/memory/differences.hpp"
-#include "commissioning/memory/pattern.hpp"
+#include "app/screens/memory/screen.hpp"
+#include "commissioning/memory/bytes.hpp"
+#include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/write.hpp"
 
 namespace ecs::app {

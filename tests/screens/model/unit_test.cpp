@@ -174,7 +174,7 @@ TEST_CASE("an empty place investigates on the emulated machine of the link, over
   (void)letter(screen, '5');
   REQUIRE(until(screen, [&] {
     (void)letter(screen, 'i');
-    const bool offered = reads(picture(screen), "folder for readings (empty: the emulated machine of this link):");
+    const bool offered = reads(picture(screen), "empty: the emulated machine of this link");
     if (!offered) (void)press(screen, Key::Name::escape);
     return offered;
   }));

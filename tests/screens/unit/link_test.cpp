@@ -1,7 +1,6 @@
 // The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
 #include <algorithm>
 
-#include "app/screens/unit/link_statistics.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "commissioning/link/controller.hpp"
 #include "tests/screens/support/bad_line.hpp"

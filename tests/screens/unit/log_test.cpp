@@ -3,7 +3,7 @@
 
 #include "app/screens/unit/screens.hpp"
 #include "base/file.hpp"
-#include "commissioning/session/event_log.hpp"
+#include "commissioning/session/message.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {

@@ -1,10 +1,11 @@
 // DISPLAY DATUM SEQUENCE: the graph, its lanes, cursor, zoom, two records, files and drafts; no unit is needed.
+#include "commissioning/utility/datum_view.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "app/screens/utility/screens.hpp"
 #include "base/file.hpp"
-#include "commissioning/utility/datum_view_controller.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;

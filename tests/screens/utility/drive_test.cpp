@@ -1,6 +1,6 @@
 // The emulated machine driven from the screens.
 #include "app/screens/unit/screens.hpp"
-#include "commissioning/utility/emulated_machine.hpp"
+#include "commissioning/utility/unit_view.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 

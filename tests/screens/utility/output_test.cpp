@@ -1,6 +1,6 @@
 // OUTPUT COMPENSATION VALUE on the emulated unit.
 #include "app/screens/utility/screens.hpp"
-#include "commissioning/utility/output_controller.hpp"
+#include "commissioning/utility/axis.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;

@@ -1,6 +1,6 @@
 // SET AXIS POSITION on the emulated unit.
 #include "app/screens/utility/screens.hpp"
-#include "commissioning/utility/position_controller.hpp"
+#include "commissioning/utility/axis.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;

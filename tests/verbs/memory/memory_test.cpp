@@ -5,7 +5,7 @@
 #include "base/answer_table.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/decode.hpp"
-#include "commissioning/memory/fields.hpp"
+#include "commissioning/memory/names.hpp"
 #include "commissioning/memory/view.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"

@@ -1,0 +1,502 @@
+// Step 1: which files. Steps 2 and 5: what was measured under which conditions; accuracy and repeatability by ISO
+// 230-2.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "app/screens/files/prompt.hpp"
+#include "app/screens/laser/page.hpp"
+#include "app/ui/widgets.hpp"
+#include "commissioning/measurements/fields.hpp"
+#include "commissioning/session/remembered.hpp"
+#include "commissioning/utility/unit_view.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kSteps[] = {"1 Files      of any instrument, several or a whole folder",
+                                  "2 Lines      what was measured, where, under which conditions",
+                                  "3 Leave out  runs and readings, and back again",
+                                  "4 Slope      slope and smoothing, before and after",
+                                  "5 ISO 230    accuracy and repeatability by ISO 230-2",
+                                  "6 Map        parameters of the unit; what is there, what is missing",
+                                  "7 Header     customer, machine, engineer, date",
+                                  "8 Send       saved to disc, checked, sent to the unit",
+                                  "9 Verify     read back and compared"};
+
+class FilesPage final : public LaserPage {
+ public:
+  explicit FilesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    if (chooser_) return chooser_->draw(canvas, area);
+    if (measuring_.running()) {
+      draw_progress(canvas, area.between_margins(), 0, measuring_.label() + " (Esc stops it)", measuring_.part(),
+                    measuring_.seconds_left());
+      return;
+    }
+    const LaserWork& work = controller().work();
+    if (const std::string& map = controller().choices().opened_map; !map.empty()) {
+      canvas.paragraph(
+          area.between_margins(), 0,
+          fmt::format("The map {} is taken as it is. Step 6 shows its components, step 8 sends it. a opens "
+                      "measured files in its place.",
+                      map));
+      return;
+    }
+    if (controller().choices().files.empty()) {
+      const std::string begin = fmt::format(
+          "No measured files yet: a opens a folder to choose from (an error map is taken as it is){}. Then, "
+          "step by step (digits go to a step, n to the next one, and back at any time):",
+          emulated() ? "; e measures the emulated machine by a plan" : "");
+      draw_nothing_yet(canvas, area, begin);
+      int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
+      for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
+      return;
+    }
+    const int below = std::min(4, area.rows / 3);
+    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "taken for", "holds"), Tone::faint);
+    std::vector<ListRow> rows;
+    for (const LaserFileChoice& choice : controller().choices().files) rows.push_back(row_of(work, choice));
+    draw_list(canvas, {area.row + 1, area.column, std::max(0, area.rows - 1 - below), area.columns}, rows, place_);
+    draw_selected(canvas, {area.row + area.rows - below, area.column + 1, below, area.columns - 2});
+  }
+
+  bool on_key(const Key& key) override {
+    if (chooser_) return on_chooser_key(key);
+    const auto& files = controller().choices().files;
+    if (place_.on_key(key, static_cast<int>(files.size()))) return true;
+    const std::size_t at = place_within(place_, files.size());
+    if (is_letter(key, U'a') || (key.name == Key::Name::enter && files.empty())) {
+      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_,
+                       FileWish{{FileKind::measurements, FileKind::map}, true});
+    } else if (is_letter(key, U'p')) {
+      host().ask_parameters();
+    } else if (is_letter(key, U'e')) {
+      ask_to_measure();
+    } else if (is_letter(key, U'r')) {
+      controller().read_again();
+    } else if (key.name == Key::Name::enter) {
+      host().ask_answers(files[at].path);
+    } else if (!files.empty() && (is_letter(key, U'x') || key.name == Key::Name::erase)) {
+      controller().change("a file taken off",
+                          [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
+      place_.selected = static_cast<int>(place_within(place_, controller().choices().files.size()));
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  bool advance() override {
+    const bool measured = measuring_.advance() || measuring_.running();
+    return (chooser_ && chooser_->advance()) || measured;
+  }
+  bool on_escape() override {
+    const bool measures = measuring_.running();
+    measuring_.cancel();
+    return measures;
+  }
+  bool typing() const override { return chooser_ && chooser_->typing(); }
+  bool holds_keys() const override { return chooser_.has_value(); }
+  CellPosition cursor(const Area& area) const override {
+    return chooser_ ? chooser_->cursor(area) : CellPosition{-1, -1};
+  }
+
+  std::vector<KeyHelp> keys() const override {
+    if (!chooser_) {
+      std::vector<KeyHelp> keys{{"a", "add files"},
+                                {"Enter", "what a file does not say"},
+                                {"x", "take off"},
+                                {"p", "parameters"},
+                                {"r", "read again"}};
+      if (emulated()) keys.insert(keys.begin() + 1, {"e", "measure"});
+      return keys;
+    }
+    std::vector<KeyHelp> keys;
+    for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
+    return keys;
+  }
+  std::string help() const override {
+    return "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
+           "named. An error map is taken as it is, with the parameters saved beside it. A file that does not say its "
+           "axis or sense, or a table of columns, is asked for with Enter. p "
+           "chooses the parameters of the unit: with them the screen knows which components the map needs.";
+  }
+
+ private:
+  [[nodiscard]] bool emulated() const {
+    const WatchedUnit unit = controller().unit().snapshot();
+    return unit.emulator && !unit.workshop.empty();
+  }
+
+  /// The emulated laser measures what a plan asks for; the files are added.
+  void ask_to_measure() {
+    if (!emulated()) {
+      controller().message().say("This is a real machine: measure it with its laser, then a adds the files.",
+                                 Tone::warning);
+      return;
+    }
+    const std::string link = controller().unit().snapshot().link;  // emulator:MACHINE
+    const std::filesystem::path machine = link.substr(std::min(link.size(), link.find(':') + 1));
+    const std::filesystem::path plan = machine.parent_path() / "plan.toml";
+    std::error_code none;
+    const auto newest = controller().unit().newest();
+    const std::string phase = newest && newest->mode == UnitMode::compensating ? "after" : "before";
+    const std::string beside = std::filesystem::is_regular_file(plan, none) ? plan.string() : "";
+    host().fill(LaserForm(
+        "measure the emulated machine",
+        {{"plan",
+          "lines, targets and runs (.toml, docs/emulator.md); empty: the positions of every axis",
+          beside,
+          {},
+          true},
+         {"phase", "what the plan asks for before compensation, or after it", phase, {"before", "after"}},
+         {"folder", "where the files go; none that is there is overwritten", phase, {}, true}},
+        [this, machine](const std::vector<std::string>& v) {
+          std::error_code fault;
+          if (!v[0].empty() && !std::filesystem::is_regular_file(v[0], fault))
+            return fmt::format("there is no plan {}", v[0]);
+          if (v[2].empty()) return std::string("a folder is needed");
+          measure_by_plan(measuring_, controller().unit().snapshot().workshop, {v[0], machine.string(), v[1], v[2]},
+                          [this, v](const Result<std::vector<std::string>>& files) { take_measured(files, v); });
+          return std::string();
+        }));
+  }
+
+  /// What was measured with compensation is of no use for a map: it is compared with what was measured before.
+  /// @param asked  plan, phase and folder
+  void take_measured(const Result<std::vector<std::string>>& files, const std::vector<std::string>& asked) {
+    if (!files) return controller().message().say(fmt::format("{}. e asks again.", to_text(files.error())), Tone::bad);
+    for (const std::string& path : *files) remember_file(path);
+    if (asked[1] == "after") {
+      remember_phases(*files, asked[0]);
+      return controller().message().say(fmt::format(
+          "{} lines measured into {}. o on page After of MODEL puts them beside what was predicted{}.", files->size(),
+          asked[2], asked[0].empty() ? "" : "; F3, laser table beside those measured before"));
+    }
+    controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
+      c.opened_map.clear();
+      for (const std::string& path : *files) c.files.push_back({path, {}});
+    });
+    controller().message().say(fmt::format("{} lines measured; p takes the parameters, then the steps", files->size()));
+  }
+
+  /// For `laser table`, which needs a plan: those measured before are the files of this work.
+  void remember_phases(const std::vector<std::string>& after, const std::string& plan) {
+    if (plan.empty() || after.empty()) return;
+    const auto folder_of = [](const std::string& file) { return std::filesystem::path(file).parent_path().string(); };
+    const auto& before = controller().choices().files;
+    remember_measured_phases({plan, before.empty() ? "" : folder_of(before.front().path), folder_of(after.front())});
+  }
+
+  static const LaserFile* read(const LaserWork& work, const LaserFileChoice& choice) {
+    for (const LaserFile& file : work.files)
+      if (file.choice.path == choice.path && given_answers(file.choice.answers) == given_answers(choice.answers))
+        return &file;
+    return nullptr;
+  }
+
+  static ListRow row_of(const LaserWork& work, const LaserFileChoice& choice) {
+    const std::string name = std::filesystem::path(choice.path).filename().string();
+    const LaserFile* file = read(work, choice);
+    if (file == nullptr) return {fmt::format("{:<28} reading ...", name), Tone::faint};
+    if (!file->set)
+      return {
+          fmt::format("{:<28} {}", name, file->wants_answers ? "it does not say enough: Enter answers" : "not read"),
+          Tone::bad};
+    return {fmt::format("{:<28} {:<26} {}", name, file->format, file->summary), Tone::plain};
+  }
+
+  void draw_selected(Canvas& canvas, const Area& area) const {
+    const LaserChoices& choices = controller().choices();
+    const std::string unit =
+        choices.params_file.empty()
+            ? "Parameters: none yet, p chooses them"
+            : "Parameters: " + choices.params_file + (choices.scope.empty() ? "" : ", scope " + choices.scope);
+    const std::string& wrong = controller().work().map.parameters_problem;
+    canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
+    const LaserFileChoice& choice = choices.files[place_within(place_, choices.files.size())];
+    const Area text{area.row, area.column, area.rows - 1, area.columns};
+    const LaserFile* file = read(controller().work(), choice);
+    if (file != nullptr && !file->problem.empty()) {
+      canvas.paragraph(text, 0, file->problem, Tone::bad);
+      return;
+    }
+    const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
+    if (file == nullptr) return;
+    std::string remarks;
+    for (const LaserLine& line : controller().work().lines)
+      if (remarks.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
+        remarks = missing_place_of(line);
+    for (const std::string& note : file->set->notes) remarks += (remarks.empty() ? "note: " : "; ") + note;
+    if (!remarks.empty()) canvas.paragraph(text, row, remarks);
+  }
+
+  bool on_chooser_key(const Key& key) {
+    const FileChooser::Answer answer = chooser_->on_key(key);
+    if (answer == FileChooser::Answer::open) return true;
+    folder_ = chooser_->folder();
+    const std::vector<std::string> taken =
+        answer == FileChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
+    chooser_.reset();
+    if (taken.empty()) return true;
+    if (taken.size() == 1 && read_laser_file({taken.front(), {}}).is_map) {
+      controller().open_map(taken.front());
+      return true;
+    }
+    controller().change(
+        fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
+          if (!c.opened_map.empty()) c.map_file = LaserChoices{}.map_file;
+          c.opened_map.clear();
+          for (const std::string& path : taken)
+            if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
+              c.files.push_back({path, {}});
+        });
+    return true;
+  }
+
+  ListPlace place_;
+  std::optional<FileChooser> chooser_;
+  std::filesystem::path folder_;
+  TaskRunner measuring_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_files_page(LaserHost& host) { return std::make_unique<FilesPage>(host); }
+
+namespace {
+
+constexpr const char* kNoLines = "No measured lines yet: step 1 takes the files.";
+
+void add_wrapped(std::vector<std::string>& lines, const std::string& text, int columns, const std::string& indent) {
+  for (const std::string& line : wrapped(text, std::max(10, columns - width_of(indent))))
+    lines.push_back(indent + line);
+}
+
+/// "Y -1400, Z 0"; what is missing of it with the key that tells it: "Y ?, Z ?: Enter".
+std::string place_in_row(const LaserLine& line) {
+  return line.place_unknown.empty() ? line.place : line.place + ": Enter";
+}
+
+/// What the places need, as far as the other columns leave it.
+int place_columns(const LaserWork& work) {
+  constexpr int kLeast = 16, kMost = 20;
+  int columns = kLeast;
+  for (const LaserLine& line : work.lines) columns = std::max(columns, width_of(place_in_row(line)));
+  return std::min(columns, kMost);
+}
+
+/// "-4100..0", with as many decimals as fit, three at most; whole millimetres are never cut.
+std::string extent_of(const LineSummary& line) {
+  constexpr int kColumns = 12;
+  std::string text;
+  for (const double part : {1000.0, 100.0, 10.0, 1.0}) {
+    const auto rounded = [&](double mm) { return fmt::format("{:.10g}", std::round(mm * part) / part + 0.0); };
+    text = rounded(line.first_mm) + (line.targets < 2 ? "" : ".." + rounded(line.last_mm));
+    if (width_of(text) <= kColumns) break;
+  }
+  return text;
+}
+
+/// "Y -1400, Z 0 | -4100 ... 0 every 50 | 83 targets, 3 runs, both"
+ListRow summary_row(const LaserLine& line, const LaserLineResult& result, int columns_of_place) {
+  const LineSummary& s = line.summary;
+  const std::string step = s.targets < 2 ? "-" : (s.step_mm ? fmt::format("{:.5g}", *s.step_mm) : "uneven");
+  const char* approaches = s.forward && s.reverse ? "both" : (s.forward ? "forward" : (s.reverse ? "reverse" : "?"));
+  const bool compensated = line.group.compensated.value_or(false);
+  std::string place = place_in_row(line);
+  if (width_of(place) > columns_of_place) place = line.place;  // the details below say what is missing
+  std::string text = fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line), place,
+                                 columns_of_place, extent_of(s), step, s.targets, s.runs, approaches);
+  if (compensated) text += "comp.";
+  const bool odd = compensated || !result.problem.empty() || !(s.forward && s.reverse) || !line.place_unknown.empty();
+  return {text, odd ? Tone::warning : Tone::plain};
+}
+
+std::vector<std::string> details_of(const LaserLine& line, int columns) {
+  std::vector<std::string> text;
+  if (!line.place_unknown.empty()) add_wrapped(text, missing_place_of(line), columns, "");
+  add_wrapped(
+      text,
+      fmt::format("{} along {} [{}], {} readings; {}", name_of(line.group.sense), letter_of(line.group.axis),
+                  laser::unit_of(line.group.sense), line.summary.readings, laser::description_of(line.component)),
+      columns, "");
+  for (const std::string& file : line.files)
+    add_wrapped(text, "file " + std::filesystem::path(file).filename().string(), columns, "");
+  for (const std::string& note : line.notes) add_wrapped(text, "note: " + note, columns, "");
+  std::string conditions;
+  for (const ConditionSummary& one : conditions_in(*line.set)) {
+    if (one.name == "time_s" || one.name == "travel_since_reversal_mm") continue;
+    conditions += fmt::format("{}{} {:.6g}", conditions.empty() ? "" : ", ", one.name, one.least);
+    if (one.most != one.least) conditions += fmt::format(" .. {:.6g}", one.most);
+  }
+  add_wrapped(text, "conditions: " + (conditions.empty() ? "none in the file" : conditions), columns, "");
+  for (const laser::MetadataEntry& entry : line.set->metadata)
+    if (!entry.key.empty() && !entry.value.empty()) add_wrapped(text, entry.key + ": " + entry.value, columns, "");
+  for (const std::string& note : line.set->notes) add_wrapped(text, "note: " + note, columns, "");
+  return text;
+}
+
+class LinesPage final : public LaserPage {
+ public:
+  explicit LinesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = controller().work();
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
+    const int places = place_columns(work);
+    canvas.text(area, 0, 2,
+                fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7}", "what", "parked [mm]", places, "from..to",
+                            "step", "n", "runs", "appr."),
+                Tone::faint);
+    std::vector<ListRow> rows;
+    for (std::size_t k = 0; k < work.lines.size(); ++k)
+      rows.push_back(summary_row(work.lines[k], *work.results[k], places));
+    const int list_rows = std::max(1, std::min(static_cast<int>(rows.size()), (area.rows - 1) / 2));
+    draw_list(canvas, {area.row + 1, area.column, list_rows, area.columns}, rows, place_);
+    const int top = 2 + list_rows;
+    const Area below{area.row + top, area.column + 1, std::max(0, area.rows - top), area.columns - 2};
+    const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
+    draw_scrolled(canvas, below, details_of(line, below.columns - 1), scroll_);
+  }
+  bool on_key(const Key& key) override {
+    if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 4);
+    const LaserWork& work = controller().work();
+    if (key.name == Key::Name::enter && !work.lines.empty()) {
+      const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
+      host().ask_answers(file_to_ask(work, line), line.place_unknown.empty() ? "" : "parked");
+      return true;
+    }
+    if (is_letter(key, U'c') && !work.lines.empty()) {
+      ask_place(work.lines[place_within(place_, work.lines.size())]);
+      return true;
+    }
+    if (!place_.on_key(key, static_cast<int>(work.lines.size()))) return false;
+    scroll_ = {};
+    return true;
+  }
+  std::vector<KeyHelp> keys() const override {
+    return {
+        {"up/down", "line"}, {"Enter", "what is missing"}, {"c", "correct the place"}, {"PgUp/PgDn", "its details"}};
+  }
+  std::string help() const override {
+    return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
+           "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
+           "where an axis was parked: it is taken as 0, and Enter tells it. c corrects a place that a file states "
+           "wrongly. comp.: measured with compensation active, "
+           "of no use for a map.";
+  }
+
+ private:
+  /// Where the other axes stood, as the file states it or as it was corrected before.
+  void ask_place(const LaserLine& line) {
+    std::string now;
+    for (const Axis a : kAllAxes)
+      if (a != line.group.axis)
+        now += fmt::format("{}{}={:.9g}", now.empty() ? "" : ",", static_cast<char>(letter_of(a) - 'A' + 'a'),
+                           line.group.parked_mm[index_of(a)]);
+    host().fill(
+        LaserForm("where the other axes stood: " + name_of_line(line),
+                  {{"parked", "mm, as in y=-1400,z=0; empty: as the file says. The file itself stays as it is", now}},
+                  [this, line](const std::vector<std::string>& v) {
+                    LaserChoices tried = controller().choices();
+                    if (const auto done = correct_place(tried, line, v[0]); !done) return to_text(done.error());
+                    controller().change(fmt::format("place of {} corrected", name_of_line(line)),
+                                        [&](LaserChoices& c) { c = tried; });
+                    return std::string();
+                  }));
+  }
+
+  /// Of several files of a line the first that leaves its place open.
+  static std::string file_to_ask(const LaserWork& work, const LaserLine& line) {
+    for (const LaserFile& file : work.files)
+      for (const Axis axis : line.place_unknown)
+        if (!file.position_known[index_of(axis)] &&
+            std::find(line.files.begin(), line.files.end(), file.choice.path) != line.files.end())
+          return file.choice.path;
+    return line.files.front();
+  }
+
+  ListPlace place_;
+  ScrollPlace scroll_;
+};
+
+/// Columns before the name of a quantity.
+constexpr int kNumbers = 21;
+
+/// The name of a quantity, abbreviated where the room is narrow.
+std::string fitting(std::string name, int room) {
+  constexpr std::pair<const char*, const char*> kShort[] = {{" (BS 4656 Pt 16)", ""},
+                                                            {"unidirectional", "unidir."},
+                                                            {"bidirectional", "bidir."},
+                                                            {"systematic", "syst."},
+                                                            {"of the mean", "of mean"}};
+  for (const auto& [longer, shorter] : kShort)
+    if (const std::size_t at = name.find(longer); width_of(name) > room && at != std::string::npos)
+      name.replace(at, std::string(longer).size(), shorter);
+  return name;
+}
+
+class IsoPage final : public LaserPage {
+ public:
+  explicit IsoPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = controller().work();
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
+    const LaserHalves halves = laser_halves(area, 7);
+    draw_list(canvas, halves.list, rows_of_lines(work), place_);
+    if (halves.rest.columns == 0) return;
+    const std::size_t at = place_within(place_, work.lines.size());
+    const LaserLine& line = work.lines[at];
+    canvas.text(halves.rest, 0, 0, fmt::format("{}, {}", name_of_line(line), line.place), Tone::strong);
+    draw_scrolled(canvas, halves.rest.below(1), text_of(line, *work.results[at], halves.rest.columns - 1), scroll_);
+  }
+  bool on_key(const Key& key) override {
+    if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 6);
+    if (!place_.on_key(key, static_cast<int>(controller().work().lines.size()))) return false;
+    scroll_ = {};
+    return true;
+  }
+  std::vector<KeyHelp> keys() const override {
+    return {{"up/down", "line"}, {"PgUp/PgDn", "the rest of the values and notes"}};
+  }
+  std::string help() const override {
+    return "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "
+           "from the readings that are not left out, as measured (slope and smoothing are for the map). Notes name the "
+           "conditions of the standard that are not met.";
+  }
+
+ private:
+  static std::vector<std::string> text_of(const LaserLine& line, const LaserLineResult& result, int columns) {
+    std::vector<std::string> text;
+    if (!result.iso) {
+      add_wrapped(text, result.problem, columns, "");
+      return text;
+    }
+    const auto unit = laser::unit_of(line.group.sense);
+    for (const LaserQuantity& q : kLaserQuantities) {
+      const auto& value = *result.iso.*q.value;
+      const std::string number = value ? fmt::format("{:.2f}", *value) : "-";
+      const int room = columns - kNumbers;
+      text.push_back(fmt::format("{:<7}{:>8} {:<4} {}", q.symbol, number, unit, fitting(q.name, room)));
+    }
+    text.push_back(fmt::format("{:<7}{:>8.2f} {:<4} largest less smallest reading", "range", result.iso->range, unit));
+    for (const std::string& note : result.iso->notes) add_wrapped(text, "note: " + note, columns, "");
+    return text;
+  }
+  ListPlace place_;
+  ScrollPlace scroll_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_lines_page(LaserHost& host) { return std::make_unique<LinesPage>(host); }
+std::unique_ptr<LaserPage> laser_iso_page(LaserHost& host) { return std::make_unique<IsoPage>(host); }
+
+}  // namespace ecs::app

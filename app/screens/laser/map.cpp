@@ -1,0 +1,350 @@
+// Step 6: the components that the scope needs, present or missing, the findings, the tables as curves. Step 7: who made
+// the map, when, for which machine.
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "app/screens/laser/page.hpp"
+#include "base/date.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "commissioning/plot/curves.hpp"
+
+namespace ecs::app {
+namespace {
+
+const char* word_for(ComponentState state) {
+  switch (state) {
+    case ComponentState::present:
+      return "present";
+    case ComponentState::in_parameters:
+      return "set";
+    case ComponentState::zero:
+      return "zero";
+    case ComponentState::refused:
+      return "REFUSED";
+    case ComponentState::missing:
+      break;
+  }
+  return "MISSING";
+}
+
+const char* word_for(Scope scope) {
+  return scope == Scope::linear ? "linear" : (scope == Scope::planar ? "planar" : "volumetric");
+}
+
+class MapPage final : public LaserPage {
+ public:
+  explicit MapPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserMapWork& map = controller().work().map;
+    if (!map.parameters) {
+      draw_nothing_yet(canvas, area,
+                       map.parameters_problem.empty()
+                           ? (controller().choices().params_file.empty()
+                                  ? "Which components the map needs is in the parameters of the unit: p takes their "
+                                    "file, or receives what the unit holds."
+                                  : "The parameters are being read ...")
+                           : map.parameters_problem);
+      return;
+    }
+    canvas.text(area, 0, 1, state_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
+    const LaserHalves halves = laser_halves(area.below(1));
+    std::vector<ListRow> rows;
+    for (const LaserComponent& one : map.components) rows.push_back(row_of(one));
+    draw_list(canvas, halves.list, rows, place_, !in_findings_);
+    if (halves.rest.columns == 0 || map.components.empty()) return;
+    const auto text = findings_of(map, halves.rest.columns - 1);
+    const int most = in_findings_ ? halves.rest.rows * 2 / 3 : halves.rest.rows / 4;
+    const int below = text.empty() ? 0 : std::min(static_cast<int>(text.size()) + 1, most);
+    draw_component(canvas, halves.rest.top(halves.rest.rows - below), map, map.components[at()]);
+    if (below < 2) return;
+    const Area lower = halves.rest.below(halves.rest.rows - below);
+    canvas.text(lower, 0, 0, in_findings_ ? "> findings" : "findings (Tab)", Tone::faint);
+    draw_scrolled(canvas, lower.below(1), text, scroll_);
+  }
+
+  bool on_key(const Key& key) override {
+    const LaserMapWork& map = controller().work().map;
+    if (is_letter(key, U'p')) {
+      host().ask_parameters();
+      return true;
+    }
+    if (!map.parameters || map.components.empty()) return false;
+    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
+      in_findings_ = !in_findings_;
+      return true;
+    }
+    if (in_findings_) return scroll_.on_key(key, 5);
+    if (place_.on_key(key, static_cast<int>(map.components.size()))) {
+      view_ = {};
+      return true;
+    }
+    if (is_letter(key, U'z') || key.name == Key::Name::enter) {
+      const LaserComponent one = map.components[at()];
+      if (one.state != ComponentState::present) {
+        host().fill(zero_form(one));
+        return true;
+      }
+      host().ask({fmt::format("{} is measured. Declare it zero all the same?", name_of(one.component)),
+                  "Its measurement then stays out of the map.", "declare it zero", "keep the measurement"},
+                 [this, one] { host().fill(zero_form(one)); });
+      return true;
+    }
+    const auto panel = panel_of_component(map, map.components[at()].component);
+    if (!panel) return false;
+    if (is_letter(key, U'e')) {
+      const std::string code(name_of(map.components[at()].component));
+      host().export_picture({"compensation " + code, {*panel}, 1, true}, "map-" + code);
+      return true;
+    }
+    return on_chart_key(key, *panel, view_);
+  }
+
+  std::vector<KeyHelp> keys() const override {
+    return {{"p", "parameters, scope"}, {"z", "declare zero"}, {"up/down", "component"},
+            {"Tab", "findings"},        {"u", "undo"},         {"left/right", "cursor"},
+            {"+ - 0", "zoom"},          {"e", "picture"}};
+  }
+  std::string help() const override {
+    return "Step 6: the components that the scope of the parameters needs. A missing one is measured, or declared zero "
+           "with a reason; a map that lacks one cannot be sent. Curves show compensation: minus the error. Squareness "
+           "lives in the parameters; what was measured is written into those saved beside the map.";
+  }
+
+ private:
+  [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
+
+  std::string state_text(const LaserMapWork& map) const {
+    const UnitParameters& p = map.parameters->parameters;
+    const std::string name = std::filesystem::path(controller().choices().params_file).filename().string();
+    std::string text =
+        fmt::format("{} ({}, {}): {} needed", name, configuration_of(p), word_for(p.scope), map.components.size());
+    if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
+    if (!map.complete()) return text + ", see the findings";
+    text += ", nothing is missing";
+    return map.findings().empty() ? text : text + ", " + remarks_counted(map.findings().size());
+  }
+
+  static ListRow row_of(const LaserComponent& one) {
+    const bool lacks = one.state == ComponentState::missing || one.state == ComponentState::refused;
+    return {fmt::format("{:<4} {}", name_of(one.component), word_for(one.state)),
+            lacks ? Tone::bad : (one.state == ComponentState::zero ? Tone::warning : Tone::plain)};
+  }
+
+  static std::optional<PlotPanel> panel_of_component(const LaserMapWork& map, Component component) {
+    if (!map.made || is_squareness(component)) return std::nullopt;
+    PlotFigure figure = figure_of(map.made->map.map, component, "");
+    if (figure.panels.empty()) return std::nullopt;
+    figure.panels.front().title = "in the map";
+    figure.panels.front().x_label = fmt::format("{} [mm]", letter_of(moving_axis(component)));
+    return figure.panels.front();
+  }
+
+  void draw_component(Canvas& canvas, const Area& area, const LaserMapWork& map, const LaserComponent& one) const {
+    int row = canvas.paragraph(
+        area, 0, fmt::format("{}  {}", name_of(one.component), laser::description_of(one.component)), Tone::strong);
+    std::string detail = one.detail;
+    if (one.state == ComponentState::missing)
+      detail = one.detail.empty() ? "Not measured: add its file (step 1), or z declares it zero."
+                                  : fmt::format(
+                                        "Measured, but not used: {}. c in step 2 corrects a wrong place; z "
+                                        "declares the component zero.",
+                                        one.detail);
+    if (one.state == ComponentState::zero) detail = "declared zero: " + one.detail;
+    if (one.state == ComponentState::present) detail = "from " + one.detail;
+    row += canvas.paragraph(area, row, detail);
+    if (map.made)
+      for (const laser::ComponentOutcome& outcome : map.made->map.outcomes)
+        if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), map.made->map, outcome);
+    constexpr int kLeastRows = 6;  // of a curve; none where the findings have the room
+    if (const auto panel = panel_of_component(map, one.component); panel && area.rows - row >= kLeastRows)
+      draw_chart(canvas, area.below(row), *panel, view_);
+  }
+
+  static int draw_outcome(Canvas& canvas, const Area& area, const laser::BuiltMap& built,
+                          const laser::ComponentOutcome& outcome) {
+    const auto name = name_of(outcome.component);
+    std::string text = fmt::format("largest {:.2f} {}, {} points a table", outcome.largest, unit_of(outcome.component),
+                                   outcome.points);
+    if (is_squareness(outcome.component))
+      for (const std::string& step : built.map.header.processing)
+        if (step.starts_with(name)) text = step;
+    for (const std::string& note : outcome.notes) text += "; " + note;
+    return canvas.paragraph(area, 0, text);
+  }
+
+  static std::vector<std::string> findings_of(const LaserMapWork& map, int columns) {
+    std::vector<std::string> lines;
+    const auto add = [&](const std::string& text) {
+      for (std::string& line : wrapped(text, std::max(10, columns))) lines.push_back(std::move(line));
+    };
+    for (const std::string& refusal : map.refusals) add("refused: " + refusal);
+    for (const laser::MapFinding& finding : map.findings())
+      add((finding.objection ? "objection: " : "remark: ") + finding.message);
+    if (map.made)
+      for (const std::string& note : map.made->map.notes) add("note: " + note);
+    for (const std::string& unused : map.assignment.unused) add("not used: " + unused);
+    return lines;
+  }
+
+  LaserForm zero_form(const LaserComponent& one) const {
+    const std::string code(name_of(one.component));
+    const std::string now = one.state == ComponentState::zero ? one.detail : "";
+    return LaserForm(
+        fmt::format("declare {} zero: {}", code, laser::description_of(one.component)),
+        {{"reason", "why it may be taken as zero; the map's header keeps it. Empty: it is not declared zero", now}},
+        [this, code](const std::vector<std::string>& v) {
+          controller().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
+                              [&](LaserChoices& c) { c.components[code].zero_reason = std::string(trimmed(v[0])); });
+          return std::string();
+        });
+  }
+
+  ListPlace place_;
+  ScrollPlace scroll_;
+  ChartView view_;
+  bool in_findings_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_map_page(LaserHost& host) { return std::make_unique<MapPage>(host); }
+
+namespace {
+
+struct HeaderField {
+  const char* name;
+  const char* help;
+  std::string LaserHeaderChoice::*value;
+};
+constexpr std::array<HeaderField, 6> kFields{{
+    {"customer", "whose machine it is", &LaserHeaderChoice::customer},
+    {"machine", "its type; empty: as the files or the parameters say", &LaserHeaderChoice::machine},
+    {"serial number", "of the machine; a map goes only into the unit with this number",
+     &LaserHeaderChoice::serial_number},
+    {"engineer", "who measured and commissioned", &LaserHeaderChoice::engineer},
+    {"date", "year-month-day, as in 2026-03-12; preset: of the measurement", &LaserHeaderChoice::date},
+    {"remarks", "anything worth knowing; a line of the header", &LaserHeaderChoice::remarks},
+}};
+
+class HeaderPage final : public LaserPage {
+ public:
+  explicit HeaderPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    canvas.text(area, 0, 1, "The header travels with the map into the unit.", Tone::faint);
+    const LaserHeaderChoice shown = in_effect();
+    for (std::size_t k = 0; k < kFields.size(); ++k) {
+      const int row = static_cast<int>(k) + 2;
+      const bool here = k == at();
+      canvas.text(area, row, 1, here ? ">" : " ", Tone::strong);
+      canvas.text(area, row, 3, kFields[k].name, here ? Tone::strong : Tone::plain);
+      const std::string& chosen = controller().choices().header.*kFields[k].value;
+      const std::string& value = shown.*kFields[k].value;
+      if (editing_ && here) {
+        line_.draw(canvas, area, row, kValues, std::max(1, area.columns - kValues - 1), true);
+      } else if (value.empty()) {
+        canvas.text(area, row, kValues, k + 1 == kFields.size() ? "-" : "not stated", Tone::warning);
+      } else {
+        const int used = canvas.text(area, row, kValues, value, chosen.empty() ? Tone::faint : Tone::plain);
+        if (chosen.empty()) canvas.text(area, row, kValues + used + 2, "(from the files)", Tone::faint);
+      }
+    }
+    canvas.text(area, static_cast<int>(kFields.size()) + 3, 3, kFields[at()].help, Tone::faint);
+    draw_rest(canvas, area.below(static_cast<int>(kFields.size()) + 5));
+  }
+
+  bool on_key(const Key& key) override {
+    if (editing_) return on_edit_key(key);
+    if (place_.on_key(key, static_cast<int>(kFields.size()))) return true;
+    if (key.name != Key::Name::enter) return false;
+    begin_edit();
+    return true;
+  }
+
+  bool typing() const override { return editing_; }
+  bool holds_keys() const override { return editing_; }
+  CellPosition cursor(const Area& area) const override {
+    if (!editing_) return {-1, -1};
+    const int columns = std::max(1, area.columns - kValues - 1);
+    return {area.row + 2 + static_cast<int>(at()), area.column + kValues + line_.cursor_column(columns)};
+  }
+  std::vector<KeyHelp> keys() const override {
+    if (editing_) return {{"Enter", "take it"}, {"Tab", "take it, edit the next"}, {"Esc", "leave it as it was"}};
+    return {{"up/down", "field"}, {"Enter", "edit"}, {"u", "undo"}};
+  }
+  std::string help() const override {
+    return "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
+           "values come from the files. Which files were used and what was done to them is added by itself.";
+  }
+
+ private:
+  static constexpr int kValues = 20;
+  [[nodiscard]] std::size_t at() const { return place_within(place_, kFields.size()); }
+
+  [[nodiscard]] LaserHeaderChoice in_effect() const {
+    LaserHeaderChoice shown = header_with_files(controller().choices().header, controller().work().lines);
+    const LaserMapWork& map = controller().work().map;
+    if (map.parameters && shown.machine.empty()) shown.machine = map.parameters->identity.machine;
+    if (map.parameters && shown.serial_number.empty()) shown.serial_number = map.parameters->identity.serial_number;
+    return shown;
+  }
+
+  void draw_rest(Canvas& canvas, const Area& area) const {
+    const LaserMapWork& map = controller().work().map;
+    if (!map.made || area.rows < 2) return;
+    canvas.text(area, 0, 1,
+                fmt::format("added by itself: {} source files, {} steps of processing",
+                            map.made->map.map.header.sources.size(), map.made->map.map.header.processing.size()),
+                Tone::faint);
+    int row = 1;
+    for (const std::string& step : map.made->map.map.header.processing)
+      if (row < area.rows) canvas.text(area, row++, 3, step, Tone::faint);
+  }
+
+  void begin_edit() {
+    line_ = TextLine(in_effect().*kFields[at()].value);
+    editing_ = true;
+  }
+
+  bool on_edit_key(const Key& key) {
+    if (key.name == Key::Name::escape) {
+      editing_ = false;
+      return true;
+    }
+    if (key.name != Key::Name::enter && key.name != Key::Name::tab) {
+      (void)line_.on_key(key);
+      return true;
+    }
+    const HeaderField& field = kFields[at()];
+    const std::string value = line_.text();
+    if (field.value == &LaserHeaderChoice::date)
+      if (const auto wrong = wrong_date(value)) {
+        controller().message().say("date: " + *wrong, Tone::bad);
+        return true;
+      }
+    if (value != in_effect().*field.value)
+      controller().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
+    editing_ = false;
+    if (key.name == Key::Name::tab && at() + 1 < kFields.size()) {
+      ++place_.selected;
+      begin_edit();
+    }
+    return true;
+  }
+
+  ListPlace place_;
+  TextLine line_;
+  bool editing_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_header_page(LaserHost& host) { return std::make_unique<HeaderPage>(host); }
+
+}  // namespace ecs::app
