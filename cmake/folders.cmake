@@ -98,13 +98,15 @@ ecs_folder(commissioning/model_session base commissioning/investigation commissi
            commissioning/logbook commissioning/maps commissioning/models commissioning/plot commissioning/session
            model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
-           laser/map model/data model/diagnosis model/drive model/effects model/fit model/regression params fmt::fmt)
+           laser/map laser/standards model/data model/diagnosis model/drive model/effects model/fit model/regression
+           params fmt::fmt)
 ecs_folder(commissioning/parameters base commissioning/link commissioning/logbook commissioning/session
            commissioning/unit core params fmt::fmt)
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
 ecs_folder(commissioning/standards base commissioning/plot laser/standards model/circle params fmt::fmt)
-ecs_folder(commissioning/unit base core devices laser/map params protocol/client protocol/registers fmt::fmt)
+ecs_folder(commissioning/unit base commissioning/logbook core devices laser/map params protocol/client
+           protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
            commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
 ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models

@@ -19,6 +19,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "base/descriptor.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "protocol/line/modbus_link.hpp"
@@ -29,20 +30,6 @@ namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
@@ -128,7 +115,7 @@ std::vector<std::string> serial_ports() {
 }
 
 std::optional<PortTrouble> trouble_with(const std::string& device) {
-  const auto lock = protocol::PortLock::take(device);
+  const auto lock = protocol::lock_port(device);
   if (lock) return std::nullopt;
   PortTrouble trouble{lock.error().problem.message, {}};
   const auto ports = serial_ports();
