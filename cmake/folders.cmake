@@ -105,8 +105,7 @@ ecs_folder(commissioning/parameters base commissioning/link commissioning/logboo
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
 ecs_folder(commissioning/standards base commissioning/plot laser/standards model/circle params fmt::fmt)
-ecs_folder(commissioning/unit base commissioning/logbook core devices laser/map params protocol/client
-           protocol/registers fmt::fmt)
+ecs_folder(commissioning/unit base core devices laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
            commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
 ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models

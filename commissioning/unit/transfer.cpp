@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/logbook/recorder.hpp"
 #include "core/address_map.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
