@@ -67,6 +67,7 @@ Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
   laser::MeasurementSet set = imported.set;
   set.source = request.file;
+  if (set.readings.empty()) return problem_at(request.file, 0, 0, "expected readings, found none");
   ECS_TRY(test, laser::drift_test_of(set, request.window_h));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
