@@ -1,6 +1,9 @@
-// The steps on the screen from files to curves, each against numbers known beforehand.
+// The steps of PROCESS LASER DATA on the screen: files, answers that they lack, lines and where they were measured, runs
+// and readings left out, curves, values, what is remarked in header and map.
+
 #include "app/verbs/registry.hpp"
 #include "tests/screens/support/laser_screen.hpp"
+#include "tests/screens/support/laser_unit.hpp"
 
 namespace ecs::app {
 namespace {
@@ -246,6 +249,187 @@ TEST_CASE("Esc asks before unsaved work is left, and leaves at once where there 
   CHECK(driver.type("n") == Step::Kind::stay);
   driver.type("\x1b");
   CHECK(driver.type("y") == Step::Kind::back);
+}
+
+std::size_t field_named(const std::string& name) {
+  const auto& fields = answer_fields();
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.name == name; });
+  REQUIRE(found != fields.end());
+  return static_cast<std::size_t>(found - fields.begin());
+}
+
+TEST_CASE("every answer is kept as it was given") {
+  ImportArguments answers;
+  for (const AnswerField& field : answer_fields()) {
+    const std::string value = !field.choices.empty()                    ? field.choices.back()
+                              : field.kind == AnswerField::Kind::number ? "3"
+                                                                        : "some";
+    set_answer(answers, field.name, value);
+    CHECK_MESSAGE(given_answers(answers).at(field.name) == value, field.name);
+  }
+  CHECK(answers.channels == "some");
+  CHECK(answers.environment == "some");
+  CHECK(answers.at_rest_mm == 3.0);
+  CHECK(answers.average);
+}
+
+TEST_CASE("the form asks for the channels of a log and its environment, and refuses what is no number") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("log.txt", "nothing that is known\n")});
+  driver.type("\n");
+  driver.press(Key::Name::down, static_cast<int>(field_named("at-rest")));
+  driver.type("still\n");
+  CHECK(contains(driver.seen(), "at-rest: expected a number, found \"still\""));
+  CHECK(contains(driver.seen(), "channels"));
+  driver.press(Key::Name::backspace, 5);
+  driver.type("0.01\n");
+  REQUIRE(driver.settled());
+  CHECK(driver.controller().choices().files.front().answers.at_rest_mm == 0.01);
+}
+
+TEST_CASE("the extent of a line is shown in whole millimetres at least") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("x.csv",
+                                 "axis,sense,x_mm,y_mm,z_mm,reading\nX,EX,-3712.53,0,0,0\nX,EX,-2000.5,0,0,1\n"
+                                 "X,EX,-157.25,0,0,1\n")});
+  driver.type("2");
+  CHECK(contains(driver.seen(), "-3713..-157"));
+}
+
+/// The sample of 200 mm of X, with the parameters and the machine of the mill's X axis alone.
+void take_short_axis(LaserScreenDriver& driver, const StateFolder& folder) {
+  folder.with("machine.toml",
+              "configuration = \"TX\"\nname = \"moving column mill\"\n[axis.X]\ntravel_mm = [-4100.0, 0.0]\n");
+  const std::string params = folder.with("p.toml",
+                                         "[identity]\nmachine = \"moving column mill\"\n[configuration]\nchain = "
+                                         "\"TX\"\naxes = \"X\"\n[compensation]\nscope = \"linear\"\n[axis.X]\n"
+                                         "transducer = \"encoder\"\n# end of parameters\n");
+  driver.take_files({"samples/laser/x_axis.csv"}, params);
+}
+
+TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 and in step 8") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  take_short_axis(driver, folder);
+  REQUIRE(driver.controller().work().map.complete());
+  CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
+  driver.type("6");
+  CHECK(driver.seen(24, 120).find("nothing is missing, 3 remarks") != std::string::npos);
+  driver.type("\t");
+  CHECK(driver.seen(40, 120).find("remark: EXX covers 200 of 4100 mm") != std::string::npos);
+  driver.type("8");
+  const std::string seen = driver.seen(24, 100);
+  CHECK(seen.find("complete, 3 remarks") != std::string::npos);
+  CHECK(seen.find("EXX covers 200 of 4100 mm of the travel of X (-4100 to 0)") != std::string::npos);
+}
+
+TEST_CASE("the date of the header is a date; another text is not taken, and what is expected is said") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  take_short_axis(driver, folder);
+  driver.type("7");
+  driver.press(Key::Name::down, 4);
+  driver.type("\nN. Comer\n");
+  CHECK(driver.seen(24, 120).find("expected year-month-day, as in 2026-03-12, found \"2024-05-06N. Comer\"") !=
+        std::string::npos);
+  CHECK(driver.controller().choices().header.date.empty());
+  driver.press(Key::Name::backspace, 8);
+  driver.type("\n");
+  REQUIRE(driver.settled());
+  CHECK(driver.controller().work().map.made->map.map.header.date == "2024-05-06");
+}
+
+TEST_CASE("an invalid date of the files is not preset") {
+  const StateFolder folder;
+  const std::string file = folder.with("x.csv", "# date: Mon Mar 12\naxis,sense,x_mm,reading\nX,EX,0,0\nX,EX,-50,1\n");
+  LaserScreenDriver driver;
+  driver.take_files({file});
+  CHECK(header_with_files({}, driver.controller().work().lines).date.empty());
+}
+
+TEST_CASE("the question before sending names the first remark and what the header does not state") {
+  const StateFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  // X measured over a tenth of its travel: samples/mill/machine.toml says -4100 to 0
+  const std::string piece = folder.with("piece.csv", measured_csv({'X', "EX", 0, -400, 50, {0, -1400, 0}}, mill.error));
+  driver.controller().change("a piece of X", [&](LaserChoices& c) { c.files.front().path = piece; });
+  REQUIRE(driver.settled());
+  driver.type("\n");
+  REQUIRE(driver.shows("Send the map to"));
+  const std::string asked = driver.seen(24, 100);
+  CHECK(asked.find("1 remark: EXX covers 400 of 4100 mm") != std::string::npos);
+  CHECK(asked.find("The header states no") != std::string::npos);
+  CHECK(asked.find("customer, no engineer.") != std::string::npos);
+  CHECK(asked.find("y send") != std::string::npos);
+}
+
+const std::string kMillParameters = "samples/mill/parameters.toml";
+
+Measured off_its_line() {
+  Measured wrong = kPositioning;
+  wrong.parked_mm = {0, -1000, 0};
+  return wrong;
+}
+
+TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its place") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("EXX.csv", measured_csv(off_its_line(), [](double p) { return 0.01 * p; }))},
+                    kMillParameters);
+  CHECK(contains(driver.seen(24, 160), "EXX is measured, but not used: step 6 says why."));
+  driver.type("6");
+  const std::string missing = driver.seen(24, 160);
+  INFO(missing);
+  CHECK(contains(missing, "it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400"));
+  CHECK(contains(missing, "c in step 2 corrects a wrong place"));
+  driver.type("2c");
+  CHECK(contains(driver.seen(), "y=-1000,z=0"));
+  driver.press(Key::Name::backspace, 11);
+  driver.type("y=-1400,z=0\n");
+  REQUIRE(driver.settled());
+  const LaserLine& line = driver.controller().work().lines.front();
+  CHECK(line.key == kExx);
+  REQUIRE(line.notes.size() == 1);
+  CHECK(line.notes.front() == "place corrected to y=-1400,z=0; EXX.csv says Y -1000, Z 0");
+  CHECK(driver.controller().work().map.components.front().state == ComponentState::present);
+  driver.type("u");
+  REQUIRE(driver.settled());
+  CHECK(driver.controller().work().map.components.front().state == ComponentState::missing);
+}
+
+TEST_CASE("what was left out stays with a line whose place is corrected, and both are kept in the draft") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("EXX.csv", measured_csv(off_its_line(), [](double) { return 1.0; }))});
+  const LaserLine line = driver.controller().work().lines.front();
+  LaserChoices choices = driver.controller().choices();
+  choices.lines[line.key].runs[2] = "cold";
+  REQUIRE(correct_place(choices, line, "y=-1400,z=0").has_value());
+  CHECK(choices.lines[kExx].runs.contains(2));
+  CHECK(choices_in(choices_text(choices)) == choices);
+  const auto wrong = correct_place(choices, line, "y=far");
+  REQUIRE_FALSE(wrong.has_value());
+  CHECK(contains(to_text(wrong.error()), "expected AXIS=MM"));
+}
+
+TEST_CASE("parameters of another machine are reported when they are chosen") {
+  const StateFolder folder;
+  const Measured along_y{'Y', "EY", -1400, 0, 50, {0, 0, 0}};
+  LaserScreenDriver driver;
+  const std::string lathe = folder.with("lathe.toml",
+                                        "[configuration]\nchain = \"XT\"\naxes = \"X\"\n[compensation]\n"
+                                        "scope = \"linear\"\n[axis.X]\ntransducer = \"encoder\"\n"
+                                        "# end of parameters\n");
+  driver.take_files({folder.with("EYY.csv", measured_csv(along_y, [](double) { return 1.0; }))}, lathe);
+  CHECK(contains(driver.seen(24, 120), "EYY was measured, but the parameters (XT) have no axis Y."));
+  driver.controller().change("parameters", [](LaserChoices& c) { c.params_file = kMillParameters; });
+  REQUIRE(driver.settled());
+  CHECK(driver.controller().mismatch().empty());
 }
 
 }  // namespace

@@ -1,4 +1,7 @@
 // The map on its way: sent and verified, cancelled, and an emulator that is killed in the middle.
+// Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
+
+#include "protocol/client/client.hpp"
 #include "tests/screens/support/laser_unit.hpp"
 
 namespace ecs::app {
@@ -111,6 +114,172 @@ TEST_CASE("without a unit everything up to the file works, and sending says why 
   CHECK(std::filesystem::exists(folder.path / "map.csv"));
   CHECK(driver.controller().unsaved().empty());
   CHECK(driver.seen().find("no link to a unit") != std::string::npos);
+}
+
+const char* const kStale = "the unit has changed since: verify again";
+
+/// As another host would: over the same line, unknown to the screen.
+template <class Work>
+void as_another_host(LaserScreenDriver& driver, Work work) {
+  JobControl control;
+  const Result<void> done = driver.unit->with_link(control, [&](UnitLink& link) -> Result<void> { return work(link); });
+  REQUIRE(done);
+}
+
+Result<void> map_sent_over(UnitLink& link, const std::string& map, const std::string& params) {
+  ECS_TRY(prepared, prepared_map(map, params));
+  ECS_DO(send_map(link.client(), prepared, map, false));
+  return {};
+}
+
+/// A map of the same machine with other values, saved beside the first one.
+void save_another_map(LaserScreenDriver& driver, const StateFolder& folder) {
+  const LaserChoices before = driver.controller().choices();
+  driver.controller().change("other values", [&](LaserChoices& c) {
+    c.components["EXX"].smoothing_mm = 800.0;
+    c.map_file = (folder.path / "other.csv").string();
+  });
+  REQUIRE(driver.settled());
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
+  driver.controller().change("back", [&](LaserChoices& c) { c = before; });
+  REQUIRE(driver.settled());
+  driver.type("8");
+}
+
+void verify_at(LaserScreenDriver& driver) {
+  driver.type("9\n");
+  REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
+  REQUIRE(driver.controller().verdict());
+}
+
+TEST_CASE(
+    "a verdict goes stale for another unit, another map, a map made active again, a restart, a line opened again") {
+  const auto line = std::chrono::steady_clock::now();
+  const UnitHolding then{"MCM-0107", 0x12345678, 4, 100, line};
+  UnitHolding now = then;
+  now.uptime_s = 160;
+  CHECK(changed_since(then, now).empty());
+  now.serial_number = "MCM-0999";
+  CHECK(changed_since(then, now).find("unit MCM-0999 answers in place of MCM-0107") != std::string::npos);
+  now = then;
+  now.check = 0xCAFE0001;
+  CHECK(changed_since(then, now).find("block check CAFE0001 in place of block check 12345678") != std::string::npos);
+  now.check.reset();
+  CHECK(changed_since(then, now).find("no map in place of") != std::string::npos);
+  now = then;
+  now.activations = 5;
+  CHECK(changed_since(then, now).find("made active in it by another host") != std::string::npos);
+  now = then;
+  now.uptime_s = 3;
+  CHECK(changed_since(then, now) == "it was restarted");
+  now = then;
+  now.opened_at += std::chrono::seconds(5);
+  CHECK(changed_since(then, now) == "the link to it was opened again");
+}
+
+TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {
+  const StateFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  save_another_map(driver, folder);
+  send_from(driver);
+  verify_at(driver);
+  CHECK(driver.controller().verified());
+  CHECK(driver.seen().find("commit") == std::string::npos);
+  CHECK(driver.seen().find("made active as no. 1") != std::string::npos);
+
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  });
+  SUBCASE("by itself within seconds while the step is open") {
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 10));
+    CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::doubtful);
+    CHECK(driver.seen().find("another host") != std::string::npos);
+    CHECK(driver.seen().find("reference every axis") == std::string::npos);
+    verify_at(driver);
+    CHECK(driver.controller().stale().empty());
+    CHECK_FALSE(driver.controller().verdict()->same());
+    driver.type("c");
+    CHECK(driver.shows("the unit does not hold the map of the file"));
+  }
+  SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
+    driver.controller().change("the other map", [&](LaserChoices& c) {
+      c.components["EXX"].smoothing_mm = 800.0;
+      c.map_file = (folder.path / "other.csv").string();
+    });
+    REQUIRE(driver.settled());
+    driver.type("sy");
+    REQUIRE(driver.shows("saved: "));
+    verify_at(driver);
+    CHECK(driver.controller().verified());
+    driver.type("cy");
+    CHECK(driver.shows("the unit watches: reference every axis"));
+  }
+  SUBCASE("and compensation, asked for at once, is refused with both block checks") {
+    driver.type("cy");
+    CHECK(driver.shows("another host has changed it"));
+    CHECK(driver.seen().find(fmt::format("{:08X}", driver.controller().sent()->check)) != std::string::npos);
+    CHECK(driver.unit->newest()->mode == UnitMode::integration);
+  }
+}
+
+TEST_CASE(
+    "a map that was verified but not sent from here counts: compensation is refused once the unit holds another") {
+  const StateFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  save_another_map(driver, folder);
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
+  driver.type("9c");
+  CHECK_FALSE(driver.seen().find("Switch the unit to compensation?") != std::string::npos);
+  CHECK(driver.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  });
+  verify_at(driver);
+  CHECK(driver.controller().verified());
+  CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  });
+  driver.type("cy");
+  CHECK(driver.until([&] {
+    return driver.controller().message().text().find("what was compared was block check") != std::string::npos;
+  }));
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  });
+  driver.type("cy");
+  CHECK(driver.shows("the unit watches: reference every axis"));
+}
+
+TEST_CASE("a unit that was switched off and on has to be verified again") {
+  const StateFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  send_from(driver);
+  verify_at(driver);
+  SUBCASE("with its line") {
+    unit.kill();
+    unit.start();
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
+  }
+  SUBCASE("while the line stayed open") {
+    driver.until([] { return false; }, 5);  // long enough that the next sample shows a shorter time since the start
+    as_another_host(driver, [](UnitLink& link) { return link.client().reset_unit(); });
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
+    CHECK(driver.seen().find("it was restarted") != std::string::npos);
+  }
+  verify_at(driver);
+  CHECK(driver.controller().verified());
 }
 
 }  // namespace

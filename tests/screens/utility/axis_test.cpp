@@ -1,7 +1,80 @@
-// OUTPUT COMPENSATION VALUE on the emulated unit.
+// SET AXIS POSITION, OUTPUT COMPENSATION VALUE and driving on the emulated unit.
+
+#include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/axis.hpp"
+#include "commissioning/utility/unit_view.hpp"
+#include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using namespace ecs::app::screen_test;
+
+TEST_CASE("a position that is not a number, or too far away, is refused before the unit is asked") {
+  CHECK(PositionController::position_in("-100.5").value() == -100.5);
+  CHECK_FALSE(PositionController::position_in("12,5"));
+  CHECK_FALSE(PositionController::position_in("1000001"));
+  CHECK(PositionController::position_in("-1000000"));
+}
+
+TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
+  REQUIRE(shows(screen, "unit MCM-0107, integration"));
+  (void)letter(screen, 'y');
+  (void)press(screen, Key::Name::enter);
+  CHECK(screen.typing());
+  type(screen, "-123.5");
+  CHECK(contains(picture(screen), "New position of Y, mm: -123.5"));
+  (void)press(screen, Key::Name::enter);
+  const std::string asked = picture(screen);
+  CHECK(contains(asked, "Let the unit show -123.5000 mm for axis Y?"));
+  CHECK(contains(asked, "Nothing moves"));
+  (void)letter(screen, 'y');
+  REQUIRE(shows(screen, "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
+  CHECK(shows(screen, "Y        -123.5000"));
+  (void)picture(screen);
+  (void)letter(screen, 'u');
+  REQUIRE(shows(screen, "Axis Y is back at 0.0000 mm"));
+  CHECK(shows(screen, "Y           0.0000"));
+}
+
+TEST_CASE("answering no sets nothing") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
+  (void)press(screen, Key::Name::enter);
+  type(screen, "5");
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'n');
+  CHECK_FALSE(contains(picture(screen), "Let the unit show"));
+  CHECK(bench.controller->newest()->axes[0].position_mm == doctest::Approx(0.0));
+}
+
+TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
+  const auto set = [&](const std::string& mm) {
+    (void)press(screen, Key::Name::enter);
+    type(screen, mm);
+    (void)press(screen, Key::Name::enter);
+    (void)letter(screen, 'y');
+  };
+  set("77");
+  REQUIRE(shows(screen, "now shows 77.0000"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "The unit was restarted"));
+  CHECK_FALSE(contains(picture(screen), "Set here"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
+  set("88");
+  REQUIRE(shows(screen, "now shows 88.0000"));
+}
 
 using namespace ecs;
 using namespace ecs::app;
@@ -160,3 +233,31 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   (void)letter(screen, '+');
   REQUIRE(shows(screen, "um at the converter of X"));
 }
+
+namespace ecs::app {
+namespace {
+
+using namespace screen_test;
+
+TEST_CASE("what is typed to drive the emulated machine is a jog, a block or a program") {
+  CHECK(drive_request("x-100 Y=50 f2000").value() == R"({"action":"jog","X":-100.0,"Y":50.0,"feed":2000.0})");
+  CHECK(drive_request("G01 X-100 F2000").value() == R"({"action":"mdi","block":"G01 X-100 F2000"})");
+  CHECK(contains(drive_request("samples/mill/appendix_b.nc").value(), R"("action":"run")"));
+  for (const char* wrong : {"", "F2000", "fast", "X", "no-such.nc"}) CHECK_FALSE(drive_request(wrong));
+}
+
+TEST_CASE("j on the monitor drives the emulated machine, and what is no place is refused and stays") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  const auto screen_made = monitor_screen(bench.controller);
+  Screen& screen = *screen_made;
+  REQUIRE(shows(screen, "no fault"));
+  type(screen, "j");
+  enter(screen, "over there");
+  CHECK(contains(picture(screen), "expected axes with their machine coordinates"));
+  replace_line(screen, "X-20 F3000");
+  REQUIRE(shows(screen, "stands at X -"));
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,9 +1,11 @@
-// Messages, questions and help: nobody meets half a sentence without a way to the rest of it.
+// Messages, questions, texts and menus as they are drawn; what is copied.
+
 #include <algorithm>
 #include <filesystem>
 
 #include <doctest/doctest.h>
 
+#include "app/ui/menu_screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "app/ui/widgets.hpp"
@@ -170,3 +172,103 @@ TEST_CASE("help explains the words of the trade that the screen shows, and only 
   CHECK(contains(text, "parked"));
   CHECK_FALSE(contains(text, "squareness"));
 }
+
+using namespace ecs;
+using namespace ecs::app;
+
+namespace {
+
+std::vector<MenuChoice> choices() {
+  const auto nothing = [] { return std::unique_ptr<Screen>(); };
+  std::vector<MenuChoice> all{{"LOG", "messages about the link, the unit and its relay", nothing},
+                              {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter", nothing},
+                              {"RELAY TEST", "closes it", nothing}};
+  all[1].synonyms = "relay voltage";
+  return all;
+}
+
+std::string seen(const Screen& menu) {
+  Canvas canvas(20, 80);
+  menu.draw(canvas, canvas.whole());
+  return canvas.plain_text();
+}
+
+}  // namespace
+
+TEST_CASE("what is sought is found in names first, then in words of the trade, then in descriptions") {
+  const auto all = choices();
+  CHECK(rank_of(all[2], "relay") < rank_of(all[1], "relay"));
+  CHECK(rank_of(all[1], "relay") < rank_of(all[0], "relay"));
+  CHECK(rank_of(all[1], "output voltage").has_value());
+  CHECK_FALSE(rank_of(all[2], "voltage").has_value());
+  CHECK(rank_of(all[0], "log") < rank_of({"LOGBOOK", "what was done", all[0].opens}, "log"));
+  MenuScreen menu("ECS", "", choices());
+  for (const char32_t letter : std::u32string(U"/relay")) (void)menu.on_key({Key::Name::letter, letter});
+  const std::string text = seen(menu);
+  CHECK(contains(text, "> RELAY TEST"));
+  CHECK(text.find("RELAY TEST") < text.find("OUTPUT"));
+  CHECK(text.find("OUTPUT") < text.find("LOG"));
+}
+
+TEST_CASE("a finder seeks from its first key, gives way to what is chosen, and goes back at once") {
+  MenuScreen finder("find", "", choices(), MenuScreen::Kind::finder);
+  CHECK(finder.typing());
+  CHECK(finder.on_key({Key::Name::enter}).kind == Step::Kind::instead);
+  CHECK(finder.on_key({Key::Name::escape}).kind == Step::Kind::back);
+}
+
+TEST_CASE("a description too long for its row ends after a whole clause, and is whole below for the entry chosen") {
+  const std::string help = "what the unit must know of its machine, with every range and default, and much more of it";
+  const MenuScreen menu("ECS", "", {{"PARAMETERS", help, [] { return std::unique_ptr<Screen>(); }}});
+  const std::string text = seen(menu);
+  CHECK_FALSE(contains(text, "…"));
+  CHECK(contains(text, "PARAMETERS  what the unit must know of its machine\n"));
+}
+
+TEST_CASE("a screen with the word in its name comes before the verb of that name") {
+  const auto nothing = [] { return std::unique_ptr<Screen>(); };
+  std::vector<MenuChoice> all{{"monitor", "positions, sample by sample", nothing},
+                              {"ON LINE MONITOR", "what the unit sees", nothing},
+                              {"monitoring", "of something else", nothing}};
+  all[0].is_verb = all[2].is_verb = true;
+  CHECK(rank_of(all[1], "monitor") == rank_of(all[0], "monitor"));
+  CHECK(rank_of(all[1], "monitor") < rank_of(all[2], "monitor"));
+  CHECK(rank_of(all[1], "monit") > rank_of(all[0], "monit"));
+}
+
+namespace ecs::app {
+namespace {
+
+class TwoKeys : public Screen {
+ public:
+  [[nodiscard]] std::string title() const override { return "TWO KEYS"; }
+  void draw(Canvas&, const Area&) const override {}
+  [[nodiscard]] Step on_key(const Key&) override { return stay(); }
+  [[nodiscard]] std::vector<KeyHelp> keys() const override { return {{"d", "diagnose"}, {"+ -", "zoom"}}; }
+  [[nodiscard]] std::string help() const override { return {}; }
+};
+
+Canvas three_rows() {
+  Canvas canvas(5, 20);
+  for (int row = 0; row < 3; ++row) canvas.text({1, 0, 3, 20}, row, 2, "row " + std::to_string(row));
+  return canvas;
+}
+
+TEST_CASE("the selected row is copied without its margins, else the whole picture between header and key line") {
+  Canvas canvas = three_rows();
+  CHECK(text_to_copy(canvas, {1, 0, 3, 20}) == "row 0\nrow 1\nrow 2");
+  canvas.paint({2, 0, 1, 20}, Tone::selected);
+  CHECK(text_to_copy(canvas, {1, 0, 3, 20}) == "row 1");
+  CHECK(copied_words("row 1") == "copied: row 1");
+  CHECK(copied_words("a\nb") == "copied: 2 rows of this screen");
+}
+
+TEST_CASE("a key that does nothing says whether it ever does") {
+  const TwoKeys screen;
+  CHECK(idle_key_words(screen, U'd') == "d (diagnose): there is nothing for it to do now");
+  CHECK(idle_key_words(screen, U'-') == "- (zoom): there is nothing for it to do now");
+  CHECK(idle_key_words(screen, U'k') == "k does nothing here; ? lists the keys");
+}
+
+}  // namespace
+}  // namespace ecs::app

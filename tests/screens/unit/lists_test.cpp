@@ -1,0 +1,197 @@
+// The log: what the screens told, whole, found again and copied.
+// COMMANDS: what was done, copied, written as a script.
+// The screen LOGBOOK: entries, one of them whole, verification.
+
+#include <algorithm>
+
+#include "app/screens/unit/screens.hpp"
+#include "base/file.hpp"
+#include "commissioning/session/commands.hpp"
+#include "commissioning/session/message.hpp"
+#include "tests/screens/support/unit_screen.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/logbook_folder.hpp"
+#include "tests/support/screen_driver.hpp"
+#include "tests/support/short_lathe.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace screen_test;
+
+TEST_CASE("the log follows the newest message and shows a long one completely") {
+  const StateFolder one;
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
+  log_event(Tone::good, "parameters sent");
+  std::string error = "the unit does not answer";
+  for (int k = 0; k < 20; ++k) error += " word" + std::to_string(k);
+  log_event(Tone::bad, error);
+  REQUIRE(screen.advance());
+  CHECK_FALSE(screen.advance());
+  const std::string text = picture(screen);
+  CHECK(contains(text, "parameters sent"));
+  CHECK(contains(text, "ERROR"));
+  CHECK(contains(text, "word19"));
+  CHECK(contains(text, "following"));
+  CHECK(contains(text, (one.path / "state" / "screens.log").string()));
+}
+
+TEST_CASE("errors alone are shown on e, any message is found by a part of it, and a copy is saved") {
+  const StateFolder one;
+  log_event(Tone::bad, "first trouble");
+  log_event(Tone::good, "Quite well");
+  log_event(Tone::bad, "second trouble");
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
+  type(screen, "e");
+  CHECK_FALSE(contains(picture(screen), "Quite well"));
+  CHECK(contains(picture(screen), "errors only"));
+  type(screen, "e/");
+  CHECK(screen.typing());
+  replace_line(screen, "quite");
+  CHECK(contains(picture(screen), "> "));
+  CHECK_FALSE(contains(picture(screen), "following"));
+  log_event(Tone::good, "a later one");
+  (void)screen.advance();
+  CHECK_FALSE(contains(picture(screen), "following"));
+  type(screen, "/");
+  replace_line(screen, "no such words at all");
+  CHECK(contains(picture(screen), "is in no message"));
+  (void)press(screen, Key::Name::end);
+  CHECK(contains(picture(screen), "following"));
+  (void)screen.on_key({Key::Name::mouse, 0, 0, 3, 10});  // the first row of the list
+  CHECK_FALSE(contains(picture(screen), "following"));
+  type(screen, "s");
+  const std::string copy = (one.path / "copy.txt").string();
+  replace_line(screen, copy);
+  CHECK(contains(picture(screen), "written to"));
+  CHECK(contains(read_file(copy).value(), "second trouble"));
+  type(screen, "s");
+  replace_line(screen, copy);
+  CHECK(contains(picture(screen), "Replace "));
+  type(screen, "n");
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("with the emulator killed the log continues, and the unit returns") {
+  const StateFolder one;
+  const auto unit = std::make_shared<UnitConnection>("emulator");
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
+  REQUIRE(until(screen, [&] { return unit->snapshot().open; }));
+  REQUIRE(kill_emulators() == 1);
+  REQUIRE(until(screen, [&] { return unit->snapshot().times_lost > 0; }));
+  log_event(Tone::bad, "told while the unit was away");
+  REQUIRE(shows(screen, "told while the unit was away"));
+  REQUIRE(until(screen, [&] { return unit->snapshot().open; }));
+}
+
+TEST_CASE("the log fits any size") {
+  const StateFolder one;
+  log_event(Tone::bad, std::string(3000, 'x') + "\nsecond line");
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
+  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
+    const std::string text = picture(screen, rows, columns, Glyphs::ascii);
+    CHECK(std::count(text.begin(), text.end(), '\n') == rows);
+  }
+}
+
+using namespace screen_test;
+
+struct TwoActions {
+  TwoActions() {
+    forget_commands();
+    note_command({"params", "send", "mill.toml", "--link", "tcp:host:502"});
+    note_command({"laser", "prepare", "EXX.csv", "--line", "EX along X at Y -1400, Z 0", "--leave-out-run",
+                  "3=somebody walked through the beam", "-o", "out/map-files/EXX_line1.csv"});
+  }
+  ~TwoActions() { forget_commands(); }
+  TwoActions(const TwoActions&) = delete;
+  TwoActions& operator=(const TwoActions&) = delete;
+};
+
+TEST_CASE("the newest action is marked and stands whole below, which is what F4 copies") {
+  const TwoActions two;
+  const auto screen = commands_screen();
+  const std::string seen = picture(*screen);
+  CHECK(contains(seen, "2 actions, newest last"));
+  CHECK(contains(seen, "ecs params send mill.toml --link tcp:host:502"));
+  CHECK(reads(seen, "--leave-out-run '3=somebody walked through the beam' -o out/map-files/EXX_line1.csv"));
+  CHECK(screen->copied() ==
+        "ecs laser prepare EXX.csv --line 'EX along X at Y -1400, Z 0' --leave-out-run '3=somebody walked through the "
+        "beam' -o out/map-files/EXX_line1.csv");
+  (void)press(*screen, Key::Name::up);
+  CHECK(screen->copied() == "ecs params send mill.toml --link tcp:host:502");
+}
+
+TEST_CASE("a script is written and may be run; a file that is there is asked for") {
+  const TwoActions two;
+  const Folder folder;
+  const std::string path = folder / "done.sh";
+  const auto screen = commands_screen();
+  (void)letter(*screen, 'w');
+  CHECK(screen->typing());
+  replace_line(*screen, path);
+  CHECK(contains(picture(*screen), "2 actions written to"));
+  CHECK(contains(content_of(path), "#!/bin/sh"));
+  CHECK((std::filesystem::status(path).permissions() & std::filesystem::perms::owner_exec) !=
+        std::filesystem::perms::none);
+  folder.with("done.sh", "mine");
+  (void)letter(*screen, 'w');
+  replace_line(*screen, path);
+  CHECK(contains(picture(*screen), "Replace "));
+  (void)letter(*screen, 'n');
+  CHECK(content_of(path) == "mine");
+  (void)letter(*screen, 'w');
+  replace_line(*screen, path);
+  (void)letter(*screen, 'y');
+  CHECK(contains(content_of(path), "#!/bin/sh"));
+}
+
+TEST_CASE("a new script begins after a question; what is done meanwhile is shown") {
+  const TwoActions two;
+  const auto screen = commands_screen();
+  (void)letter(*screen, 'x');
+  CHECK(contains(picture(*screen), "Begin anew?"));
+  (void)letter(*screen, 'y');
+  CHECK(contains(picture(*screen), "Nothing was done yet"));
+  CHECK(screen->copied().empty());
+  note_command({"utility", "ramtest"});
+  CHECK(screen->advance());
+  CHECK(screen->copied() == "ecs utility ramtest");
+}
+
+using namespace screen_test;
+
+TEST_CASE("without a logbook the screen says how one begins") {
+  const LogbookFolder folder;
+  const auto screen = logbook_screen();
+  CHECK(reads(picture(*screen), "No logbook yet. Verbs and screens begin one when they work on a machine."));
+}
+
+TEST_CASE("entries are listed, opened, checked, and new ones come by themselves") {
+  const LogbookFolder folder;
+  const std::string params = folder.with("p.toml", short_lathe("MCM-0107"));
+  const std::string data = folder.with("exx.csv", lathe_readings("# machine: short lathe\n"));
+  REQUIRE(ran({"map", "build", data, "--params", params, "-o", folder / "map.csv"}).code == 0);
+  const auto screen = logbook_screen();
+  CHECK(contains(picture(*screen), "short lathe, serial number MCM-0107: 2 entries"));
+  CHECK(contains(picture(*screen), "map build: map.csv"));
+  (void)press(*screen, Key::Name::enter);
+  CHECK(contains(picture(*screen), "ecs map build"));
+  CHECK(contains(picture(*screen), "Jo Fitter"));
+  (void)press(*screen, Key::Name::escape);
+  (void)letter(*screen, 'v');
+  CHECK(until(*screen, [&] { return contains(picture(*screen), "2 entries, each fits its hash"); }));
+  REQUIRE(ran({"params", "set", params, "axis.X.deadband_um=3", "-o", folder / "new.toml"}).code == 0);
+  CHECK(until(*screen, [&] { return contains(picture(*screen), "params set: new.toml"); }));
+  (void)letter(*screen, 'r');
+  CHECK(until(*screen, [&] { return reads(picture(*screen), "no map was made active"); }));
+  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+}  // namespace
+}  // namespace ecs::app
