@@ -58,7 +58,6 @@ class MemoryController {
   [[nodiscard]] bool compares() const { return other_.has_value(); }
   /// Without its folder.
   [[nodiscard]] std::string compared_file() const;
-  [[nodiscard]] const std::string& compared_path() const { return other_file_; }
   [[nodiscard]] bool differs(Address address) const { return other_ && differ_at(memory_, *other_, address); }
   [[nodiscard]] const std::vector<DifferenceRow>& differences() const { return differences_; }
   void to_next_difference();

@@ -59,7 +59,7 @@ class UtilityScreen : public Screen {
   [[nodiscard]] Step on_key(const Key& key) final {
     if (answers(asking_, key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
     controller_.message().clear();
-    if (leaves_on(key)) return leave();
+    if (key.name == Key::Name::escape || is_letter(key, U'q')) return leave();
     on_command(key);
     return stay();
   }
@@ -68,9 +68,6 @@ class UtilityScreen : public Screen {
   virtual void draw_inside(Canvas& canvas, const Area& inside) const = 0;
   virtual void on_command(const Key& key) = 0;
   [[nodiscard]] virtual int prompt_row(const Area& inside) const { return inside.rows - 1; }
-  [[nodiscard]] virtual bool leaves_on(const Key& key) const {
-    return key.name == Key::Name::escape || is_letter(key, U'q');
-  }
   /// Back; what is under way is given up first.
   [[nodiscard]] virtual Step leave() {
     if (!controller_.busy()) return back();
