@@ -1,14 +1,13 @@
-// Letters of other scripts: two columns, no column, and rows that stay aligned whatever a file is called.
-// Cells, widgets and curves: what stands where, without a terminal.
+// Cells, widgets and curves: what stands where, without a terminal; letters of other scripts keep their columns.
+#include "app/ui/cells.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/ui/cells.hpp"
 #include "app/ui/widgets.hpp"
 
-using namespace ecs;
-using namespace ecs::app;
+namespace ecs::app {
+namespace {
 
 TEST_CASE("a Chinese letter takes two columns, an accent over a letter none") {
   CHECK(width_of("测量.csv") == 8);
@@ -102,9 +101,6 @@ TEST_CASE("the cursor is after the wide letters that were typed, also in a narro
   CHECK(line.cursor_column(4) == 2);
 }
 
-using namespace ecs;
-using namespace ecs::app;
-
 TEST_CASE("text is cut at the right edge and says so") {
   Canvas canvas(2, 8);
   canvas.text(canvas.whole(), 0, 0, "straightness");
@@ -186,3 +182,5 @@ TEST_CASE("a path is completed as far as its folder decides it") {
   CHECK(completed_path("no/such/folder/x").completed == "no/such/folder/x");
 }
 
+}  // namespace
+}  // namespace ecs::app

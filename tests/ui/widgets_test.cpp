@@ -1,4 +1,5 @@
 // Messages, questions, texts and menus as they are drawn; what is copied.
+#include "app/ui/widgets.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,13 +9,10 @@
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/screen_program.hpp"
-#include "app/ui/widgets.hpp"
 #include "commissioning/session/message.hpp"
 #include "tests/support/test.hpp"
 
-using namespace ecs;
-using namespace ecs::app;
-
+namespace ecs::app {
 namespace {
 
 const std::string kLong =
@@ -46,8 +44,6 @@ class Teller final : public Screen {
 Canvas picture(const Screen& screen, int rows = 24, int columns = 80) {
   return picture_of(screen, screen.title(), {}, Canvas(rows, columns), false);
 }
-
-}  // namespace
 
 TEST_CASE("a message asks for the rows it needs, and no more than it may have") {
   Message message;
@@ -173,11 +169,6 @@ TEST_CASE("help explains the words of the trade that the screen shows, and only 
   CHECK_FALSE(contains(text, "squareness"));
 }
 
-using namespace ecs;
-using namespace ecs::app;
-
-namespace {
-
 std::vector<MenuChoice> choices() {
   const auto nothing = [] { return std::unique_ptr<Screen>(); };
   std::vector<MenuChoice> all{{"LOG", "messages about the link, the unit and its relay", nothing},
@@ -192,8 +183,6 @@ std::string seen(const Screen& menu) {
   menu.draw(canvas, canvas.whole());
   return canvas.plain_text();
 }
-
-}  // namespace
 
 TEST_CASE("what is sought is found in names first, then in words of the trade, then in descriptions") {
   const auto all = choices();
@@ -235,9 +224,6 @@ TEST_CASE("a screen with the word in its name comes before the verb of that name
   CHECK(rank_of(all[1], "monitor") < rank_of(all[2], "monitor"));
   CHECK(rank_of(all[1], "monit") > rank_of(all[0], "monit"));
 }
-
-namespace ecs::app {
-namespace {
 
 class TwoKeys : public Screen {
  public:

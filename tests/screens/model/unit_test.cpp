@@ -1,6 +1,7 @@
 // From a model to the unit on the MODEL screen: the map with what is missing, the question, sent; and the map opened
 // on the laser screen.
 #include "app/screens/model/screen.hpp"
+#include "base/file.hpp"
 #include "tests/screens/support/laser_unit.hpp"
 #include "tests/support/screen_driver.hpp"
 

@@ -1,15 +1,16 @@
 // SET AXIS POSITION, OUTPUT COMPENSATION VALUE and driving on the emulated unit.
+#include "commissioning/utility/axis.hpp"
 
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
-#include "commissioning/utility/axis.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
-using namespace ecs;
-using namespace ecs::app;
-using namespace ecs::app::screen_test;
+namespace ecs::app {
+namespace {
+
+using namespace screen_test;
 
 TEST_CASE("a position that is not a number, or too far away, is refused before the unit is asked") {
   CHECK(PositionController::position_in("-100.5").value() == -100.5);
@@ -76,12 +77,6 @@ TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the 
   REQUIRE(shows(screen, "now shows 88.0000"));
 }
 
-using namespace ecs;
-using namespace ecs::app;
-using namespace ecs::app::screen_test;
-
-namespace {
-
 /// Nothing is put out yet.
 void close_relay(Screen& screen) {
   REQUIRE(shows(screen, "MCM-0107, integration"));
@@ -89,8 +84,6 @@ void close_relay(Screen& screen) {
   (void)letter(screen, 'y');
   REQUIRE(shows(screen, "RELAY CLOSED"));
 }
-
-}  // namespace
 
 TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
   AxisParameters axis;
@@ -233,11 +226,6 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   (void)letter(screen, '+');
   REQUIRE(shows(screen, "um at the converter of X"));
 }
-
-namespace ecs::app {
-namespace {
-
-using namespace screen_test;
 
 TEST_CASE("what is typed to drive the emulated machine is a jog, a block or a program") {
   CHECK(drive_request("x-100 Y=50 f2000").value() == R"({"action":"jog","X":-100.0,"Y":50.0,"feed":2000.0})");

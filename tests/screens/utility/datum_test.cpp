@@ -1,5 +1,4 @@
 // Datum sequences recorded, tested and shown.
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,11 +8,10 @@
 #include "commissioning/utility/datum_view.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
-using namespace ecs;
-using namespace ecs::app;
-using namespace ecs::app::screen_test;
-
+namespace ecs::app {
 namespace {
+
+using namespace screen_test;
 
 /// The parameters of the sample mill in the unit.
 void send_mill(const UnitBench& bench) {
@@ -21,8 +19,6 @@ void send_mill(const UnitBench& bench) {
   REQUIRE(file);
   REQUIRE(bench.with_link([&](UnitLink& link) { return send_parameters(link.client(), file->parameters, {}); }));
 }
-
-}  // namespace
 
 TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
   const UnitBench bench;
@@ -145,12 +141,6 @@ TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test 
   REQUIRE(shows(screen, "Every axis that was tested found its datum."));
 }
 
-using namespace ecs;
-using namespace ecs::app;
-using namespace ecs::app::screen_test;
-
-namespace {
-
 /// Ten seconds at 1 kHz: from `start_s` on 1000 mm/min, switch closed for a second from the second after on, 300 mm/min
 /// from there, a marker a second after the switch opened, standing from then on. 1 um a count.
 DatumRecording sequence(double start_s, double sign = 1.0) {
@@ -185,8 +175,6 @@ void advance_for_half_a_second(Screen& screen) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
-
-}  // namespace
 
 TEST_CASE(
     "the switch fills its lane for as long as it is closed, the marker shows even where it is one sample of ten "
@@ -328,3 +316,5 @@ TEST_CASE("no size of the terminal breaks the picture") {
   }
 }
 
+}  // namespace
+}  // namespace ecs::app
