@@ -47,6 +47,13 @@ std::string lower(std::string_view text) {
   return out;
 }
 
+std::string upper(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return out;
+}
+
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> fields;
   for (;;) {
@@ -67,6 +74,22 @@ std::vector<std::string_view> lines_of(std::string_view text) {
     text.remove_prefix(end + (dos ? 2 : 1));
   }
   return lines;
+}
+
+std::vector<NumberedLine> numbered_lines_of(std::string_view text) {
+  std::vector<NumberedLine> lines;
+  for (const std::string_view line : lines_of(text)) lines.push_back({static_cast<int>(lines.size()) + 1, line});
+  return lines;
+}
+
+std::vector<std::string_view> blank_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; (at = text.find_first_not_of(kBlanks, at)) != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  return words;
 }
 
 std::vector<std::string> owned_lines_of(std::string_view text) {

@@ -14,13 +14,26 @@ namespace ecs {
 /// ASCII lower case.
 [[nodiscard]] std::string lower(std::string_view text);
 
+/// ASCII upper case.
+[[nodiscard]] std::string upper(std::string_view text);
+
 /// Cut at every `separator`; "a,,b" has three fields, "" has one.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 
 /// Lines without their ends; LF, CRLF and CR all end a line. The last line needs no end.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
-/// The same, as strings of their own.
+/// The same with their numbers, from 1.
+struct NumberedLine {
+  int number = 0;
+  std::string_view text;
+};
+[[nodiscard]] std::vector<NumberedLine> numbered_lines_of(std::string_view text);
+
+/// The words between blanks and tabs.
+[[nodiscard]] std::vector<std::string_view> blank_words(std::string_view text);
+
+/// The lines, as strings of their own.
 [[nodiscard]] std::vector<std::string> owned_lines_of(std::string_view text);
 
 /// The whole of `text` (blanks around it allowed, leading '+' allowed) as a finite decimal number; else nothing.

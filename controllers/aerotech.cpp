@@ -40,23 +40,6 @@ struct AerotechTable {
   [[nodiscard]] std::size_t outputs() const { return two_axes ? (keys.contains("OUTAXIS3") ? 3 : 2) : 1; }
 };
 
-std::string upper(std::string_view text) {
-  std::string capitals(text);
-  for (char& c : capitals)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  return capitals;
-}
-
-std::vector<std::string_view> blank_words(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t at = 0; (at = line.find_first_not_of(" \t", at)) != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
-}
-
 class AerotechReader {
  public:
   explicit AerotechReader(const std::string& file) : findings(file) {}
@@ -221,7 +204,7 @@ class AerotechMeaning {
         places.push_back(static_cast<double>(places.size()) * step);
         values.push_back(value.value * to_um_);
       }
-    add(table, curve_at(positioning_of(*axis), places, values));
+    add(table, curve_at(positioning_curve(*axis), places, values));
     if (table.keys.contains("HOMEOFFSET") || table.keys.contains("HOMEDIRECTION"))
       read.notes.push_back(
           fmt::format("line {}: positions count from home, where HOMEOFFSET and HOMEDIRECTION put it: they "
@@ -335,8 +318,7 @@ Result<std::map<int, Axis>> axes_of(const OptionValues& options) {
 Result<ControllerTables> read_aerotech(const ReadRequest& request) {
   ECS_TRY(axes, axes_of(request.options));
   AerotechReader reader(request.file_name);
-  int number = 0;
-  for (const std::string_view line : lines_of(request.text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(request.text)) reader.take(line.text, line.number);
   if (reader.findings.empty() && reader.tables.empty())
     reader.findings.add(0, 0, "expected :START or :START2D, found none");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());

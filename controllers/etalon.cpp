@@ -336,8 +336,7 @@ class EtalonReader {
   void open(std::string_view bracketed) {
     close();
     std::string_view inside = trimmed(bracketed.substr(1, bracketed.size() - 2));
-    name_.clear();
-    for (const char c : inside) name_ += static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+    name_ = upper(inside);
     if (!is_a_name(name_)) wrong(bracketed, "a name such as EXX, EAY or C0Y");
     opened_line_ = line_;
     component_ = component_of(name_);
@@ -430,8 +429,7 @@ class EtalonReader {
 
 Result<ControllerTables> parse_etalon(std::string_view text, const std::string& file_name) {
   EtalonReader reader(file_name);
-  int number = 0;
-  for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(text)) reader.take(line.text, line.number);
   reader.finish();
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   const auto add_source = [&](Component component) {

@@ -140,10 +140,8 @@ constexpr int kCell = 14;
 
 std::string com_text(Axis axis, const std::vector<ComColumn>& columns, const HeidenhainOptions& options,
                      double angular_scale) {
-  std::string name = table_name(axis);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'a' ? static_cast<char>(c - 32) : c; });
-  std::string text = fmt::format("BEGIN {} MM\n{:<5}{:<{}}{:<{}}", name, "NR", "AXISPOS", kCell, "BACKLASH", kCell);
+  std::string text =
+      fmt::format("BEGIN {} MM\n{:<5}{:<{}}{:<{}}", upper(table_name(axis)), "NR", "AXISPOS", kCell, "BACKLASH", kCell);
   for (const ComColumn& column : columns) text += fmt::format("{:<{}}", column.heading, kCell);
   text += '\n';
   const double sign = options.holds_errors ? -1.0 : 1.0;
@@ -535,8 +533,7 @@ class ComReader {
 Result<ControllerTables> parse_heidenhain(std::string_view text, const std::string& file_name,
                                           const HeidenhainOptions& options) {
   ComReader reader(file_name, options);
-  int number = 0;
-  for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(text)) reader.take(line.text, line.number);
   ControllerTables read = reader.finish(text);
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   return read;

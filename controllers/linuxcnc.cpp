@@ -107,7 +107,7 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   ControllerExport made;
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
-    const Component component = positioning_of(axis);
+    const Component component = positioning_curve(axis);
     const auto curve = curve_of(source.map, component);
     if (!curve || !has_axis(source, axis)) continue;
     const std::string name = file_of(axis);
@@ -184,33 +184,16 @@ struct Row {
   int line = 0;
 };
 
-struct Word {
-  std::string_view text;
-  int column = 0;
-};
-
-std::vector<Word> words_of(std::string_view line) {
-  std::vector<Word> words;
-  std::size_t at = 0;
-  while (true) {
-    at = line.find_first_not_of(" \t\r\v\f", at);
-    if (at == std::string_view::npos) return words;
-    const std::size_t end = std::min(line.find_first_of(" \t\r\v\f", at), line.size());
-    words.push_back({line.substr(at, end - at), static_cast<int>(at) + 1});
-    at = end;
-  }
-}
-
 /// Reading one file: rows, and what is to be said about them.
 class LinuxCncReader {
  public:
   LinuxCncReader(const std::string& file, bool as_loaded) : file_(file), findings_(file), as_loaded_(as_loaded) {}
 
   void take(std::string_view line, int number) {
-    const std::vector<Word> words = words_of(line);
+    const auto words = blank_words(line);
     if (words.empty()) return stops(number, 1, "an empty line");
-    if (words[0].text.front() == '#' || words[0].text.front() == ';')
-      return stops(number, words[0].column, "a comment");
+    const auto column = [&](std::size_t word) { return laser::column_of(line, words[word]); };
+    if (words[0].front() == '#' || words[0].front() == ';') return stops(number, column(0), "a comment");
     announce_stop();
     if (stopped_ && as_loaded_) return;
     Row row;
@@ -219,12 +202,12 @@ class LinuxCncReader {
     for (std::size_t i = 0; i < 3; ++i) {
       if (i >= words.size())
         return findings_.add(number, static_cast<int>(line.size()) + 1, "expected three numbers, found {}", i);
-      const auto value = number_in(words[i].text);
-      if (!value) return wrong_number(words[i], number);
+      const auto value = number_in(words[i]);
+      if (!value) return wrong_number(words[i], number, column(i));
       *columns[i] = *value;
     }
-    if (words.size() > 3) warn(number, words[3].column, "LinuxCNC does not read what follows the third number");
-    keep(row, words[0].column);
+    if (words.size() > 3) warn(number, column(3), "LinuxCNC does not read what follows the third number");
+    keep(row, column(0));
   }
 
   /// CR alone ends a line here, not in LinuxCNC.
@@ -265,10 +248,10 @@ class LinuxCncReader {
       warnings_.push_back({ProblemKind::bad_input, std::move(message), file_, line, column, {}});
   }
 
-  void wrong_number(const Word& word, int line) {
-    const bool comma = word.text.find(',') != std::string_view::npos;
-    findings_.add(line, word.column, "expected a number, found {}{}; LinuxCNC would stop here without a message",
-                  laser::in_quotes(word.text), comma ? " (decimals take a point, blanks part the numbers)" : "");
+  void wrong_number(std::string_view word, int line, int column) {
+    const bool comma = word.find(',') != word.npos;
+    findings_.add(line, column, "expected a number, found {}{}; LinuxCNC would stop here without a message",
+                  laser::in_quotes(word), comma ? " (decimals take a point, blanks part the numbers)" : "");
   }
 
   /// A row below a stop that LinuxCNC makes in silence: said once, when it costs something.
@@ -328,8 +311,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     reader.stops(1, 1, "the byte order mark");
   }
   reader.look_at_line_ends(text);
-  int number = 0;
-  for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(text)) reader.take(line.text, line.number);
   if (reader.findings().empty()) reader.finish();
   if (!reader.findings().empty()) return tl::unexpected(reader.findings().as_problem());
 
@@ -341,7 +323,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   if (!options.type)
     read.notes.push_back(fmt::format("{}: taken as COMP_FILE_TYPE {} by its numbers", file_name, *type));
   const double to_mm = options.units == MachineUnits::inch ? kMmPerInch : 1.0;
-  const Component component = positioning_of(options.axis);
+  const Component component = positioning_curve(options.axis);
   laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
   for (const Row& row : reader.rows()) {
     if (std::abs(row.nominal * to_mm) > kLargestPosition_mm)

@@ -166,7 +166,7 @@ std::vector<SiemensTable> straightness_tables(const Gridded& from, Component com
 SiemensPositioning positioning_of(const ExportSource& source, const SiemensOptions& options) {
   SiemensPositioning all;
   for (const Axis axis : kAllAxes) {
-    const Component component = positioning_of(axis);
+    const Component component = positioning_curve(axis);
     const auto from = has_axis(source, axis) ? gridded(source, component, options.most_points) : std::nullopt;
     if (!from) continue;
     const auto& c = from->curve;

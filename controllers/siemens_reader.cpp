@@ -277,8 +277,7 @@ class SiemensReader {
 Result<ControllerTables> parse_siemens(std::string_view text, const std::string& file_name,
                                        const SiemensOptions& options) {
   SiemensReader reader(file_name, options);
-  int number = 0;
-  for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(text)) reader.take(line.text, line.number);
   ControllerTables read;
   if (reader.findings.empty()) read = reader.tables();
   read.lines_are_squareness = true;

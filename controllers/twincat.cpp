@@ -58,7 +58,7 @@ std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions
       "# {} error of {}, {}\n# {}\n"
       "kopf.achs_nr {}\nkopf.log_achs_name {}\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos {}\n"
       "kw.ssfk.kw_nr_max {}\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
-      name_of(positioning_of(axis)), letter_of(axis), list_sign(adds), sign_warning(adds), number, letter_of(axis),
+      name_of(positioning_curve(axis)), letter_of(axis), list_sign(adds), sign_warning(adds), number, letter_of(axis),
       tenths(curve.position_mm.front(), kTenthsPerMm), curve.position_mm.size());
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
     text += fmt::format("kw.ssfk.table[{0}].setpoint {1}\nkw.ssfk.table[{0}].pos {2}\nkw.ssfk.table[{0}].neg {3}\n", i,
@@ -90,7 +90,7 @@ void note_what_is_too_large(const std::string& name, double largest_um, Controll
 
 /// One axis into files, tables, notes and `applied`; false: the map or the machine has none.
 Result<bool> add_axis(const ExportSource& source, const TwinCatOptions& options, Axis axis, ControllerExport& made) {
-  const Component component = positioning_of(axis);
+  const Component component = positioning_curve(axis);
   const auto curve = curve_of(source.map, component);
   if (!curve || !has_axis(source, axis)) return false;
   const ControlCurve kept = in_tenths(thinned(*curve, options.most_points));
@@ -164,7 +164,7 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   std::vector<Component> carried;
   for (const Axis axis : kAllAxes) {
     ECS_TRY(added, add_axis(source, options, axis, made));
-    if (added) carried.push_back(positioning_of(axis));
+    if (added) carried.push_back(positioning_curve(axis));
   }
   if (carried.empty())
     return problem(ProblemKind::refused,
@@ -281,7 +281,7 @@ class TwinCatReader {
 
   /// Both tables on the points of the list, as compensation. @pre no findings
   [[nodiscard]] std::vector<laser::MapTable> tables(Axis axis) {
-    const Component component = positioning_of(axis);
+    const Component component = positioning_curve(axis);
     laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
     check_general();
     if (!findings.empty()) return {};
@@ -480,8 +480,7 @@ Result<ControllerTables> parse_twincat(std::string_view text, const std::string&
   const std::string whole(text);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   TwinCatReader reader(file_name, options);
-  int number = 0;
-  for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
+  for (const NumberedLine& line : numbered_lines_of(text)) reader.take(line.text, line.number);
   if (!axis && reader.findings.empty()) axis = reader.axis();
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   ControllerTables read;

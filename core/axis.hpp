@@ -106,7 +106,7 @@ inline constexpr std::array<std::string_view, 6> kSenseNames{"EX", "EY", "EZ", "
 }
 
 /// EXX, EYY, EZZ.
-[[nodiscard]] constexpr Component positioning_of(Axis a) { return curve_of(static_cast<Sense>(a), a); }
+[[nodiscard]] constexpr Component positioning_curve(Axis a) { return curve_of(static_cast<Sense>(a), a); }
 
 /// "ECX" → ECX; anything but the 21 names (upper case) → nothing.
 [[nodiscard]] constexpr std::optional<Component> component_of(std::string_view name) {

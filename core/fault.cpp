@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/words.hpp"
+
 namespace ecs {
 namespace {
 
@@ -34,27 +36,21 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "send parameters and map again, or compare the unit with its map"},
 }};
 
-constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
-constexpr std::array<std::string_view, kDatumStageCount> kStages{"waiting",        "seeking switch", "on switch",
-                                                                 "seeking marker", "done",           "failed"};
-constexpr std::array<std::string_view, kDatumFailureCount> kFailures{
-    "none",        "wrong initial state", "wrong direction", "too fast", "wrong final state",
-    "no reversal", "no marker",           "stopped early"};
-constexpr std::array<std::string_view, kDatumFailureCount> kAdvice{
-    "nothing to do",
-    "move the axis off the reference switch before datuming, or change switch polarity or initial state",
-    "change the approach direction, or reference the axis from the other side",
-    "lower the reference feed of the controller, or raise the approach speed",
-    "change the final state of the switch, or the datum type: the marker came at another place of the sequence",
-    "the controller does not turn back off the switch: choose another datum type",
-    "check the marker signal of the transducer",
-    "choose another datum type: the controller ends its reference motion before this one is complete"};
-
-template <class Texts, class Value>
-std::string_view at(const Texts& texts, Value value) noexcept {
-  const auto i = static_cast<std::size_t>(value);
-  return i < texts.size() ? texts[i] : std::string_view("unknown");
-}
+constexpr WordTable<UnitMode, 5> kModes{{"starting", "integration", "datuming", "compensating", "halted"}};
+constexpr WordTable<DatumStage, kDatumStageCount> kStages{
+    {"waiting", "seeking switch", "on switch", "seeking marker", "done", "failed"}};
+constexpr WordTable<DatumFailure, kDatumFailureCount> kFailures{{"none", "wrong initial state", "wrong direction",
+                                                                 "too fast", "wrong final state", "no reversal",
+                                                                 "no marker", "stopped early"}};
+constexpr WordTable<DatumFailure, kDatumFailureCount> kAdvice{
+    {"nothing to do",
+     "move the axis off the reference switch before datuming, or change switch polarity or initial state",
+     "change the approach direction, or reference the axis from the other side",
+     "lower the reference feed of the controller, or raise the approach speed",
+     "change the final state of the switch, or the datum type: the marker came at another place of the sequence",
+     "the controller does not turn back off the switch: choose another datum type",
+     "check the marker signal of the transducer",
+     "choose another datum type: the controller ends its reference motion before this one is complete"}};
 
 }  // namespace
 
@@ -62,9 +58,9 @@ FaultText text_of(Fault fault) noexcept {
   const auto i = static_cast<std::size_t>(fault);
   return i < kFaults.size() ? kFaults[i] : FaultText{"unknown", "a fault this program does not know", "update ecs"};
 }
-std::string_view name_of(UnitMode mode) noexcept { return at(kModes, mode); }
-std::string_view name_of(DatumStage stage) noexcept { return at(kStages, stage); }
-std::string_view name_of(DatumFailure failure) noexcept { return at(kFailures, failure); }
-std::string_view advice_for(DatumFailure failure) noexcept { return at(kAdvice, failure); }
+std::string_view name_of(UnitMode mode) noexcept { return kModes.of(mode); }
+std::string_view name_of(DatumStage stage) noexcept { return kStages.of(stage); }
+std::string_view name_of(DatumFailure failure) noexcept { return kFailures.of(failure); }
+std::string_view advice_for(DatumFailure failure) noexcept { return kAdvice.of(failure); }
 
 }  // namespace ecs

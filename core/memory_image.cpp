@@ -9,6 +9,8 @@
 
 #include <zlib.h>
 
+#include "base/words.hpp"
+
 namespace ecs {
 namespace {
 
@@ -114,29 +116,12 @@ void write_header(Bytes image, std::string_view text) noexcept {
 void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block_check(image)); }
 
 std::string_view text_of(ImageFault fault) noexcept {
-  switch (fault) {
-    case ImageFault::none:
-      return "sound";
-    case ImageFault::no_image:
-      return "holds no image";
-    case ImageFault::wrong_format:
-      return "has a format that this program does not know";
-    case ImageFault::wrong_length:
-      return "is cut short, or its lengths contradict each other";
-    case ImageFault::block_check:
-      return "is corrupt: the block check does not agree";
-    case ImageFault::bad_parameters:
-      return "holds impossible parameters";
-    case ImageFault::bad_directory:
-      return "has a table directory of impossible numbers";
-    case ImageFault::bad_entry:
-      return "has a table of impossible numbers";
-    case ImageFault::duplicate_table:
-      return "holds a table twice";
-    case ImageFault::over_capacity:
-      return "holds more values than the axis memory modules";
-  }
-  return "unknown";
+  return WordTable<ImageFault, 10>{{"sound", "holds no image", "has a format that this program does not know",
+                                    "is cut short, or its lengths contradict each other",
+                                    "is corrupt: the block check does not agree", "holds impossible parameters",
+                                    "has a table directory of impossible numbers", "has a table of impossible numbers",
+                                    "holds a table twice", "holds more values than the axis memory modules"}}
+      .of(fault);
 }
 
 ImageVerdict check_image(ByteView bank) noexcept {

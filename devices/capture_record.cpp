@@ -9,6 +9,7 @@
 
 #include "base/moved_targets.hpp"
 #include "base/text.hpp"
+#include "laser/groups.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::devices {
@@ -127,9 +128,7 @@ std::optional<double> CaptureRecord::usual_interval_s() const {
     if (same_pass(taken_[k - 1], taken_[k]) && stop_of_[k] == stop_of_[k - 1] + 1)
       intervals.push_back(taken_[k].time_s.value_or(0.0) - taken_[k - 1].time_s.value_or(0.0));
   if (intervals.size() < kIntervalsForUsual) return std::nullopt;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return laser::median_of(std::move(intervals));
 }
 
 /// What is odd about a reading that an error display gives: nothing in the value says which target it belongs to.
@@ -295,14 +294,12 @@ void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::Meta
 }
 
 Problem broken(const laser::MeasurementSet& part, const std::string& what) {
-  return {ProblemKind::bad_input,
-          fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still a "
-                      "measurement set",
-                      what),
-          part.source,
-          0,
-          0,
-          {}};
+  return problem_at(
+             part.source, 0, 0,
+             fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still a "
+                         "measurement set",
+                         what))
+      .value();
 }
 
 std::string metadata_text(const laser::MeasurementSet& part, std::string_view key) {

@@ -9,9 +9,14 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "base/words.hpp"
 
 namespace ecs::devices {
 namespace {
+
+constexpr WordTable<DeviceKind, 3> kKinds{{"trigger", "environment", "gauge"}};
+constexpr WordTable<Quantity, 5> kQuantities{
+    {"air_degC", "material_degC", "pressure_hPa", "humidity_pct", "reading_um"}};
 
 std::string quoted(const std::string& text) {
   std::string out = "\"";
@@ -76,33 +81,8 @@ const Bytes* reply_of(const ReportField& field, const std::vector<Bytes>& replie
 
 }  // namespace
 
-std::string_view name_of(DeviceKind kind) {
-  switch (kind) {
-    case DeviceKind::trigger:
-      return "trigger";
-    case DeviceKind::environment:
-      return "environment";
-    case DeviceKind::gauge:
-      break;
-  }
-  return "gauge";
-}
-
-std::string_view name_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::air_degC:
-      return "air_degC";
-    case Quantity::material_degC:
-      return "material_degC";
-    case Quantity::pressure_hPa:
-      return "pressure_hPa";
-    case Quantity::humidity_pct:
-      return "humidity_pct";
-    case Quantity::reading_um:
-      break;
-  }
-  return "reading_um";
-}
+std::string_view name_of(DeviceKind kind) { return kKinds.of(kind); }
+std::string_view name_of(Quantity quantity) { return kQuantities.of(quantity); }
 
 std::string to_toml(const DeviceDescription& device) {
   std::string text = fmt::format("name = {}\nkind = \"{}\"\n", quoted(device.name), name_of(device.kind));
@@ -145,18 +125,7 @@ Values values_in(const DeviceDescription& device, const std::vector<Bytes>& repl
 
 namespace {
 
-constexpr std::array kKinds{DeviceKind::trigger, DeviceKind::environment, DeviceKind::gauge};
-constexpr std::array kQuantities{Quantity::air_degC, Quantity::material_degC, Quantity::pressure_hPa,
-                                 Quantity::humidity_pct, Quantity::reading_um};
-
 constexpr double kMostFactor = 1e12;  ///< of scale and offset: a choice
-
-template <class List>
-std::string names_of(const List& list) {
-  std::string names;
-  for (const auto each : list) names += (names.empty() ? "" : ", ") + std::string(name_of(each));
-  return names;
-}
 
 class DeviceReader {
  public:
@@ -182,9 +151,8 @@ class DeviceReader {
  private:
   DeviceKind kind_of(const toml::table& table) {
     const std::string word = reader_.word(table, "kind").value_or("");
-    for (const DeviceKind kind : kKinds)
-      if (word == name_of(kind)) return kind;
-    reader_.complain(table, fmt::format("kind: expected one of {}, got \"{}\"", names_of(kKinds), word));
+    if (const auto kind = kKinds.value_of(word)) return *kind;
+    reader_.complain(table, fmt::format("kind: expected one of {}, got \"{}\"", kKinds.listed(), word));
     return DeviceKind::trigger;
   }
 
@@ -195,6 +163,14 @@ class DeviceReader {
       return static_cast<long long>(*value);
     reader_.complain(*table.get(key), fmt::format("{}: expected a whole number from {} to {}", key, least, most));
     return std::nullopt;
+  }
+
+  /// One of two words, the usual one where there is none. @return whether it is the other
+  bool is_other(const toml::table& table, std::string_view key, std::string_view usual, std::string_view other) {
+    const std::string word = reader_.word(table, key).value_or(std::string(usual));
+    if (word != usual && word != other)
+      reader_.complain(*table.get(key), fmt::format("{}: expected {} or {}, got \"{}\"", key, usual, other, word));
+    return word == other;
   }
 
   std::optional<bool> yes_or_no(const toml::table& table, std::string_view key) {
@@ -243,10 +219,7 @@ class DeviceReader {
 
   void read_report(const toml::table& at, ReportLayout& report) {
     reader_.only(at, {"type", "id", "length", "poll", "poll_id", "replies", "timeout_ms"}, "[report]");
-    const std::string type = reader_.word(at, "type").value_or("input");
-    report.feature = type == "feature";
-    if (type != "feature" && type != "input")
-      reader_.complain(*at.get("type"), fmt::format("type: expected input or feature, got \"{}\"", type));
+    report.feature = is_other(at, "type", "input", "feature");
     report.number = static_cast<std::uint8_t>(whole(at, "id", 0, 255).value_or(0));
     report.bytes = static_cast<std::size_t>(whole(at, "length", 1, 4096).value_or(0));
     report.poll = bytes_of(at, "poll");
@@ -270,12 +243,9 @@ class DeviceReader {
     if (!byte) reader_.complain(*at, "[trigger]: byte is missing: which byte of the report holds the button");
     if (bit.has_value() == mask.has_value())
       reader_.complain(*at, "[trigger]: expected bit (0 to 7) or mask (1 to 255), one of them");
-    const std::string active = reader_.word(*at, "active").value_or("high");
-    if (active != "high" && active != "low")
-      reader_.complain(*at->get("active"), fmt::format("active: expected high or low, got \"{}\"", active));
     out.trigger.byte = static_cast<std::size_t>(byte.value_or(0));
     out.trigger.mask = static_cast<std::uint8_t>(mask ? *mask : 1LL << bit.value_or(0));
-    out.trigger.active_high = active == "high";
+    out.trigger.active_high = !is_other(*at, "active", "high", "low");
     out.trigger.debounce_ms = static_cast<int>(whole(*at, "debounce_ms", 0, 5000).value_or(30));
     if (out.report.feature) reader_.complain(table, "[report]: a trigger sends input reports");
   }
@@ -299,10 +269,7 @@ class DeviceReader {
     if (!byte) reader_.complain(at, "[[field]]: byte is missing: where in the report the number begins");
     out.byte = static_cast<std::size_t>(byte.value_or(0));
     out.bytes = static_cast<int>(whole(at, "length", 1, 4).value_or(2));
-    const std::string order = reader_.word(at, "order").value_or("little");
-    if (order != "little" && order != "big")
-      reader_.complain(*at.get("order"), fmt::format("order: expected little or big, got \"{}\"", order));
-    out.big_endian = order == "big";
+    out.big_endian = is_other(at, "order", "little", "big");
     out.is_signed = yes_or_no(at, "signed").value_or(true);
     out.scale = reader_.number(at, "scale").value_or(1.0);
     if (out.scale == 0.0) reader_.complain(at, "scale: expected a number other than 0");
@@ -320,9 +287,8 @@ class DeviceReader {
 
   Quantity quantity_of(const toml::table& at, DeviceKind kind) {
     const std::string word = reader_.word(at, "quantity").value_or("");
-    for (const Quantity quantity : kQuantities)
-      if (word == name_of(quantity) && (quantity == Quantity::reading_um) == (kind == DeviceKind::gauge))
-        return quantity;
+    const auto quantity = kQuantities.value_of(word);
+    if (quantity && (quantity == Quantity::reading_um) == (kind == DeviceKind::gauge)) return *quantity;
     reader_.complain(
         at, kind == DeviceKind::gauge
                 ? fmt::format("quantity: expected reading_um, got \"{}\"", word)

@@ -237,12 +237,8 @@ HidDevice& HidDevice::operator=(HidDevice&&) noexcept = default;
 HidDevice::~HidDevice() = default;
 
 Problem HidDevice::gone(const char* doing) const {
-  return {ProblemKind::link,
-          fmt::format("{} does not let itself be {}: it was unplugged", handle_->name, doing),
-          {},
-          0,
-          0,
-          {}};
+  return problem(ProblemKind::link, fmt::format("{} does not let itself be {}: it was unplugged", handle_->name, doing))
+      .value();
 }
 
 Result<std::optional<Bytes>> HidDevice::read(std::size_t most_bytes, std::chrono::milliseconds timeout) {

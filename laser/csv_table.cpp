@@ -99,9 +99,7 @@ namespace {
 
 MetadataEntry metadata_in(std::string_view line) {
   const std::string_view text = trimmed(line.substr(1));
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) return {"", std::string(text)};
-  return {std::string(trimmed(text.substr(0, colon))), std::string(trimmed(text.substr(colon + 1)))};
+  return entry_in(text).value_or(MetadataEntry{"", std::string(text)});
 }
 
 /// Of the header row: a comma where it has one, else a semicolon or a tab.
@@ -190,6 +188,12 @@ Result<CsvTable> parse_csv_table(std::string_view text, const std::string& file_
   if (!of_header.empty()) return tl::unexpected(of_header.as_problem());
   table.rows = rows_in(lines, next + 1, table.columns.size(), table.separator, findings);
   return table;
+}
+
+std::optional<MetadataEntry> entry_in(std::string_view line) {
+  const std::size_t colon = line.find(':');
+  if (colon == line.npos) return std::nullopt;
+  return MetadataEntry{std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))};
 }
 
 std::optional<std::size_t> place_of(const CsvTable& table, std::string_view column) {

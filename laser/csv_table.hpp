@@ -42,6 +42,9 @@ struct MetadataEntry {
   friend bool operator==(const MetadataEntry&, const MetadataEntry&) = default;
 };
 
+/// `key: value`; nothing for a line without a colon.
+[[nodiscard]] std::optional<MetadataEntry> entry_in(std::string_view line);
+
 struct CsvRow {
   int line = 0;                  ///< of the file, from 1
   std::vector<CsvField> fields;  ///< as many as columns

@@ -49,6 +49,9 @@ struct TargetReadings {
 /// Sample standard deviation (n − 1); nothing for fewer than two values.
 [[nodiscard]] std::optional<double> deviation_of(const std::vector<double>& values);
 
+/// The value in the middle, the upper of two; 0 for no values.
+[[nodiscard]] double median_of(std::vector<double> values);
+
 /// Targets closer than this are one target.
 inline constexpr double kSamePlace_mm = 1e-6;
 

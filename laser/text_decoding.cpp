@@ -9,6 +9,7 @@
 
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
+#include "base/words.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -114,23 +115,9 @@ bool is_binary(std::string_view text) {
 }  // namespace
 
 std::string_view name_of(Encoding encoding) {
-  switch (encoding) {
-    case Encoding::automatic:
-      return "automatic";
-    case Encoding::utf8:
-      return "UTF-8";
-    case Encoding::windows_1252:
-      return "Windows-1252";
-    case Encoding::gbk:
-      return "GBK";
-    case Encoding::latin1:
-      return "ISO-8859-1";
-    case Encoding::shift_jis:
-      return "Shift-JIS";
-    case Encoding::utf16:
-      return "UTF-16";
-  }
-  return "unknown";
+  constexpr WordTable<Encoding, 7> kEncodings{
+      {"automatic", "UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}};
+  return kEncodings.of(encoding);
 }
 
 Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name, Encoding wanted) {

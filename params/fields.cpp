@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "base/words.hpp"
 
 namespace ecs::params {
 namespace {
@@ -74,29 +75,11 @@ std::optional<double> value_in(const Field& field, std::string_view text) {
 }  // namespace
 
 std::string_view name_of(Group group) {
-  switch (group) {
-    case Group::configuration:
-      return "configuration";
-    case Group::compensation:
-      return "compensation";
-    default:
-      return "datuming";
-  }
+  return WordTable<Group, 3>{{"configuration", "compensation", "datuming"}}.of(group);
 }
 
 std::string_view name_of(FieldType type) {
-  switch (type) {
-    case FieldType::text:
-      return "text";
-    case FieldType::choice:
-      return "choice";
-    case FieldType::number:
-      return "number";
-    case FieldType::integer:
-      return "integer";
-    default:
-      return "true/false";
-  }
+  return WordTable<FieldType, 5>{{"text", "choice", "number", "integer", "true/false"}}.of(type);
 }
 
 const std::vector<Field>& fields() {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/words.hpp"
+
 namespace ecs::params {
 namespace {
 
@@ -32,15 +34,7 @@ DatumKind kind_of(bool turned, bool closed_at_marker) {
 }  // namespace
 
 std::string_view word_of(DatumKind kind) {
-  switch (kind) {
-    case DatumKind::fanuc:
-      return "fanuc";
-    case DatumKind::allen_bradley:
-      return "allen_bradley";
-    case DatumKind::siemens:
-      return "siemens";
-  }
-  return "";
+  return WordTable<DatumKind, 3>{{"fanuc", "allen_bradley", "siemens"}}.of(kind);
 }
 
 ObservedDatum observed_datum(const DatumSequence& sequence) {

@@ -113,4 +113,20 @@ using Gains = std::array<Vector3, kComponents>;
 
 void add_product(Covariance& sum, const Vector3& a, const Vector3& b, double weight);
 
+/// Of a value at a place less that at the reference, which act by `here` and `there`.
+struct DifferenceCovariance {
+  double at_place = 0.0, with_reference = 0.0, of_reference = 0.0;
+};
+void add_difference(Covariance& sum, const Vector3& here, const Vector3& there, const DifferenceCovariance& of);
+[[nodiscard]] inline DifferenceCovariance difference_of(const CurveCovariance& curve, const Stop& stop) {
+  return {curve.of(stop, stop), curve.with_reference(stop), curve.of_reference()};
+}
+[[nodiscard]] bool is_certain(const CurveUncertainty& u);
+
+/// The square of the length.
+[[nodiscard]] inline double square_of(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+/// What 95 % and 50 % of the draws do not exceed; nothing changes without draws.
+void set_bounds(VolumeUncertainty& out, const std::vector<double>& largest, const std::vector<double>& rms);
+
 }  // namespace ecs::volume

@@ -78,14 +78,6 @@ Vector3 gain_of(const kinematics::MachinePose& pose, std::size_t component, cons
   return gain_at(pose.squareness[component - kCurves], position_mm);
 }
 
-double square_of_length(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
-
-double least_not_exceeded(std::vector<double> draws, double share) {
-  std::ranges::sort(draws);
-  const double rank = std::ceil(share * (static_cast<double>(draws.size()) + 1.0)) - 1.0;
-  return draws[std::min(draws.size() - 1, static_cast<std::size_t>(std::max(0.0, rank)))];
-}
-
 /// A grid with the settings of the rotary axes, at most so many together.
 struct Settings {
   Grid grid;
@@ -164,16 +156,11 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
                    turned[2] + gain[2] - straight[2]};
   };
   for (const CurveUncertainty& u : budget.curves) {
-    if (u.value == 0.0 && u.pass == 0.0 && u.between == 0.0 && u.per_m == 0.0 && u.unmeasured == 0.0) continue;
+    if (is_certain(u)) continue;
     const std::size_t c = index_of(u.component);
-    const CurveCovariance curve(machine, u);
     const Stop stop{position_mm[index_of(moving_axis(u.component))], side};
-    const Vector3 g = gain_of(here, c, position_mm), h = at_reference(c);
-    const double with_reference = curve.with_reference(stop);
-    add_product(sum, g, g, curve.of(stop, stop));
-    add_product(sum, g, h, -with_reference);
-    add_product(sum, h, g, -with_reference);
-    add_product(sum, h, h, curve.of_reference());
+    add_difference(sum, gain_of(here, c, position_mm), at_reference(c),
+                   difference_of(CurveCovariance(machine, u), stop));
   }
   for (std::size_t c = kCurves; c < kComponents; ++c) {
     const Vector3 gain = less(gain_of(here, c, position_mm), at_reference(c));
@@ -190,15 +177,12 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
     const Vector3 g = gain_at(here.gain[j][s], position_mm), h = gain_at(there.gain[j][s], reference_mm);
     const Turned at{angles_deg[j - kAxes], side};
     const std::array<Turned, 2> from{Turned{zero[j - kAxes], 0}, Turned{zero[j - kAxes], 1}};
-    double with_reference = 0.0, of_reference = 0.0;
+    DifferenceCovariance of{covariance_of(u, at, at)};
     for (const Turned& one : from) {
-      with_reference += 0.5 * covariance_of(u, at, one);
-      for (const Turned& other : from) of_reference += 0.25 * covariance_of(u, one, other);
+      of.with_reference += 0.5 * covariance_of(u, at, one);
+      for (const Turned& other : from) of.of_reference += 0.25 * covariance_of(u, one, other);
     }
-    add_product(sum, g, g, covariance_of(u, at, at));
-    add_product(sum, g, h, -with_reference);
-    add_product(sum, h, g, -with_reference);
-    add_product(sum, h, h, of_reference);
+    add_difference(sum, g, h, of);
   }
   return sum;
 }
@@ -271,9 +255,8 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
     double squares = 0.0;
     for (const Angles& angles : few.angles) {
       const Field field = on_few.errors(angles);
-      for_each_place(few.grid, [&](std::size_t side, const GridIndex& index) {
-        squares += square_of_length(field.at(side, index));
-      });
+      for_each_place(few.grid,
+                     [&](std::size_t side, const GridIndex& index) { squares += square_of(field.at(side, index)); });
     }
     drawn += squares / vectors(few) / static_cast<double>(settings.draws);
     const JointVolume over = JointVolume::of(machine, all.grid, maps.components_over(all.grid), errors);
@@ -282,7 +265,7 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
       Field field = over.errors(all.angles[i]);
       field.add(left[i]);
       for_each_place(all.grid, [&](std::size_t side, const GridIndex& index) {
-        const double square = square_of_length(field.at(side, index));
+        const double square = square_of(field.at(side, index));
         most = std::max(most, square);
         sum += square;
       });
@@ -291,11 +274,7 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
     rms.push_back(std::sqrt(sum / vectors(all)));
   }
   out.drawn_rms_um = std::sqrt(drawn);
-  if (largest.empty()) return out;
-  out.largest_95_um = least_not_exceeded(largest, 0.95);
-  out.rms_95_um = least_not_exceeded(rms, 0.95);
-  out.largest_50_um = least_not_exceeded(largest, 0.5);
-  out.rms_50_um = least_not_exceeded(rms, 0.5);
+  set_bounds(out, largest, rms);
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
+#include "laser/groups.hpp"
 #include "volume/curve_covariance.hpp"
 
 namespace ecs::volume {
@@ -15,13 +16,6 @@ namespace {
 
 constexpr double kLeastDegreesOfFreedom = 3.0;  ///< below, Student's distribution has no variance
 constexpr double kMadToSigma = 1.4826;          ///< of a normal distribution
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The error midway between two values, from the curvature that second differences show above their noise.
 double between_of(const std::vector<double>& values, double noise) {
@@ -73,7 +67,7 @@ double roughness_of(const std::vector<double>& values) {
   std::vector<double> third;
   for (std::size_t i = 0; i + 3 < values.size(); ++i)
     third.push_back(std::abs(values[i + 3] - 3.0 * values[i + 2] + 3.0 * values[i + 1] - values[i]));
-  return kMadToSigma * median_of(std::move(third)) / std::sqrt(20.0);
+  return kMadToSigma * laser::median_of(std::move(third)) / std::sqrt(20.0);
 }
 
 UncertaintyBudget budget_of(const CompensatedMachine& machine, const UncertaintySettings& settings) {
@@ -124,6 +118,17 @@ void add_product(Covariance& sum, const Vector3& a, const Vector3& b, double wei
     for (std::size_t j = 0; j < kAxes; ++j) sum[i][j] += weight * a[i] * b[j];
 }
 
+void add_difference(Covariance& sum, const Vector3& here, const Vector3& there, const DifferenceCovariance& of) {
+  add_product(sum, here, here, of.at_place);
+  add_product(sum, here, there, -of.with_reference);
+  add_product(sum, there, here, -of.with_reference);
+  add_product(sum, there, there, of.of_reference);
+}
+
+bool is_certain(const CurveUncertainty& u) {
+  return u.value == 0.0 && u.pass == 0.0 && u.between == 0.0 && u.per_m == 0.0 && u.unmeasured == 0.0;
+}
+
 Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBudget& budget, const Vector3& position_mm,
                          std::size_t side) {
   const Kinematics kinematics = errors_of_map(machine.map, machine.parameters, machine.tool_offset_mm).kinematics;
@@ -131,15 +136,10 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
   const Gains here = gains_at(kinematics, position_mm), there = gains_at(kinematics, reference_mm);
   Covariance sum{};
   for (const CurveUncertainty& u : budget.curves) {
-    if (u.value == 0.0 && u.pass == 0.0 && u.between == 0.0 && u.per_m == 0.0 && u.unmeasured == 0.0) continue;
+    if (is_certain(u)) continue;
     const std::size_t c = index_of(u.component);
-    const CurveCovariance curve(machine, u);
     const Stop stop{position_mm[index_of(moving_axis(u.component))], side};
-    const double with_reference = curve.with_reference(stop);
-    add_product(sum, here[c], here[c], curve.of(stop, stop));
-    add_product(sum, here[c], there[c], -with_reference);
-    add_product(sum, there[c], here[c], -with_reference);
-    add_product(sum, there[c], there[c], curve.of_reference());
+    add_difference(sum, here[c], there[c], difference_of(CurveCovariance(machine, u), stop));
   }
   for (std::size_t c = kCurves; c < kComponents; ++c) {
     Vector3 gain = here[c];
@@ -178,8 +178,6 @@ namespace {
 constexpr std::size_t kMostDrawnPlaces = 14'000;  ///< of every draw; between them the largest error is climbed to
 constexpr std::size_t kLinearPlaces = 125;        ///< at which linear propagation is compared with the draws
 constexpr int kClimbs = 3;
-
-double square_of(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 /// The least value that `share` of the draws do not exceed.
 double quantile_of(std::vector<double> draws, double share) {
@@ -222,6 +220,14 @@ VolumeError sum_of(Field drawn, const VolumeError& known) {
 }
 
 }  // namespace
+
+void set_bounds(VolumeUncertainty& out, const std::vector<double>& largest, const std::vector<double>& rms) {
+  if (largest.empty()) return;
+  out.largest_95_um = quantile_of(largest, 0.95);
+  out.rms_95_um = quantile_of(rms, 0.95);
+  out.largest_50_um = quantile_of(largest, 0.5);
+  out.rms_50_um = quantile_of(rms, 0.5);
+}
 
 MapDraws::MapDraws(const CompensatedMachine& machine, const UncertaintyBudget& budget, std::uint64_t seed)
     : machine_(machine),
@@ -326,11 +332,7 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
                              : size.largest_um);
   }
   out.drawn_rms_um = std::sqrt(drawn);
-  if (largest.empty()) return out;
-  out.largest_95_um = quantile_of(largest, 0.95);
-  out.rms_95_um = quantile_of(rms, 0.95);
-  out.largest_50_um = quantile_of(largest, 0.5);
-  out.rms_50_um = quantile_of(rms, 0.5);
+  set_bounds(out, largest, rms);
   return out;
 }
 

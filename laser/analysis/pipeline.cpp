@@ -11,13 +11,6 @@
 namespace ecs::laser {
 namespace {
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Readings of one target and approach.
 using Cell = std::vector<std::size_t>;
 

@@ -113,11 +113,9 @@ void set_apart(RunDrift& drift) {
   std::vector<double> left;
   for (std::size_t i = 0; i < drift.runs.size(); ++i)
     left.push_back(drift.runs[i].offset - (drift.drifts ? drift.per_run * (static_cast<double>(i) - middle) : 0.0));
-  std::vector<double> sorted = left;
-  const auto mid = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), mid, sorted.end());
+  const double usual = median_of(left);
   for (std::size_t i = 0; i < left.size(); ++i)
-    if (std::abs(left[i] - *mid) > std::max(kNoMore, kSignificant * std::sqrt(2.0) * drift.runs[i].sigma))
+    if (std::abs(left[i] - usual) > std::max(kNoMore, kSignificant * std::sqrt(2.0) * drift.runs[i].sigma))
       drift.apart.push_back(drift.runs[i].run);
 }
 

@@ -49,22 +49,21 @@ Result<MeasurementSet> read_report(std::string_view text, const std::string& fil
   set.source = file_name;
   bool in_block = false;
   Approach approach = Approach::unknown;
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (const auto block = block_in(lines[i])) {
+  for (const auto& [number, as_written] : numbered_lines_of(text)) {
+    if (const auto block = block_in(as_written)) {
       const auto named = approach_of_block(*block);
       approach = named.value_or(Approach::unknown);
       in_block = named.has_value() && !has_approach(set.readings, approach);
-      if (!in_block) set.notes.push_back(fmt::format("line {}: block {} is not used", i + 1, in_quotes(*block)));
+      if (!in_block) set.notes.push_back(fmt::format("line {}: block {} is not used", number, in_quotes(*block)));
       continue;
     }
-    const auto row = row_of(lines[i], 2);
+    const auto row = row_of(as_written, 2);
     if (!row) {
-      if (!trimmed(lines[i]).empty()) in_block = false;
+      if (!trimmed(as_written).empty()) in_block = false;
       continue;
     }
     if (!in_block) continue;
-    set.readings.push_back(reading_at(options, line, (*row)[0], (*row)[1] * kUmPerMm, static_cast<int>(i) + 1));
+    set.readings.push_back(reading_at(options, line, (*row)[0], (*row)[1] * kUmPerMm, number));
     set.readings.back().approach = approach;
   }
   if (set.readings.empty())

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
@@ -23,10 +24,7 @@ constexpr double kUsualIntervals = 5.0;  ///< the greatest gap, where none is gi
 double usual_interval_s(const Samples& samples) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < samples.size(); ++i) intervals.push_back(samples[i].time_s - samples[i - 1].time_s);
-  if (intervals.empty()) return 0.0;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median_of(std::move(intervals));
 }
 
 /// A channel that is joined to the clock of another.

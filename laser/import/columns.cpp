@@ -140,12 +140,7 @@ Result<std::vector<ColumnRule>> column_rules(std::string_view text) {
     const auto same = std::ranges::find_if(rules, [&](const auto& r) { return r.field == rule.field; });
     if (fault.empty() && same != rules.end()) fault = "expected each field once, found it again";
     if (!fault.empty())
-      problems.push_back({ProblemKind::usage,
-                          fmt::format("columns: {}: {}", rule.field.empty() ? "rule" : rule.field, fault),
-                          {},
-                          0,
-                          0,
-                          {}});
+      problems.push_back(usage({}, fmt::format("columns: {}: {}", rule.field.empty() ? "rule" : rule.field, fault)));
     rules.push_back(std::move(rule));
   }
   if (rules.empty()) return problem(ProblemKind::usage, fmt::format("columns: expected {}, found nothing", kForm));

@@ -220,15 +220,14 @@ class EnvironmentTableReader {
 
   Result<EnvironmentSeries> series() {
     const auto shape = table_shape(text_);
-    const auto lines = lines_of(text_);
     delimiter_ = shape ? shape->delimiter : ',';
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      if (is_comment(lines[i])) continue;
-      const auto cells = cells_of(lines[i], delimiter_);
+    for (const auto& [number, line] : numbered_lines_of(text_)) {
+      if (is_comment(line)) continue;
+      const auto cells = cells_of(line, delimiter_);
       if (columns_.empty())
-        take_heading(cells, static_cast<int>(i) + 1);
+        take_heading(cells, number);
       else
-        take_row(lines[i], cells, static_cast<int>(i) + 1);
+        take_row(line, cells, number);
       if (columns_.empty()) break;
     }
     if (findings_.empty() && series_.rows.empty()) findings_.add(0, 0, "expected rows below the heading, found none");
@@ -321,15 +320,14 @@ Result<EnvironmentSeries> read_sios_environment(std::string_view text, const std
   series.columns = {"x_mm",         "y_mm",         "z_mm",         "t_air_degC",   "t_air_x_degC",
                     "t_air_y_degC", "t_air_z_degC", "pressure_hPa", "humidity_pct", "t_material_degC"};
   Findings findings(file_name);
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (trimmed(lines[i]).empty()) continue;
-    const auto row = row_of(lines[i], 9);
+  for (const auto& [number, line] : numbered_lines_of(text)) {
+    if (trimmed(line).empty()) continue;
+    const auto row = row_of(line, 9);
     if (!row) {
       findings.add(
-          static_cast<int>(i) + 1, 1,
+          number, 1,
           "expected nine numbers (X, Y, Z, three air temperatures, pressure, humidity, sample temperature), found " +
-              in_quotes(trimmed(lines[i])));
+              in_quotes(trimmed(line)));
       continue;
     }
     const auto& n = *row;

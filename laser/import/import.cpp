@@ -46,7 +46,7 @@ double usual_reading_factor(const FileFormat& format, Sense sense) {
 Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& options) {
   if (!imported || (!options.target_unit && !options.reading_unit)) return imported;
   const auto wrong = [&](std::string message) -> Result<Imported> {
-    return tl::unexpected(Problem{ProblemKind::usage, std::move(message), imported->set.source, 0, 0, {}});
+    return tl::unexpected(usage(imported->set.source, std::move(message)));
   };
   const FileFormat& format = *imported->format;
   if (format.units == ErrorUnits::fixed) return wrong(fmt::format("{}: its units are fixed", format.title));
@@ -146,24 +146,15 @@ Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
   if (options.axis) return *options.axis;
   return tl::unexpected(
-      Problem{ProblemKind::usage,
-              "the file does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C",
-              file_name,
-              0,
-              0,
-              {}});
+      usage(file_name, "the file does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C"));
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {
   const Sense sense = options.sense.value_or(static_cast<Sense>(index_of(axis)));
   if (!is_rotation(sense)) return sense;
   return tl::unexpected(
-      Problem{ProblemKind::usage,
-              fmt::format("the file holds lengths: expected the sense EX, EY or EZ, found {}", ecs::name_of(sense)),
-              file_name,
-              0,
-              0,
-              {}});
+      usage(file_name,
+            fmt::format("the file holds lengths: expected the sense EX, EY or EZ, found {}", ecs::name_of(sense))));
 }
 
 Result<PositioningLine> positioning_line(const ImportOptions& options, const std::string& file_name) {
@@ -185,7 +176,7 @@ Reading reading_at(const ImportOptions& options, const PositioningLine& at, doub
 
 std::vector<double> numbers_alone(std::string_view text_line) {
   std::vector<double> numbers;
-  for (const std::string_view word : words_of(text_line)) {
+  for (const std::string_view word : blank_words(text_line)) {
     const auto number = number_or_comma(word);
     if (!number) return {};
     numbers.push_back(*number);

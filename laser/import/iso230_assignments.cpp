@@ -81,10 +81,8 @@ void take_number(Contents& contents, const Assignment& found, int line, Findings
 
 Contents contents_of(std::string_view text, Findings& findings) {
   Contents contents;
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string_view line = trimmed(lines[i]);
-    const int number = static_cast<int>(i) + 1;
+  for (const auto& [number, as_written] : numbered_lines_of(text)) {
+    const std::string_view line = trimmed(as_written);
     if (line.empty() || line.starts_with('#')) continue;
     const auto found = assignment_in(line);
     if (!found) {

@@ -99,9 +99,8 @@ Result<MeasurementSet> read_json_lines(std::string_view text, const std::string&
                                        const ImportOptions& options) {
   ChannelLog log;
   Findings findings(file_name);
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (!trimmed(lines[i]).empty()) take_line(log, lines[i], static_cast<int>(i) + 1, findings);
+  for (const auto& [number, line] : numbered_lines_of(text))
+    if (!trimmed(line).empty()) take_line(log, line, number, findings);
   if (findings.empty() && log.channels.empty()) findings.add(0, 0, "expected numbers beside the times, found none");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   ImportOptions with_channels = options;

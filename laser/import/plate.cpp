@@ -34,17 +34,13 @@ Result<MeasurementSet> read_plate(std::string_view text, const std::string& file
   Findings findings(file_name);
   bool in_table = false;
   int differing = 0;
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string_view line = trimmed(lines[i]);
-    const int number = static_cast<int>(i) + 1;
-    const std::size_t colon = line.find(':');
+  for (const auto& [number, as_written] : numbered_lines_of(text)) {
+    const std::string_view line = trimmed(as_written);
     if (line.empty()) continue;
     if (!in_table && lower(line).find("nom x") != std::string::npos) {
       in_table = true;
-    } else if (!in_table && colon != std::string_view::npos) {
-      set.metadata.push_back(
-          {std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))});
+    } else if (const auto entry = entry_in(line); !in_table && entry) {
+      set.metadata.push_back(*entry);
     } else if (in_table) {
       const auto row = numbers_alone(line);
       if (row.size() != kColumns) {

@@ -109,8 +109,7 @@ Result<Sense> sense_of_capture(const Capture& capture, const ImportOptions& opti
                                const std::string& file_name) {
   if (options.sense && is_rotation(*options.sense)) return *options.sense;
   if (!capture.angular) return positioning_sense(options, axis, file_name);
-  return tl::unexpected(
-      Problem{ProblemKind::usage, "an angular capture: give the sense EA, EB or EC", file_name, 0, 0, {}});
+  return tl::unexpected(usage(file_name, "an angular capture: give the sense EA, EB or EC"));
 }
 
 /// Text head, then little-endian 64-bit floats in mm or mrad at a fixed rate. Readings are displacements from the
@@ -219,24 +218,20 @@ Result<MeasurementSet> read_table(std::string_view text, const std::string& file
   set.source = file_name;
   Findings findings(file_name);
   bool in_table = false;
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const int number = static_cast<int>(i) + 1;
-    const std::size_t colon = lines[i].find(':');
-    if (is_table_heading(lines[i])) {
+  for (const auto& [number, as_written] : numbered_lines_of(text)) {
+    if (is_table_heading(as_written)) {
       in_table = true;
-    } else if (in_table && !trimmed(lines[i]).empty()) {
-      const auto row = row_of(lines[i], 3);
-      if (row)
+    } else if (in_table && !trimmed(as_written).empty()) {
+      if (const auto row = row_of(as_written, 3))
         set.readings.push_back(reading_at(options, line, (*row)[1],
                                           (options.table_holds_errors ? 1.0 : -1.0) * (*row)[2] * kUmPerMm, number));
       else
-        findings.add(number, 1, "expected number, position and combined value, found " + in_quotes(trimmed(lines[i])));
-    } else if (const auto entry = compensation_entry(lines[i]); !in_table && entry) {
+        findings.add(number, 1,
+                     "expected number, position and combined value, found " + in_quotes(trimmed(as_written)));
+    } else if (const auto entry = compensation_entry(as_written); !in_table && entry) {
       set.metadata.push_back(*entry);
-    } else if (!in_table && colon != std::string_view::npos) {
-      set.metadata.push_back(
-          {std::string(trimmed(lines[i].substr(0, colon))), std::string(trimmed(lines[i].substr(colon + 1)))});
+    } else if (const auto stated = entry_in(as_written); !in_table && stated) {
+      set.metadata.push_back(*stated);
     }
   }
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected rows below the heading, found none");

@@ -44,7 +44,4 @@ struct RunFile {
 /// The numbers of a text, separated by blanks, decimal point or comma; what is no number is left out.
 [[nodiscard]] std::vector<double> numbers_of(std::string_view text);
 
-/// Words of a text between blanks and tabs.
-[[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
-
 }  // namespace ecs::laser

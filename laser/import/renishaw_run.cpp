@@ -30,12 +30,6 @@ std::optional<std::string> section_in(std::string_view line) {
   return lower(name);
 }
 
-std::optional<MetadataEntry> entry_in(std::string_view line) {
-  const std::size_t colon = line.find(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  return MetadataEntry{std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))};
-}
-
 /// Walks the lines, one section at a time.
 class SectionReader {
  public:
@@ -70,7 +64,7 @@ class SectionReader {
   }
 
   void take_targets(std::string_view line, std::string_view part, int number) {
-    for (const std::string_view word : words_of(part)) {
+    for (const std::string_view word : blank_words(part)) {
       const auto target = number_or_comma(word);
       if (target)
         file_.targets.push_back(*target);
@@ -93,7 +87,7 @@ class SectionReader {
     } else if (key == "target-count") {
       file_.target_count = count_in(entry, number);
     } else if (key == "flags") {
-      for (const std::string_view word : words_of(line.substr(colon + 1)))
+      for (const std::string_view word : blank_words(line.substr(colon + 1)))
         file_.flags.push_back(integer_in(word).value_or(-1));
     } else {
       file_.header.push_back(entry);
@@ -114,7 +108,7 @@ class SectionReader {
 
   void take_point(std::string_view line, int number) {
     if (line.find(':') != std::string_view::npos) return;  // the line "Run Target Data:"
-    const auto words = words_of(line);
+    const auto words = blank_words(line);
     const auto run = integer_in(words[0]);
     const auto target = words.size() > 1 ? integer_in(words[1]) : std::nullopt;
     const auto deviation = words.size() > 2 ? number_or_comma(words[2]) : std::nullopt;
@@ -166,22 +160,9 @@ void check_whole(const RunFile& file, Findings& findings) {
 
 }  // namespace
 
-std::vector<std::string_view> words_of(std::string_view text) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kBlanks = " \t\r\n\f\v";
-  for (;;) {
-    const std::size_t first = text.find_first_not_of(kBlanks);
-    if (first == std::string_view::npos) return words;
-    text.remove_prefix(first);
-    const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
-    words.push_back(text.substr(0, end));
-    text.remove_prefix(end);
-  }
-}
-
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> numbers;
-  for (const std::string_view word : words_of(text))
+  for (const std::string_view word : blank_words(text))
     if (const auto number = number_or_comma(word)) numbers.push_back(*number);
   return numbers;
 }

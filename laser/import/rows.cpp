@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "base/words.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
@@ -20,11 +21,7 @@
 namespace ecs::laser {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, CellKind>, 5> kCellKinds{{{"any", CellKind::any},
-                                                                           {"word", CellKind::word},
-                                                                           {"number", CellKind::number},
-                                                                           {"date", CellKind::date},
-                                                                           {"time", CellKind::time}}};
+constexpr WordTable<CellKind, 5> kCellKinds{{"any", "word", "number", "date", "time"}};
 
 bool is_kind(CellKind kind, std::string_view cell) {
   switch (kind) {
@@ -47,11 +44,11 @@ bool is_kind(CellKind kind, std::string_view cell) {
 Result<std::vector<CellKind>> cell_kinds(std::string_view text) {
   std::vector<CellKind> kinds;
   for (const std::string_view word : cells_of(text, ' ')) {
-    const auto* const known = std::ranges::find_if(kCellKinds, [&](const auto& kind) { return kind.first == word; });
-    if (known == kCellKinds.end())
+    const auto kind = kCellKinds.value_of(word);
+    if (!kind)
       return problem(ProblemKind::usage,
                      "row_begins: expected any, word, number, date or time for each cell, found " + in_quotes(word));
-    kinds.push_back(known->second);
+    kinds.push_back(*kind);
   }
   return kinds;
 }

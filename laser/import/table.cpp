@@ -121,7 +121,7 @@ bool is_comment(std::string_view line) {
 }
 
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
-  if (delimiter == ' ') return words_of(line);
+  if (delimiter == ' ') return blank_words(line);
   std::vector<std::string_view> cells;
   bool quoted = false;
   std::size_t start = 0;

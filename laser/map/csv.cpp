@@ -83,23 +83,21 @@ std::string take_uncertainty(MapHeader& header, std::string_view value) {
   return {};
 }
 
+/// Who, what and when: in the order of the text.
+constexpr std::array<std::pair<std::string_view, std::string MapHeader::*>, 6> kNames{
+    {{"customer", &MapHeader::customer},
+     {"machine", &MapHeader::machine},
+     {"serial_number", &MapHeader::serial_number},
+     {"date", &MapHeader::date},
+     {"engineer", &MapHeader::engineer},
+     {"configuration", &MapHeader::configuration}}};
+
 std::string take(MapHeader& header, std::string_view key, std::string_view value) {
-  const bool names = key == "customer" || key == "machine" || key == "serial_number" || key == "date" ||
-                     key == "engineer" || key == "configuration";
-  if (const std::size_t most = names ? kLongestHeaderName : kLongestHeaderLine; value.size() > most)
+  const auto* const name = std::ranges::find(kNames, key, [](const auto& one) { return one.first; });
+  if (const std::size_t most = name != kNames.end() ? kLongestHeaderName : kLongestHeaderLine; value.size() > most)
     return fmt::format("header: {} has {} bytes, expected at most {}", in_quotes(key), value.size(), most);
-  if (key == "customer")
-    header.customer = value;
-  else if (key == "machine")
-    header.machine = value;
-  else if (key == "serial_number")
-    header.serial_number = value;
-  else if (key == "date")
-    header.date = value;
-  else if (key == "engineer")
-    header.engineer = value;
-  else if (key == "configuration")
-    header.configuration = value;
+  if (name != kNames.end())
+    header.*name->second = value;
   else if (key == "processing")
     header.processing.emplace_back(value);
   else if (key == "source")
@@ -117,12 +115,7 @@ std::string take(MapHeader& header, std::string_view key, std::string_view value
 
 std::string header_text(const MapHeader& header) {
   std::string text;
-  put(text, "customer", header.customer);
-  put(text, "machine", header.machine);
-  put(text, "serial_number", header.serial_number);
-  put(text, "date", header.date);
-  put(text, "engineer", header.engineer);
-  put(text, "configuration", header.configuration);
+  for (const auto& [key, member] : kNames) put(text, key, header.*member);
   for (const SourceFile& s : header.sources)
     put(text, "source", fmt::format("{} {} sha256={}", s.component, s.name, s.sha256));
   for (const DeclaredZero& z : header.declared_zero)
@@ -138,9 +131,7 @@ std::string header_text(const MapHeader& header) {
 Result<MapHeader> parse_header(std::string_view text, const std::string& source_name) {
   MapHeader header;
   Findings findings(source_name);
-  int line = 0;
-  for (const std::string_view as_written : lines_of(text)) {
-    ++line;
+  for (const auto& [line, as_written] : numbered_lines_of(text)) {
     if (trimmed(as_written).empty()) continue;
     const std::string plain = shown(as_written);  // its names go to terminals and into files of other controls
     const std::string_view row = plain;
@@ -305,10 +296,8 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
   Points points;
   std::optional<long long> stated_rows;
   long long rows_found = 0;
-  int line = 0;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  for (const std::string_view row : lines_of(text)) {
-    ++line;
+  for (const auto& [line, row] : numbered_lines_of(text)) {
     const std::string_view content = trimmed(row);
     if (content.starts_with('#')) {
       const std::string_view entry = trimmed(content.substr(1));

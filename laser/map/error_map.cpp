@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "laser/groups.hpp"
+
 namespace ecs::laser {
 
 const MapTable* table_of(const ErrorMap& map, Component component, Approach approach) {
@@ -299,8 +301,7 @@ void find_spike(const MapTable& table, std::vector<MapFinding>& findings) {
   const auto largest = std::ranges::max_element(steps);
   const auto at = static_cast<std::size_t>(largest - steps.begin());
   const double peak = *largest;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  const double usual = steps[steps.size() / 2];
+  const double usual = median_of(std::move(steps));
   if (peak > 20.0 && peak > 20.0 * usual)
     findings.push_back(
         {false, fmt::format("{}{} jumps by {:.1f} {} between {} and {} mm, {:.0f} times its usual step: a wrong "

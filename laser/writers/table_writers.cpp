@@ -14,7 +14,7 @@ namespace ecs::laser {
 namespace {
 
 /// Readings at each target, ascending; what is no positioning of one axis is refused.
-Result<std::vector<TargetReadings>> positioning_of(const MeasurementSet& set) {
+Result<std::vector<TargetReadings>> positioning_curve(const MeasurementSet& set) {
   const auto groups = groups_of(set);
   if (groups.size() != 1)
     return problem(ProblemKind::refused, groups.empty() ? "expected readings, found none"
@@ -74,7 +74,7 @@ std::string cycles_fault(const MeasurementSet& set, std::size_t targets) {
 }  // namespace
 
 Result<std::string> to_renishaw_table(const MeasurementSet& set) {
-  ECS_TRY(targets, positioning_of(set));
+  ECS_TRY(targets, positioning_curve(set));
   if (targets.size() < 2) return problem(ProblemKind::refused, "expected at least two targets");
   const double first_mm = targets.front().position_mm;
   const double last_mm = targets.back().position_mm;
@@ -94,7 +94,7 @@ Result<std::string> to_renishaw_table(const MeasurementSet& set) {
 }
 
 Result<std::string> to_api_pos(const MeasurementSet& set) {
-  ECS_TRY(targets, positioning_of(set));
+  ECS_TRY(targets, positioning_curve(set));
   std::string text = "Position   \tBidirectional Avg Error\r\n";
   for (const TargetReadings& target : targets)
     text += fmt::format("{:.6f}\t{:.9f}\r\n", target.position_mm, middle_um(target) / kUmPerMm);
@@ -103,7 +103,7 @@ Result<std::string> to_api_pos(const MeasurementSet& set) {
 }
 
 Result<std::string> to_iso230_assignments(const MeasurementSet& set) {
-  ECS_TRY(targets, positioning_of(set));
+  ECS_TRY(targets, positioning_curve(set));
   if (const std::string fault = cycles_fault(set, targets.size()); !fault.empty())
     return problem(ProblemKind::refused, fault);
   int cycles = 0;
