@@ -7,6 +7,7 @@
 #include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
+#include "base/interrupt.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/map/csv.hpp"
 
@@ -30,7 +31,7 @@ Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
 
 Result<Outcome> plan_the_lengths(VerbContext&, const LengthsPlanAsked& a) {
   ECS_DO(check_output_not_input(a.output, {a.machine}));
-  ECS_TRY(plan, lengths_plan(a));
+  ECS_TRY(plan, lengths_plan(a, [] { return interrupted().load(); }));
   if (!a.output.empty()) ECS_DO(write_file(a.output, model::to_csv(plan.test, true)));
   return outcome_of(lengths_plan_cell(plan, a.volume_um, a.output), plan.reached ? kDone : kDoesNotHold);
 }

@@ -260,10 +260,10 @@ std::size_t field_named(const std::string& name) {
 
 TEST_CASE("every answer is kept as it was given") {
   ImportArguments answers;
-  for (const AnswerField& field : answer_fields()) {
-    const std::string value = !field.choices.empty()                    ? field.choices.back()
-                              : field.kind == AnswerField::Kind::number ? "3"
-                                                                        : "some";
+  for (const commissioning::AnswerField& field : answer_fields()) {
+    const std::string value = !field.choices.empty()                                   ? field.choices.back()
+                              : field.kind == commissioning::AnswerField::Kind::number ? "3"
+                                                                                       : "some";
     set_answer(answers, field.name, value);
     CHECK_MESSAGE(given_answers(answers).at(field.name) == value, field.name);
   }
