@@ -2,8 +2,7 @@
 #include <algorithm>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/places.hpp"
-#include "ecs_emulator/effects/shape.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,21 +1,119 @@
 // One physical cause as the emulator knows it, whole: words, parameters, what it adds to a reading, how a hidden case
 // draws it. The formulas are those of docs/physics.md, "The effect library", written down independently of `model/`:
 // the machine that hides an effect and the method that finds it share core types only.
-// Does not live here: the effects themselves, one file each; their list (registry.hpp).
+// Does not live here: the effects themselves, one file each.
 #pragma once
 
 #include <limits>
+#include <map>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
-#include "ecs_emulator/effects/conditions.hpp"
-#include "ecs_emulator/effects/designs.hpp"
-#include "ecs_emulator/effects/placed.hpp"
-#include "ecs_emulator/scene/ground.hpp"
-#include "ecs_emulator/scene/needs.hpp"
+#include "core/axis.hpp"
+#include "ecs_emulator/random/random.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
+
+/// Designs of a measurement on which different effects do exactly the same; an effect says in which of them it can be
+/// hidden. Made in ecs_emulator/hidden_cases/confounded.cpp.
+struct Design {
+  enum Id : unsigned {
+    kWarm = 1,       ///< positioning at one temperature of the material, not 20 °C
+    kAir = 2,        ///< positioning in one air, not the reference air
+    kWarmAir = 4,    ///< both
+    kOneFeed = 8,    ///< both approaches at one feed
+    kZero = 16,      ///< a zero in one air
+    kSquare = 32,    ///< one axis in the direction of another
+    kOneLever = 64,  ///< a rotation seen with one lever arm
+    kCold = 128,     ///< positioning without temperatures
+  };
+};
+using Designs = unsigned;  ///< of Design::Id, by |
+inline constexpr Designs kNoDesign = 0;
+inline constexpr Designs kEveryDesign = 255;
+
+/// What an effect depends on, at one reading or at one instant of the machine.
+class Conditions {
+ public:
+  Conditions() = default;
+  Conditions(const Conditions&) = delete;
+  Conditions& operator=(const Conditions&) = delete;
+  virtual ~Conditions() = default;
+
+  double p_mm = 0.0;      ///< of the effect's axis, from its datum
+  double approach = 1.0;  ///< 1 or −1
+  double curve = 0.0;     ///< value at p of the effect's curve, if it has one [um or um/m]
+  double time_s = 0.0;
+  double feed_mm_min = 0.0;
+  double load_kg = 0.0;
+  double travel_since_reversal_mm = 0.0;
+
+  [[nodiscard]] virtual double material_degC() const = 0;
+  /// At the place of a sensor.
+  [[nodiscard]] virtual double degC(const std::string& sensor) const = 0;
+  /// The same at time 0.
+  [[nodiscard]] virtual double first_degC(const std::string& sensor) const = 0;
+  /// n − n of the reference air.
+  [[nodiscard]] virtual double missing_refraction() const { return 0.0; }
+  /// The component that was measured separately [um or um/m].
+  [[nodiscard]] virtual double known_value() const { return 0.0; }
+};
+
+/// A value that is being read from a map: what a fault of the unit changes.
+struct MapReading {
+  double position_mm = 0.0;
+  int approach = 0;  ///< 0: the axis of the map stands still
+  double gain = 1.0;
+};
+
+/// A smooth curve over a travel: Legendre polynomials of degree 2, 3, …; a mean and a slope where the effect keeps
+/// them.
+struct SmoothCurve {
+  double from_mm = 0.0;
+  double to_mm = 1.0;
+  double mean = 0.0;
+  double slope = 0.0;         ///< over half the range
+  std::vector<double> waves;  ///< of degree 2, 3, …
+  [[nodiscard]] bool empty() const { return waves.empty() && mean == 0.0 && slope == 0.0; }
+};
+
+/// Beyond the range the end value holds.
+[[nodiscard]] double value_at(const SmoothCurve& curve, double p_mm);
+
+/// Without mean and slope, size about 1. @param places_mm  ascending, not empty: the curve runs over them
+[[nodiscard]] SmoothCurve draw_curve(Random& random, const std::vector<double>& places_mm);
+
+struct EffectDefinition;
+
+/// An effect at its place in a machine, with its size. Parameters bear the names of docs/physics.md; curves have a
+/// shape instead.
+struct PlacedEffect {
+  const EffectDefinition* kind = nullptr;
+  std::optional<Axis> axis;
+  std::optional<Sense> sense;
+  std::optional<Component> code;
+  Approach approach = Approach::unknown;  ///< unknown: both
+  std::string sensor;                     ///< of an effect that depends on one
+  std::string sensor2;                    ///< of an effect that depends on two
+  std::map<std::string, double, std::less<>> parameters;
+  SmoothCurve curve;
+  [[nodiscard]] double parameter(std::string_view name) const;  ///< 0 where there is none
+};
+
+/// "cyclic:X:EX", "angular:X:ECX", "map_polarity:X" (all curves of X), "map_polarity" (the whole map).
+[[nodiscard]] std::string name_of(const PlacedEffect& effect);
+/// The same with a contribution `factor` times as large. @pre not a fault of the map; an effect of one sign keeps it
+[[nodiscard]] PlacedEffect scaled(PlacedEffect effect, double factor);
+/// It acts on this reading at all.
+[[nodiscard]] bool acts_on(const PlacedEffect& effect, const Stop& stop);
+/// The effects of one component each that it consists of; mostly itself alone.
+[[nodiscard]] std::vector<PlacedEffect> parts_of(const PlacedEffect& effect);
+/// The component of the machine that carries it. @pre it has its seat in the machine and is a part
+[[nodiscard]] Component carrier_of(const PlacedEffect& effect);
 
 /// How the contribution grows with a parameter.
 enum class Growth { not_at_all, linear, square };
@@ -112,5 +210,12 @@ struct EffectDefinition {
   Designs confounded_in = kNoDesign;  ///< designs on which it can be hidden among others that do the same
   Designs excluded_from = kNoDesign;  ///< designs whose base model must not hold it: it would take the group's place
 };
+
+/// All effects of the emulator. Hidden cases draw by the order of this list: new ones go to its end.
+[[nodiscard]] std::span<const EffectDefinition* const> effects();
+/// Those that a hidden case may draw by itself.
+[[nodiscard]] const std::vector<const EffectDefinition*>& drawn_effects();
+/// Null where there is none of that id.
+[[nodiscard]] const EffectDefinition* effect_named(std::string_view id);
 
 }  // namespace ecs::emulator

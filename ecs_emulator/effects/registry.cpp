@@ -1,7 +1,7 @@
-#include "ecs_emulator/effects/registry.hpp"
-
 #include <algorithm>
 #include <array>
+
+#include "ecs_emulator/effects/definition.hpp"
 
 /// One line an effect: the definition of that name, in the file of its id.
 #define ECS_EMULATOR_EFFECTS(EFFECT) \

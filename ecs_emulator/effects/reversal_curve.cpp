@@ -1,7 +1,6 @@
 // Lost motion that changes along the travel: s(p)·d/2, without mean and slope.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/places.hpp"
-#include "ecs_emulator/effects/shape.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -2,9 +2,8 @@
 #include <algorithm>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/places.hpp"
-#include "ecs_emulator/effects/shape.hpp"
-#include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,7 +1,7 @@
 // Expansion of scale and workpiece: k·p·(T − 20 °C), T of the material.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -1,17 +1,56 @@
-// [[effect]] of the errors file: ids, keys and parameters of docs/emulator.md.
+// [[effect]] of the errors file: ids, keys and parameters of docs/emulator.md; of rotary axes (axis = "C") too,
+// with their [location] and [[contribution]] of EXC ….
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 
 namespace ecs::emulator {
 namespace {
 
 using Names = std::vector<std::string>;
+
+bool read_approach(TomlReader& reader, const toml::table& table, PlacedEffect& effect) {
+  const std::string word = reader.word(table, "approach").value_or("both");
+  if (word == "forward") effect.approach = Approach::forward;
+  if (word == "reverse") effect.approach = Approach::reverse;
+  if (word == "both" || word == "forward" || word == "reverse") return true;
+  reader.complain(place_of(table, "approach"),
+                  fmt::format("approach: expected both, forward or reverse, got \"{}\"", word));
+  return false;
+}
+
+/// A rotary axis has degrees under the names of the list.
+std::string in_degrees(std::string_view name) {
+  constexpr std::string_view kLength = "_mm";
+  if (!name.ends_with(kLength)) return std::string(name);
+  return std::string(name.substr(0, name.size() - kLength.size())) + "_deg";
+}
+
+/// `parameters`. @return false: they are not there
+bool read_parameters(TomlReader& reader, const toml::table& table, bool rotary, PlacedEffect& effect) {
+  const auto name_in_file = [&](std::string_view name) { return rotary ? in_degrees(name) : std::string(name); };
+  const toml::table* given = reader.child(table, "parameters");
+  Names names;
+  for (const ParameterDefinition& one : effect.kind->parameters) names.push_back(name_in_file(one.name));
+  const bool none_required = effect.kind->parameters.front().optional;
+  if (given == nullptr || (none_required && given->empty())) {
+    reader.complain(place_of(table, "parameters"),
+                    fmt::format("parameters: expected {{ {} }}", fmt::join(names, ", ")));
+    return false;
+  }
+  reader.only(*given, names, "parameters");
+  for (const ParameterDefinition& one : effect.kind->parameters)
+    if (const std::string name = name_in_file(one.name); !one.optional || given->contains(name))
+      required_into(reader, *given, name, one.range.above == 0.0 ? Sign::positive : Sign::any,
+                    effect.parameters[std::string(one.name)]);
+  return true;
+}
 
 class EffectReader {
  public:
@@ -32,14 +71,14 @@ class EffectReader {
     reader_.only(table_, keys, what.c_str());
     effect_.effect.kind = kind;
     read_place(*kind);
-    read_approach();
+    if (!read_approach(reader_, table_, effect_.effect)) ++complaints_;
     if (kind->sensors > 0) effect_.effect.sensor = sensor_in("sensor");
     if (kind->sensors > 1) effect_.effect.sensor2 = sensor_in("sensor2");
     if (curve) {
       effect_.curve = curve_in(reading_, table_, what.c_str());
       if (!effect_.curve) return;
-    } else {
-      read_parameters(*kind);
+    } else if (!read_parameters(reader_, table_, false, effect_.effect)) {
+      return;
     }
     if (complaints_ != before) return;
     for (const PlacedEffect& part : parts_of(effect_.effect)) {
@@ -50,8 +89,7 @@ class EffectReader {
 
  private:
   void complain(std::string_view key, std::string message) {
-    const toml::node* node = table_.get(key);
-    reader_.complain(node != nullptr ? *node : table_, std::move(message));
+    reader_.complain(place_of(table_, key), std::move(message));
     ++complaints_;
   }
 
@@ -119,17 +157,6 @@ class EffectReader {
     effect.code = code;
   }
 
-  void read_approach() {
-    const auto word = reader_.word(table_, "approach");
-    if (!word || *word == "both") return;
-    if (*word == "forward")
-      effect_.effect.approach = Approach::forward;
-    else if (*word == "reverse")
-      effect_.effect.approach = Approach::reverse;
-    else
-      complain("approach", fmt::format("approach: expected both, forward or reverse, got \"{}\"", *word));
-  }
-
   /// `spindle`, or the column in which it is measured, `t_spindle_degC`.
   std::string sensor_in(const char* key) {
     std::string name = reader_.word(table_, key).value_or("");
@@ -139,21 +166,6 @@ class EffectReader {
     return name;
   }
 
-  void read_parameters(const EffectDefinition& kind) {
-    const toml::table* table = reader_.child(table_, "parameters");
-    Names all;
-    for (const ParameterDefinition& parameter : kind.parameters) all.emplace_back(parameter.name);
-    const bool none_required = kind.parameters.front().optional;
-    if (table == nullptr || (none_required && table->empty()))
-      return complain("parameters", fmt::format("parameters: expected {{ {} }}", fmt::join(all, ", ")));
-    reader_.only(*table, all, "parameters");
-    for (const ParameterDefinition& parameter : kind.parameters) {
-      if (parameter.optional && !table->contains(parameter.name)) continue;
-      required_into(reader_, *table, parameter.name, parameter.range.above == 0.0 ? Sign::positive : Sign::any,
-                    effect_.effect.parameters[std::string(parameter.name)]);
-    }
-  }
-
   ErrorsReading& reading_;
   TomlReader& reader_;
   const toml::table& table_;
@@ -161,11 +173,114 @@ class EffectReader {
   std::size_t complaints_ = 0;
 };
 
+constexpr std::string_view kLocation = "location";
+/// What a rotary axis may have; a curve is a [[contribution]].
+constexpr std::array<std::string_view, 5> kOfTurns{"offset", "backlash", "cyclic", "step", "time_drift"};
+
+/// A, B, C; kAxes where the letter is none of them.
+std::size_t rotary_axis_in(std::string_view letter) {
+  const std::size_t axis = letter.size() == 1 ? std::string_view("ABC").find(letter) : std::string_view::npos;
+  return axis == std::string_view::npos ? kAxes : axis;
+}
+
+struct LocationName {
+  std::size_t axis = 0, letter = 0;
+};
+std::optional<LocationName> location_in(std::string_view name) {
+  for (std::size_t axis = 0; axis < kAxes; ++axis)
+    for (std::size_t letter = 0; letter < 2 * kAxes; ++letter)
+      if (location_name(axis, letter) == name) return LocationName{axis, letter};
+  return std::nullopt;
+}
+
+void add_location(ErrorsReading& reading, const toml::node& node, std::string_view name, double value) {
+  const auto found = location_in(name);
+  if (!found) {
+    reading.reader.complain(
+        node, fmt::format("location: expected XOA … COC, an error of an axis line such as XOC, got \"{}\"", name));
+    return;
+  }
+  reading.parts.rotary.location[found->axis][found->letter] += value;
+  reading.parts.rotary.line[found->axis] = static_cast<int>(node.source().begin.line);
+}
+
+void read_location_effect(ErrorsReading& reading, const toml::table& table) {
+  reading.reader.only(table, {"id", "code", "parameters", "cause"}, "effect location");
+  const std::string code = reading.reader.word(table, "code").value_or("");
+  const toml::table* parameters = reading.reader.child(table, "parameters");
+  const auto found = location_in(code);
+  const std::string unit = found && found->letter >= kAxes ? "um_per_m" : "um";
+  const auto value = parameters != nullptr ? reading.reader.number(*parameters, unit) : std::nullopt;
+  if (parameters != nullptr) reading.reader.only(*parameters, {unit}, "parameters");
+  if (!value) return reading.reader.complain(table, fmt::format("location: expected parameters = {{ {} = … }}", unit));
+  add_location(reading, table, code, *value);
+}
+
+void read_turn_effect(ErrorsReading& reading, const toml::table& table, std::size_t axis) {
+  const std::string id = reading.reader.word(table, "id").value_or("");
+  RotaryMotion motion;
+  motion.axis = axis;
+  motion.line = reading.parts.rotary.line[axis] = static_cast<int>(table.source().begin.line);
+  PlacedEffect effect;
+  effect.kind = effect_named(id);
+  if (effect.kind == nullptr || std::find(kOfTurns.begin(), kOfTurns.end(), id) == kOfTurns.end())
+    return reading.reader.complain(
+        table, fmt::format("id: of a rotary axis expected {} or location, got \"{}\"", fmt::join(kOfTurns, ", "), id));
+  reading.reader.only(table, {"id", "axis", "sense", "approach", "parameters", "cause"}, "effect of a rotary axis");
+  const auto word = reading.reader.word(table, "sense");
+  const auto sense = word ? sense_named(*word) : std::optional(static_cast<Sense>(kAxes + axis));
+  if (!sense)
+    return reading.reader.complain(table, fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", *word));
+  motion.sense = *sense;
+  if (!read_approach(reading.reader, table, effect) || !read_parameters(reading.reader, table, true, effect)) return;
+  motion.effect = std::move(effect);
+  reading.parts.rotary.motions.push_back(std::move(motion));
+}
+
 }  // namespace
 
 void read_effects(ErrorsReading& reading) {
   for (const toml::table* table : reading.reader.children(reading.file, "effect"))
     if (!read_rotary_effect(reading, *table)) EffectReader(reading, *table).read();
+}
+
+void read_location(ErrorsReading& reading) {
+  const toml::table* table = reading.reader.child(reading.file, kLocation);
+  if (table == nullptr) return;
+  for (const auto& [key, node] : *table) {
+    const auto value = reading.reader.number(*table, key.str());
+    if (value) add_location(reading, node, key.str(), *value);
+  }
+}
+
+bool read_rotary_contribution(ErrorsReading& reading, const toml::table& table) {
+  const toml::node* name = table.get("component");
+  const std::string component = name != nullptr ? name->value<std::string>().value_or("") : "";
+  const std::size_t axis = component.size() == 3 ? rotary_axis_in(component.substr(2)) : kAxes;
+  const auto sense = component.size() == 3 ? sense_named(component.substr(0, 2)) : std::nullopt;
+  if (axis == kAxes || !sense) return false;
+  reading.reader.only(table, {"component", "formula", "points", "csv", "cause"}, "contribution");
+  RotaryMotion motion;
+  motion.axis = axis;
+  motion.sense = *sense;
+  motion.curve = curve_in(reading, table, "contribution");
+  motion.line = reading.parts.rotary.line[axis] = static_cast<int>(table.source().begin.line);
+  if (motion.curve) reading.parts.rotary.motions.push_back(std::move(motion));
+  return true;
+}
+
+bool read_rotary_effect(ErrorsReading& reading, const toml::table& table) {
+  const auto word = [&](std::string_view key) {
+    const toml::node* node = table.get(key);
+    return node != nullptr ? node->value<std::string>().value_or("") : std::string();
+  };
+  if (word("id") == kLocation) {
+    read_location_effect(reading, table);
+    return true;
+  }
+  const std::size_t axis = rotary_axis_in(word("axis"));
+  if (axis < kAxes) read_turn_effect(reading, table, axis);
+  return axis < kAxes;
 }
 
 }  // namespace ecs::emulator

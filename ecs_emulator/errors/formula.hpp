@@ -1,10 +1,12 @@
-// Formulas of the errors file, compiled once.
-// Does not live here: which component a formula belongs to (true_errors.hpp).
+// Formulas of the errors file, compiled once, and curves over an axis: a formula, or points with a value for each
+// approach. Does not live here: which component they belong to, their notation in the file (reader.hpp).
 #pragma once
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.hpp"
 
@@ -33,6 +35,20 @@ class Formula {
   struct Parser;
   explicit Formula(std::unique_ptr<Parser> parser);
   std::unique_ptr<Parser> parser_;
+};
+
+struct CurvePoint {
+  double p_mm = 0.0;
+  double forward = 0.0;
+  double reverse = 0.0;
+};
+
+/// Either a formula or at least one point, ascending.
+struct ErrorCurve {
+  std::optional<Formula> formula;
+  std::vector<CurvePoint> points;
+  /// At the formula's variables as they stand, or at their p and d: linear between points, the end points hold.
+  [[nodiscard]] double value(const Variables& variables) const;
 };
 
 }  // namespace ecs::emulator

@@ -11,6 +11,12 @@
 namespace ecs::emulator {
 namespace {
 
+/// A position and one or two values.
+bool is_point(const std::vector<double>& numbers, std::size_t cells) {
+  return numbers.size() == cells && (cells == 2 || cells == 3) &&
+         std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+}
+
 std::vector<CurvePoint> points_in(TomlReader& reader, const toml::node& node) {
   std::vector<CurvePoint> points;
   const toml::array* rows = node.as_array();
@@ -24,8 +30,7 @@ std::vector<CurvePoint> points_in(TomlReader& reader, const toml::node& node) {
     if (cells != nullptr)
       for (const toml::node& cell : *cells)
         if (const auto number = cell.value<double>()) numbers.push_back(*number);
-    if (cells == nullptr || numbers.size() != cells->size() || numbers.size() < 2 || numbers.size() > 3 ||
-        !std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); })) {
+    if (cells == nullptr || !is_point(numbers, cells->size())) {
       reader.complain(row, "points: expected [position_mm, forward, reverse] or [position_mm, value]");
       return {};
     }
@@ -56,11 +61,7 @@ std::vector<CurvePoint> csv_in(ErrorsReading& reading, const toml::table& table)
     std::vector<double> numbers;
     for (const std::string_view cell : cells)
       if (const auto number = number_in(cell)) numbers.push_back(*number);
-    const bool right =
-        numbers.size() == cells.size() && (numbers.size() == 2 || numbers.size() == 3) &&
-        std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); }) &&
-        (points.empty() || numbers[0] > points.back().p_mm);
-    if (!right) {
+    if (!is_point(numbers, cells.size()) || (!points.empty() && numbers[0] <= points.back().p_mm)) {
       reading.reader.add({ProblemKind::bad_input,
                           "expected p_mm,forward,reverse with ascending positions",
                           path.string(),
@@ -115,6 +116,33 @@ void read_scatter(ErrorsReading& reading) {
   }
 }
 
+bool gives_form(const toml::table& table) {
+  return table.contains("formula") || table.contains("points") || table.contains("csv");
+}
+
+void read_artefact(ErrorsReading& reading, const toml::table& table) {
+  TomlReader& reader = reading.reader;
+  reader.only(table, {"axis", "sense", "angle_um_per_m", "formula", "points", "csv"}, "artefact");
+  const std::string axis_word = reader.word(table, "axis").value_or(""),
+                    sense_word = reader.word(table, "sense").value_or("");
+  const auto axis = axis_word.size() == 1 ? axis_of(axis_word.front()) : std::nullopt;
+  const auto sense = sense_named(sense_word);
+  if (!axis) return reader.complain(table, fmt::format("artefact: axis: expected X, Y or Z, got \"{}\"", axis_word));
+  if (!sense || is_rotation(*sense) || direction_of(*sense) == *axis)
+    return reader.complain(table, fmt::format("artefact: sense: expected EX, EY or EZ other than along {}, got \"{}\"",
+                                              letter_of(*axis), sense_word));
+  if (!gives_form(table) && !table.contains("angle_um_per_m"))
+    return reader.complain(table, "artefact: expected angle_um_per_m, or a form by formula, points or csv");
+  Artefact artefact{*axis, *sense, reader.number(table, "angle_um_per_m").value_or(0.0), std::nullopt,
+                    static_cast<int>(table.source().begin.line)};
+  if (gives_form(table)) {
+    artefact.form = curve_in(reading, table, "artefact");
+    if (!artefact.form) return;
+  }
+  demand(reading, table, "artefact", *axis);
+  reading.parts.artefacts.push_back(std::move(artefact));
+}
+
 }  // namespace
 
 std::optional<Formula> formula_in(ErrorsReading& reading, const toml::table& table, std::string_view key) {
@@ -165,6 +193,10 @@ void read_curves(ErrorsReading& reading) {
   }
   read_squareness(reading);
   read_scatter(reading);
+}
+
+void read_artefacts(ErrorsReading& reading) {
+  for (const toml::table* table : reading.reader.children(reading.file, "artefact")) read_artefact(reading, *table);
 }
 
 }  // namespace ecs::emulator

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/axis.hpp"
-#include "ecs_emulator/effects/placed.hpp"
-#include "ecs_emulator/errors/curve.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/errors/formula.hpp"
 
 namespace ecs::emulator {
 

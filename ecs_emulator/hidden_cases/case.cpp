@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

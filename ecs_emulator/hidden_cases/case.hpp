@@ -1,8 +1,10 @@
 // One hidden case: a machine with background errors that its model declares, one, two or no effects that it does not,
-// and readings. Does not live here: files (files.hpp).
+// and readings; its folder: machine.toml, model.toml, data.csv, map.csv where a map was active, truth.sealed.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,5 +63,17 @@ struct HiddenCase {
 /// `usage` problem where what is asked for cannot be had: an effect that takes no part in such a kind, readings or snr
 /// out of range, or a combination for which no design is found.
 [[nodiscard]] Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request);
+
+/// File name → content.
+[[nodiscard]] std::map<std::string, std::string> files_of(const HiddenCase& hidden);
+/// The truth as JSON (docs/emulator.md).
+[[nodiscard]] std::string truth_of(const HiddenCase& hidden);
+
+/// Writes folders of cases, seeds counting up: one case into `folder` itself, several into folder/0001, 0002 …
+/// Whole or not at all: everything is made beside the folder and renamed. Refuses a folder that exists and is not
+/// empty.
+/// @return one line per case that gives nothing of the truth away
+[[nodiscard]] Result<std::vector<std::string>> write_hidden_cases(const HiddenCaseRequest& request, int count,
+                                                                  const std::filesystem::path& folder);
 
 }  // namespace ecs::emulator

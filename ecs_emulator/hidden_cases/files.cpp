@@ -1,5 +1,3 @@
-#include "ecs_emulator/hidden_cases/files.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 #include "base/sealed.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/hidden_cases/case.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {

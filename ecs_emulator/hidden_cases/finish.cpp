@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/effects/places.hpp"
-#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/random/random.hpp"
 #include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {

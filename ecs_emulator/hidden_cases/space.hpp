@@ -1,5 +1,5 @@
-// What a model can absorb of a set of readings, and what of an error it cannot. For .cpp files of this folder only
-// (Eigen). Does not live here: which model (case.cpp).
+// What a model can absorb of a set of readings and what of an error it cannot; the base model: errors that the engineer
+// knows of already. For .cpp files of this folder only (Eigen). Does not live here: what is hidden (compose.hpp).
 #pragma once
 
 #include <functional>
@@ -7,9 +7,9 @@
 
 #include <Eigen/Dense>
 
-#include "ecs_emulator/effects/placed.hpp"
-#include "ecs_emulator/hidden_cases/contribution.hpp"
-#include "ecs_emulator/scene/ground.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/hidden_cases/measure.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
 
@@ -56,5 +56,23 @@ inline constexpr double kSame = 0.3;
 
 /// A rival that stays this far off, in sigmas, does not.
 inline constexpr double kApart = 8.0;
+
+/// What the base model must leave alone.
+struct Reserved {
+  std::vector<PlacedEffect> hidden;
+  std::vector<PlacedEffect> needed;  ///< places that it must hold
+  bool free = false;                 ///< its nonlinear parameters are not given, and any effect may be in it
+  Designs design = kNoDesign;        ///< effects excluded from it have no place in this base model
+};
+
+/// Share of an error's mean square that the base model must leave.
+inline constexpr double kLeastShare = 0.05;
+
+/// The effect that holds the mean and slope of a curve which has none itself.
+[[nodiscard]] std::optional<PlacedEffect> line_of(const PlacedEffect& effect);
+
+/// Draws it; sizes are about 1 um still. `absorbed` becomes what it can produce.
+[[nodiscard]] std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
+                                                        const Reserved& reserved, Absorbed& absorbed);
 
 }  // namespace ecs::emulator

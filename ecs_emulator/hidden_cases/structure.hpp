@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/ground.hpp"
-#include "ecs_emulator/scene/needs.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
 

@@ -5,7 +5,6 @@
 #include <cstddef>
 
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/needs.hpp"
 #include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {

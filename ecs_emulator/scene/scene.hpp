@@ -1,7 +1,9 @@
-// What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map.
-// Does not live here: errors (ecs_emulator/effects), readings (ecs_emulator/hidden_cases/measure.hpp).
+// What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map, what its
+// stops cover. Does not live here: errors (ecs_emulator/effects), readings (ecs_emulator/hidden_cases/measure.hpp), the
+// drawing (design.hpp), Ciddor's equations of the virtual laser (ecs_emulator/instruments/refraction.hpp).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -86,5 +88,57 @@ struct Scene {
 
 /// Linear between points, end values hold. @pre x not empty, as many values
 [[nodiscard]] double between_points(const std::vector<double>& x, const std::vector<double>& value, double at);
+
+/// What the stops of a scene cover: which axes move in which readings, and where.
+struct Ground {
+  struct Cover {
+    bool moved = false;             ///< the axis is moved in readings of the sense
+    bool both_ways = false;         ///< and comes from both sides
+    std::vector<double> places_mm;  ///< coordinates in readings of the sense, from the datum, ascending, each once
+  };
+  std::array<PerAxis<Cover>, 6> covers{};  ///< [sense][axis]
+  std::vector<Sense> senses;
+
+  [[nodiscard]] const Cover& cover(Sense sense, Axis axis) const {
+    return covers[static_cast<std::size_t>(sense)][index_of(axis)];
+  }
+  /// The only axis moved in readings of the sense, else the sense's own.
+  [[nodiscard]] Axis natural_axis(Sense sense) const;
+};
+[[nodiscard]] Ground ground_of(const Scene& scene);
+
+/// What a measurement must offer so that an error can be seen in it.
+struct Needs {
+  bool temperature = false;  ///< sensors, and hours in which temperatures change
+  bool air = false;          ///< pressure and humidity, changing
+  bool feeds = false;        ///< several feeds
+  bool loads = false;        ///< several loads
+  bool travel = false;       ///< travel since reversal
+  bool map = false;          ///< the unit was compensating
+  bool known = false;        ///< a component measured separately
+  bool one_axis = false;     ///< a single axis is moved
+  bool bidirectional = false;
+  bool fine = false;          ///< short periods can be seen
+  bool along = false;         ///< positioning, along the axis that moves
+  bool translations = false;  ///< no rotations are measured
+  bool levers = false;        ///< lines at several places of a lever arm
+  bool squares = false;       ///< one axis against another
+  bool grid = false;          ///< lines at several places, whatever the levers
+  bool constant = false;      ///< one temperature, one pressure, one feed, one load
+  bool time = false;
+  bool irregular = false;  ///< targets at uneven distances: no period hides between them
+  int least_axes = 1;
+  int least_runs = 1;
+  bool one_run = false;     ///< no target is measured again
+  bool whole_runs = false;  ///< one line: a run is one stretch of time
+};
+/// What both need.
+[[nodiscard]] Needs operator|(const Needs& a, const Needs& b);
+
+/// Refractive index of air less 1, at 633 nm: Edlén's equation as revised by Birch and Downs (Metrologia 30, 1993, 155;
+/// 31, 1994, 315), with the Magnus formula for the vapour pressure.
+[[nodiscard]] double refractivity(double air_degC, double pressure_hPa, double humidity_pct);
+/// n − n at 20 °C, 1013.25 hPa, 50 %RH. Air temperature of the stop's sensor t_air_degC.
+[[nodiscard]] double missing_refraction(const Scene& scene, const Stop& stop);
 
 }  // namespace ecs::emulator

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "ecs_emulator/effects/registry.hpp"
-#include "ecs_emulator/hidden_cases/files.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/hidden_cases/case.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 
 namespace ecs::emulator {

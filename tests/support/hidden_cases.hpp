@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/effects/registry.hpp"
-#include "ecs_emulator/hidden_cases/files.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/hidden_cases/case.hpp"
 
 namespace ecs::emulator::test {
 

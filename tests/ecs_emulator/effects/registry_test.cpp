@@ -1,13 +1,12 @@
 // The emulator's list of effects, walked: what every definition owes to hidden cases and errors files.
-#include "ecs_emulator/effects/registry.hpp"
-
 #include <cmath>
 #include <set>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "ecs_emulator/effects/shape.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/drawing.hpp"
 #include "tests/support/hidden_cases.hpp"
 #include "tests/support/workshop_machines.hpp"
 
