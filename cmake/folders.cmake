@@ -5,7 +5,7 @@ ecs_folder(base PkgConfig::nettle ZLIB::ZLIB fmt::fmt nlohmann_json::nlohmann_js
            tomlplusplus::tomlplusplus)
 ecs_folder(base/cli base CLI11::CLI11 fmt::fmt)
 
-ecs_folder(core ZLIB::ZLIB)
+ecs_folder(core base ZLIB::ZLIB)
 
 ecs_folder(kinematics core)
 
