@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/logbook/recorder.hpp"

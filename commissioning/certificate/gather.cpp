@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "base/child_program.hpp"
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json_values.hpp"
 #include "base/text.hpp"

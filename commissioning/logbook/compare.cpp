@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/json_values.hpp"
 #include "base/text.hpp"
 #include "laser/map/csv.hpp"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/settings.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/findings.hpp"

@@ -1,6 +1,6 @@
-#include "base/date.hpp"
-
 #include <doctest/doctest.h>
+
+#include "base/clock.hpp"
 
 using namespace ecs;
 

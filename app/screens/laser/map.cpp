@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/laser/page.hpp"
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/plot/curves.hpp"

@@ -5,7 +5,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
 #include "commissioning/measurements/files.hpp"

@@ -9,7 +9,7 @@
 #include "app/cli/program.hpp"
 #include "app/verbs/log/log_source.hpp"
 #include "base/answer_table.hpp"
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "commissioning/logbook/compare.hpp"

@@ -12,7 +12,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "base/date.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/build.hpp"
