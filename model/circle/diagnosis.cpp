@@ -15,6 +15,7 @@
 #include "base/units.hpp"
 #include "model/circle/faults.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -67,7 +68,7 @@ MatrixXd without_centring(const CircleData& data, MatrixXd columns) {
   for (const PassRows& pass : data.passes) {
     const MatrixXd own = centring.middleRows(pass.first, pass.count);
     auto block = columns.middleRows(pass.first, pass.count);
-    block -= own * own.colPivHouseholderQr().solve(MatrixXd(block));
+    block = without(PivotedQr(own).basis(), MatrixXd(block));
   }
   return columns;
 }
@@ -248,10 +249,8 @@ class CircleSearch {
 
   [[nodiscard]] JointFit fit(const std::vector<std::size_t>& chosen) const {
     if (chosen.empty()) return {chosen, data_.deviation.squaredNorm(), 0};
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kNothingNew);
     const MatrixXd columns = columns_of(chosen);
-    qr.compute(columns);
+    const PivotedQr qr(columns, kNothingNew);
     return {chosen, (data_.deviation - columns * qr.solve(data_.deviation)).squaredNorm(), qr.rank()};
   }
 
@@ -348,10 +347,9 @@ CircleFaultFound fault_found(const CircleFault& fault, const VectorXd& sizes, co
 std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit& best, const CircleNoise& noise,
                                      const VectorXd& deviation, VectorXd& left) {
   const MatrixXd columns = search.columns_of(best.faults);
-  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver(columns);
-  const VectorXd sizes = solver.solve(deviation);
-  const MatrixXd inverse = solver.pseudoInverse();
-  const MatrixXd covariance = noise.variance * noise.inflation * (inverse * inverse.transpose());
+  const VectorXd sizes = least_norm_solution(columns, deviation);
+  const MatrixXd back = row_space_of(columns, kNothingNew).back;
+  const MatrixXd covariance = noise.variance * noise.inflation * (back * back.transpose());
   left = deviation - columns * sizes;
   std::vector<CircleFaultFound> faults;
   Index at = 0;
@@ -366,8 +364,7 @@ std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit&
     std::vector<std::size_t> others = best.faults;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(place));
     const MatrixXd rest = search.columns_of(others);
-    const VectorXd without =
-        others.empty() ? deviation : VectorXd(deviation - rest * rest.colPivHouseholderQr().solve(deviation));
+    const VectorXd without = others.empty() ? deviation : VectorXd(deviation - rest * PivotedQr(rest).solve(deviation));
     found.ln_p = search.ln_chance(without.squaredNorm() - left.squaredNorm(), count);
     found.indistinguishable_from = search.rivals(best, place);
     faults.push_back(std::move(found));

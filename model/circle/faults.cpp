@@ -11,6 +11,7 @@
 
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -160,7 +161,7 @@ DecayFit fit_at(const VectorXd& deviation, const MatrixXd& others, const SpikeCo
     if (derivatives) all.col(spikes + i) = own.col(1);
   }
   all.rightCols(others.cols()) = others;
-  const VectorXd solved = all.colPivHouseholderQr().solve(deviation);
+  const VectorXd solved = PivotedQr(all).solve(deviation);
   return {(deviation - all * solved).squaredNorm(), solved.head(spikes),
           derivatives ? VectorXd(solved.segment(spikes, spikes)) : VectorXd()};
 }

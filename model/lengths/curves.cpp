@@ -6,12 +6,13 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
 
 constexpr int kGridOfCurve = 241;      ///< on which curves are made orthonormal
-constexpr double kNothingLeft = 1e-8;  ///< of the largest singular value: what the convention took away
+constexpr double kNothingLeft = 1e-8;  ///< of the largest pivot: what the convention took away
 
 double part_of(const std::array<double, 2>& travel_mm, double position_mm) {
   return std::clamp((position_mm - travel_mm[0]) / (travel_mm[1] - travel_mm[0]), 0.0, 1.0);
@@ -47,10 +48,7 @@ SplineCurves::SplineCurves(const std::array<double, 2>& travel_mm, double refere
   }
   for (int i = 0; i < kGridOfCurve; ++i) values.row(i) = anchored(p(i)).transpose();
   values /= std::sqrt(static_cast<double>(kGridOfCurve));
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(values, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  Eigen::Index kept = 0;
-  while (kept < count && svd.singularValues()(kept) > kNothingLeft * svd.singularValues()(0)) ++kept;
-  combine_ = svd.matrixV().leftCols(kept) * svd.singularValues().head(kept).cwiseInverse().asDiagonal();
+  combine_ = row_space_of(values, kNothingLeft).back;
 }
 
 Eigen::VectorXd SplineCurves::splines(double position_mm) const {

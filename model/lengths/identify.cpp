@@ -12,6 +12,7 @@
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/lengths/fitted_lengths.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -141,9 +142,9 @@ class LengthFit {
     taken_up_.resize(n, fitted_.solution.basis.cols());
     inverse_.clear();
     for (const auto& block : shared.blocks()) {
-      const Eigen::LLT<Eigen::MatrixXd> factor(SharedNoise::covariance_of(block, fitted_.variances));
+      const Cholesky factor(SharedNoise::covariance_of(block, fitted_.variances));
       const auto m = static_cast<Eigen::Index>(block.readings.size());
-      const Eigen::MatrixXd inverse = factor.matrixL().solve(Eigen::MatrixXd::Identity(m, m));
+      const Eigen::MatrixXd inverse = factor.by_l(Eigen::MatrixXd::Identity(m, m));
       const Eigen::MatrixXd taken_up = inverse.transpose() * rows_of(fitted_.solution.basis, block.readings);
       const Eigen::VectorXd force = factor.solve(rows_of(fitted_.residual_um, block.readings));
       Eigen::VectorXd later = Eigen::VectorXd::Zero(m);  // sum of the columns of the readings behind this one
@@ -256,8 +257,8 @@ class LengthFit {
         const Eigen::MatrixXd whitened = inverse_[b] * rows_of(moved, shared_->blocks()[b].readings);
         information += whitened.transpose() * whitened;
       }
-      const Eigen::FullPivLU<Eigen::Matrix3d> solver(information);
-      if (!solver.isInvertible()) continue;
+      const PivotedQr solver(information);
+      if (solver.rank() < 3) continue;
       const Eigen::Vector3d force = moved.transpose() * force_, off_mm = solver.solve(force);
       const double ln_p = ln_f_tail(force.dot(off_mm) / 3.0, 3.0, fitted_.degrees_of_freedom);
       if (ln_p >= least_ln_p) continue;
@@ -357,7 +358,7 @@ std::vector<std::string> contradicted_zeros(const LengthTest& test, const Identi
     const Eigen::VectorXd x = fitted.solution.x.segment(block.first, block.size());
     const Eigen::MatrixXd own = fitted.certainty.covariance().block(block.first, block.first, x.size(), x.size());
     const double count = static_cast<double>(x.size());
-    const double ln_p = ln_f_tail(x.dot(own.ldlt().solve(x)) / count, count, fitted.degrees_of_freedom);
+    const double ln_p = ln_f_tail(x.dot(SymmetricSolver(own).solve(x)) / count, count, fitted.degrees_of_freedom);
     if (ln_p >= std::log(kOutlierLevel / static_cast<double>(declared))) continue;
     notes.push_back(contradiction(component, found));
   }

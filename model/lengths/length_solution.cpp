@@ -1,11 +1,14 @@
 #include "model/lengths/length_solution.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
 
-constexpr double kNoSingular = 1e-9;   ///< of the greatest singular value of scaled columns: not determined
+constexpr double kNoPivot = 1e-9;      ///< of the greatest pivot of scaled columns: not determined
 constexpr double kInNullSpace = 1e-5;  ///< share of a value that the lengths leave free
 
 }  // namespace
@@ -30,30 +33,23 @@ Eigen::VectorXd near_solution_of(const Eigen::MatrixXd& columns, const Eigen::Ve
   constexpr double kRidge = 1e-12;
   Eigen::VectorXd norm;
   const Eigen::MatrixXd scaled = scaled_columns(columns, norm);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(scaled.cols(), scaled.cols());
-  normal.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
-  normal.diagonal().array() += kRidge;
-  return normal.selfadjointView<Eigen::Lower>().ldlt().solve(scaled.transpose() * y).cwiseQuotient(norm);
+  Eigen::MatrixXd normal = kRidge * Eigen::MatrixXd::Identity(scaled.cols(), scaled.cols());
+  add_gram(normal, scaled);
+  return SymmetricSolver(normal).solve(scaled.transpose() * y).cwiseQuotient(norm);
 }
 
 LengthSolution solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
   LengthSolution out;
-  const Eigen::Index p = columns.cols();
   const Eigen::MatrixXd scaled = scaled_columns(columns, out.norm);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  const Eigen::MatrixXd r = qr.matrixQR().topRows(std::min(p, scaled.rows())).template triangularView<Eigen::Upper>();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeThinU | Eigen::ComputeFullV);
-  const auto& s = svd.singularValues();
-  while (out.rank < s.size() && s(out.rank) > kNoSingular * s(0)) ++out.rank;
-  const Eigen::VectorXd inverse = s.head(out.rank).cwiseInverse();
-  const Eigen::MatrixXd back_scaled = svd.matrixV().leftCols(out.rank) * inverse.asDiagonal();
-  out.back = out.norm.cwiseInverse().asDiagonal() * back_scaled;
-  out.basis = scaled * back_scaled;
+  RowSpace space = row_space_of(scaled, kNoPivot);
+  out.rank = static_cast<int>(space.back.cols());
+  out.back = out.norm.cwiseInverse().asDiagonal() * space.back;
+  out.basis = scaled * space.back;
   out.x = out.back * (out.basis.transpose() * y);
   const Eigen::VectorXd left = y - columns * out.x;
   out.x += out.back * (out.basis.transpose() * left);  // once more, for what rounding lost
   out.covariance = out.back * out.back.transpose();
-  out.free = svd.matrixV().rightCols(p - out.rank);
+  out.free = std::move(space.free);
   out.squares = (y - columns * out.x).squaredNorm();
   return out;
 }

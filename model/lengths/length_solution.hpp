@@ -17,7 +17,7 @@ struct LengthSolution {
   int rank = 0;
 };
 
-/// By QR and the singular values of its triangle: of what is not determined, the solution of least norm.
+/// By orthogonal decomposition: of what is not determined, the solution of least norm.
 [[nodiscard]] LengthSolution solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
 
 /// Values alone, by the normal equations: good enough to make linear about.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "model/lengths/shared_noise.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -101,14 +102,12 @@ class PathChooser {
   [[nodiscard]] Eigen::MatrixXd information(std::optional<std::size_t> without_stand = std::nullopt) const {
     Eigen::MatrixXd out = prior_.asDiagonal();
     for (const Item& item : items_)
-      if (item.used > 0 && item.stand != without_stand)
-        out.selfadjointView<Eigen::Lower>().rankUpdate(item.rows.transpose(), item.used);
+      if (item.used > 0 && item.stand != without_stand) add_gram(out, item.rows, item.used);
     return out;
   }
 
   void update() {
-    const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> factor(information());
-    covariance_ = factor.solve(Eigen::MatrixXd::Identity(prior_.size(), prior_.size()));
+    covariance_ = Cholesky(information()).inverse();
     measure();
   }
 
@@ -117,26 +116,27 @@ class PathChooser {
     mean_square_ = task_.weight.cwiseProduct(covariance_.topLeftCorner(m, m)).sum();
   }
 
+  /// 1 ± rows·covariance·rowsᵀ, which Woodbury's identity inverts. @param through  rows·covariance
+  [[nodiscard]] static Cholesky inner_of(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& through, double sign) {
+    Eigen::MatrixXd inner = sign * through * rows.transpose();
+    inner.diagonal().array() += 1.0;
+    return Cholesky(inner);
+  }
+
   /// What these rows take off the mean square (`sign` 1), or what it grows by without them (−1); nothing where what is
   /// left determines less.
   [[nodiscard]] std::optional<double> change(const Eigen::MatrixXd& rows, double sign) const {
-    const auto m = task_.curves.size();
     const Eigen::MatrixXd through = rows * covariance_;
-    Eigen::MatrixXd inner = sign * through * rows.transpose();
-    inner.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> factor(inner);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    const Eigen::MatrixXd half = factor.matrixL().solve(through.leftCols(m));
+    const Cholesky factor = inner_of(rows, through, sign);
+    if (!factor.is_positive()) return std::nullopt;
+    const Eigen::MatrixXd half = factor.by_l(through.leftCols(task_.curves.size()));
     return (half * task_.weight).cwiseProduct(half).sum();
   }
 
   /// Rows more, or less, by the identity of Sherman, Morrison and Woodbury.
   void apply(const Eigen::MatrixXd& rows, double sign) {
     const Eigen::MatrixXd through = rows * covariance_;
-    Eigen::MatrixXd inner = sign * through * rows.transpose();
-    inner.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> factor(inner);
-    const Eigen::MatrixXd half = factor.matrixL().solve(through);
+    const Eigen::MatrixXd half = inner_of(rows, through, sign).by_l(through);
     covariance_.noalias() -= sign * half.transpose() * half;
     measure();
   }
@@ -206,11 +206,7 @@ class PathChooser {
     if (mean_square_ > task_.mean_square_um2) return;
     for (std::size_t s = 0; s < stands_.size(); ++s) {
       if (!open_[s]) continue;
-      const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> factor(information(s));
-      if (factor.info() != Eigen::Success) continue;
-      const auto m = task_.curves.size();
-      const Eigen::MatrixXd left = factor.solve(Eigen::MatrixXd::Identity(prior_.size(), prior_.size()));
-      if (task_.weight.cwiseProduct(left.topLeftCorner(m, m)).sum() > task_.mean_square_um2) continue;
+      if (mean_square_of(task_, information(s)) > task_.mean_square_um2) continue;
       for (Item& item : items_)
         if (item.stand == s) item.used = 0;
       open_[s] = false;
@@ -366,7 +362,7 @@ Eigen::MatrixXd without_last(const Eigen::MatrixXd& information, Eigen::Index co
   const auto m = information.rows() - count;
   const Eigen::MatrixXd cross = information.bottomLeftCorner(count, m);
   return information.topLeftCorner(m, m) -
-         cross.transpose() * information.bottomRightCorner(count, count).ldlt().solve(cross);
+         cross.transpose() * solved_symmetric(information.bottomRightCorner(count, count), cross);
 }
 
 class SetUpChooser {
@@ -455,8 +451,7 @@ class SetUpChooser {
     out.mean_square_um2 = mean_square_;
     out.reached = mean_square_ <= task_.mean_square_um2;
     const auto m = task_.curves.size();
-    const Eigen::LLT<Eigen::MatrixXd> factor(information_);
-    out.covariance = factor.solve(Eigen::MatrixXd::Identity(m + 1, m + 1)).topLeftCorner(m, m);
+    out.covariance = Cholesky(information_).inverse().topLeftCorner(m, m);
     return out;
   }
 
@@ -483,10 +478,9 @@ StandInformation::StandInformation(const PlanTask& task, const PlanStand& stand)
     rows.middleCols(m + 1, 3) = compact.middleCols(m, 3);
     rows.col(m + 4) = compact.col(m + 4);
     rows.col(known_bar ? m : m + 5) = compact.col(m + 3);
-    all.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    add_gram(all, rows);
     minutes_ += path.minutes;
   }
-  all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
   all(m + 5, m + 5) += precision(3);
   a_run_ = without_last(all, 1);
   scale_precision_ = precision(4);
@@ -513,20 +507,17 @@ Eigen::MatrixXd directions_left_free(const Eigen::MatrixXd& information, const E
   const Eigen::MatrixXd all = information + first;
   const Eigen::VectorXd size = all.diagonal().cwiseSqrt();
   const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * information * size.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const Spectrum eigen = spectrum_of(scaled);
   Eigen::Index count = 0;
-  while (count < scaled.rows() && eigen.eigenvalues()(count) < kFreePart * eigen.eigenvalues().maxCoeff()) ++count;
-  Eigen::MatrixXd out = size.cwiseInverse().asDiagonal() * eigen.eigenvectors().leftCols(count);
-  if (count > 0)
-    out = Eigen::HouseholderQR<Eigen::MatrixXd>(out).householderQ() * Eigen::MatrixXd::Identity(out.rows(), count);
-  return out;
+  while (count < scaled.rows() && eigen.values(count) < kFreePart * eigen.values.maxCoeff()) ++count;
+  return PivotedQr(size.cwiseInverse().asDiagonal() * eigen.vectors.leftCols(count)).basis();
 }
 
 double mean_square_of(const PlanTask& task, const Eigen::MatrixXd& information) {
   const auto m = task.curves.size();
-  const Eigen::LLT<Eigen::MatrixXd> factor(information);
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::max();
-  return task.weight.cwiseProduct(factor.solve(Eigen::MatrixXd::Identity(m + 1, m + 1)).topLeftCorner(m, m)).sum();
+  const Cholesky factor(information);
+  if (!factor.is_positive()) return std::numeric_limits<double>::max();
+  return task.weight.cwiseProduct(factor.inverse().topLeftCorner(m, m)).sum();
 }
 
 PlanChoice chosen_set_ups(const PlanTask& task, const std::vector<PlanStand>& stands,

@@ -13,6 +13,7 @@
 
 #include "base/units.hpp"
 #include "model/lengths/plan_choice.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::model {
@@ -289,7 +290,7 @@ SingleComponent single_component(const MachineCurves& curves, const LengthPlanSe
   } else {
     const double noise = instrument_noise(component);
     const Eigen::MatrixXd normal = rows.transpose() * rows;
-    const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    const Eigen::MatrixXd inverse = solved_symmetric(normal, Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
     out.covariance = (scatter * scatter + noise * noise) * inverse.topLeftCorner(size, size);
   }
   out.proposal.set_up_minutes = settings.times.line_minutes;

@@ -10,6 +10,7 @@
 
 #include "base/units.hpp"
 #include "model/lengths/length_solution.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -138,8 +139,7 @@ Eigen::MatrixXd SharedNoise::covariance_of(const Block& block, const ScatterVari
 Eigen::MatrixXd SharedNoise::whitened(const Eigen::MatrixXd& rows, const ScatterVariances& variances) const {
   Eigen::MatrixXd out(rows.rows(), rows.cols());
   for (const Block& block : blocks_) {
-    Eigen::MatrixXd own = rows_of(rows, block.readings);
-    Eigen::LLT<Eigen::MatrixXd>(covariance_of(block, variances)).matrixL().solveInPlace(own);
+    const Eigen::MatrixXd own = Cholesky(covariance_of(block, variances)).by_l(rows_of(rows, block.readings));
     for (std::size_t i = 0; i < block.readings.size(); ++i)
       out.row(block.readings[i]) = own.row(static_cast<Eigen::Index>(i));
   }
@@ -199,51 +199,46 @@ class RestrictedLikelihood {
     LikelihoodAt out;
     out.variances = variances;
     const Eigen::Index p = unknowns_;
-    std::vector<Eigen::LLT<Eigen::MatrixXd>> factors;
+    std::vector<Cholesky> factors;
     std::vector<Eigen::MatrixXd> white = rows_;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(p + 1, p + 1);
     double half_log_determinant = 0.0;
     for (std::size_t b = 0; b < white.size(); ++b) {
       factors.emplace_back(SharedNoise::covariance_of(shared_.blocks()[b], variances));
-      if (factors.back().info() != Eigen::Success) return out;
-      factors.back().matrixL().solveInPlace(white[b]);
-      half_log_determinant += factors.back().matrixLLT().diagonal().array().log().sum();
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(white[b].transpose());
+      if (!factors.back().is_positive()) return out;
+      white[b] = factors.back().by_l(std::move(white[b]));
+      half_log_determinant += factors.back().half_ln_determinant();
+      add_gram(normal, white[b]);
     }
     Eigen::MatrixXd inner = normal.topLeftCorner(p, p);
     inner.diagonal() += precision_;
     const double ridge = 1e-12 * inner.diagonal().maxCoeff();  // for what is not determined
     inner.diagonal().array() += ridge;
-    const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+    const Cholesky factor(inner);
     const Eigen::VectorXd right = normal.row(p).head(p).transpose();
     const Eigen::VectorXd scaled_x = factor.solve(right);
     out.x = scaled_x.cwiseQuotient(norm_);
-    out.half_deviance = half_log_determinant + factor.matrixLLT().diagonal().array().log().sum() +
-                        0.5 * (normal(p, p) - right.dot(scaled_x));
+    out.half_deviance =
+        half_log_determinant + factor.half_ln_determinant() + 0.5 * (normal(p, p) - right.dot(scaled_x));
     derive(out, white, factors, factor, scaled_x);
     return out;
   }
 
  private:
-  void derive(LikelihoodAt& out, std::vector<Eigen::MatrixXd>& white,
-              const std::vector<Eigen::LLT<Eigen::MatrixXd>>& factors, const Eigen::LLT<Eigen::MatrixXd>& factor,
-              const Eigen::VectorXd& scaled_x) const {
+  void derive(LikelihoodAt& out, std::vector<Eigen::MatrixXd>& white, const std::vector<Cholesky>& factors,
+              const Cholesky& factor, const Eigen::VectorXd& scaled_x) const {
     constexpr auto kCount = static_cast<Eigen::Index>(kScatters);
     const Eigen::Index p = unknowns_;
     Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(p, kCount);  // of V_j·P·y, what the unknowns take up
     for (std::size_t b = 0; b < white.size(); ++b) {
       const auto& block = shared_.blocks()[b];
       const auto m = white[b].rows();
-      Eigen::VectorXd residual = white[b].col(p) - white[b].leftCols(p) * scaled_x;
-      Eigen::MatrixXd basis = white[b].leftCols(p);
-      factor.matrixU().solveInPlace<Eigen::OnTheRight>(basis);
-      Eigen::MatrixXd inside = Eigen::MatrixXd::Identity(m, m);  // L⁻¹ projects: P = L⁻ᵀ·(1 − basis·basisᵀ)·L⁻¹
-      inside.selfadjointView<Eigen::Lower>().rankUpdate(basis, -1.0);
-      inside.triangularView<Eigen::StrictlyUpper>() = inside.transpose();
-      factors[b].matrixU().solveInPlace(inside);
-      factors[b].matrixU().solveInPlace(residual);
-      Eigen::MatrixXd projection = inside.transpose();
-      factors[b].matrixU().solveInPlace(projection);
+      const Eigen::VectorXd residual = factors[b].by_l_transposed(white[b].col(p) - white[b].leftCols(p) * scaled_x);
+      const Eigen::MatrixXd basis = factor.by_l(white[b].leftCols(p).transpose());  // of the unknowns, transposed
+      Eigen::MatrixXd inside = Eigen::MatrixXd::Identity(m, m);  // L⁻¹ projects: P = L⁻ᵀ·(1 − basisᵀ·basis)·L⁻¹
+      add_gram(inside, basis, -1.0);
+      const Eigen::MatrixXd projection =
+          factors[b].by_l_transposed(factors[b].by_l_transposed(std::move(inside)).transpose());
       Eigen::MatrixXd forces(m, kCount);
       forces.col(0) = residual;
       out.trace(0) += projection.trace();
@@ -253,9 +248,9 @@ class RestrictedLikelihood {
         forces.col(j) = unit * residual;
       }
       out.squares += forces.transpose() * residual;
-      factors[b].matrixL().solveInPlace(forces);
+      forces = factors[b].by_l(std::move(forces));
       out.average += 0.5 * forces.transpose() * forces;
-      seen += basis.transpose() * forces;
+      seen += basis * forces;
     }
     out.average -= 0.5 * seen.transpose() * seen;
   }
@@ -282,7 +277,7 @@ ScatterVariances stepped(const LikelihoodAt& here, double least, double* promise
     constexpr double kMore = 1e-6;
     information(i, i) *= 1.0 + kMore;
   }
-  const Eigen::VectorXd step = -information.ldlt().solve(slope);
+  const Eigen::VectorXd step = -SymmetricSolver(information).solve(slope);
   ScatterVariances out = here.variances;
   *promised = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -337,11 +332,11 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& information) {
   Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i)
     if (information(i, i) > 0.0) scale(i) = 1.0 / std::sqrt(information(i, i));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+  const Spectrum eigen = spectrum_of(scale.asDiagonal() * information * scale.asDiagonal());
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i)
-    if (eigen.eigenvalues()(i) > kNotTold) inverse(i) = 1.0 / eigen.eigenvalues()(i);
-  const Eigen::MatrixXd directions = scale.asDiagonal() * eigen.eigenvectors();
+    if (eigen.values(i) > kNotTold) inverse(i) = 1.0 / eigen.values(i);
+  const Eigen::MatrixXd directions = scale.asDiagonal() * eigen.vectors;
   return directions * inverse.asDiagonal() * directions.transpose();
 }
 
@@ -379,10 +374,9 @@ NoiseCertainty::NoiseCertainty(const SharedNoise& shared, const Eigen::MatrixXd&
   Eigen::MatrixXd information =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
   for (const auto& block : shared.blocks()) {
-    const auto m = static_cast<Eigen::Index>(block.readings.size());
-    const Eigen::LLT<Eigen::MatrixXd> factor(SharedNoise::covariance_of(block, variances));
-    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(m, m));
-    const Eigen::MatrixXd pushed = factor.matrixU().solve(rows_of(basis, block.readings));
+    const Cholesky factor(SharedNoise::covariance_of(block, variances));
+    const Eigen::MatrixXd inverse = factor.inverse();
+    const Eigen::MatrixXd pushed = factor.by_l_transposed(rows_of(basis, block.readings));
     std::vector<Eigen::MatrixXd> shares, seen;  // V⁻¹·V_j, L⁻¹·V_j·L⁻ᵀ·B
     for (std::size_t j = 0; j < count; ++j) {
       Eigen::MatrixXd own = pushed;
@@ -394,8 +388,7 @@ NoiseCertainty::NoiseCertainty(const SharedNoise& shared, const Eigen::MatrixXd&
         own = unit * pushed;
       }
       inside[j] += pushed.transpose() * own;
-      factor.matrixL().solveInPlace(own);
-      seen.push_back(std::move(own));
+      seen.push_back(factor.by_l(std::move(own)));
       for (std::size_t k = 0; k <= j; ++k) {
         products[j * count + k] += seen[j].transpose() * seen[k];
         information(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) +=

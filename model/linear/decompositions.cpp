@@ -63,6 +63,44 @@ double PivotedQr::condition() const {
 SymmetricSolver::SymmetricSolver(const MatrixXd& matrix) : ldlt_(matrix) {}
 VectorXd SymmetricSolver::solve(const VectorXd& right) const { return ldlt_.solve(right); }
 
+MatrixXd solved_symmetric(const MatrixXd& matrix, const MatrixXd& right) {
+  return Eigen::LDLT<MatrixXd>(matrix).solve(right);
+}
+
+Cholesky::Cholesky(const MatrixXd& matrix) : llt_(matrix) {}
+VectorXd Cholesky::solve(const VectorXd& right) const { return llt_.solve(right); }
+MatrixXd Cholesky::inverse() const { return llt_.solve(MatrixXd::Identity(llt_.rows(), llt_.cols())); }
+double Cholesky::half_ln_determinant() const { return llt_.matrixLLT().diagonal().array().log().sum(); }
+
+MatrixXd Cholesky::by_l(MatrixXd columns) const {
+  llt_.matrixL().solveInPlace(columns);
+  return columns;
+}
+
+MatrixXd Cholesky::by_l_transposed(MatrixXd columns) const {
+  llt_.matrixU().solveInPlace(columns);
+  return columns;
+}
+
+void add_gram(MatrixXd& to, const MatrixXd& columns, double factor) {
+  to.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), factor);
+  to.triangularView<Eigen::StrictlyUpper>() = to.transpose();
+}
+
+RowSpace row_space_of(const MatrixXd& columns, double threshold) {
+  const Eigen::HouseholderQR<MatrixXd> qr(columns);
+  const MatrixXd r = qr.matrixQR().topRows(std::min(columns.rows(), columns.cols())).triangularView<Eigen::Upper>();
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(threshold);
+  decomposition.compute(r);
+  const Index rank = decomposition.rank();
+  MatrixXd turned = decomposition.colsPermutation();
+  if (rank < columns.cols()) turned *= decomposition.matrixZ().transpose();  // without a meaning at full rank
+  MatrixXd back = turned.leftCols(rank).transpose();
+  decomposition.matrixT().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().transpose().solveInPlace(back);
+  return {back.transpose(), turned.rightCols(columns.cols() - rank)};
+}
+
 Spectrum spectrum_of(const MatrixXd& symmetric) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetric);
   return {solver.eigenvalues(), solver.eigenvectors()};

@@ -52,6 +52,38 @@ class SymmetricSolver {
   Eigen::LDLT<Eigen::MatrixXd> ldlt_;
 };
 
+/// The same of several right sides, as columns.
+[[nodiscard]] Eigen::MatrixXd solved_symmetric(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
+
+/// A symmetric matrix that is positive definite as L·Lᵀ (Cholesky); its lower triangle is read.
+class Cholesky {
+ public:
+  explicit Cholesky(const Eigen::MatrixXd& matrix);
+  [[nodiscard]] bool is_positive() const { return llt_.info() == Eigen::Success; }
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  [[nodiscard]] Eigen::MatrixXd inverse() const;
+  /// L⁻¹·columns, L⁻ᵀ·columns
+  [[nodiscard]] Eigen::MatrixXd by_l(Eigen::MatrixXd columns) const;
+  [[nodiscard]] Eigen::MatrixXd by_l_transposed(Eigen::MatrixXd columns) const;
+  /// Half of ln of the determinant.
+  [[nodiscard]] double half_ln_determinant() const;
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> llt_;
+};
+
+/// Adds factor·XᵀX of columns X.
+void add_gram(Eigen::MatrixXd& to, const Eigen::MatrixXd& columns, double factor = 1.0);
+
+/// What the rows of a matrix X span: X·back is orthonormal and reaches what X reaches, X·free is nothing, and the
+/// columns of `free` are orthonormal. back·backᵀ = (XᵀX)⁺.
+struct RowSpace {
+  Eigen::MatrixXd back, free;
+};
+/// By a complete orthogonal decomposition of the triangle of a QR (Golub and Van Loan 2013, 5.4.7).
+/// @param threshold  pivots below this share of the largest count as 0
+[[nodiscard]] RowSpace row_space_of(const Eigen::MatrixXd& columns, double threshold);
+
 /// Eigenvalues of a symmetric matrix, least first, and its eigenvectors as columns.
 struct Spectrum {
   Eigen::VectorXd values;

@@ -9,6 +9,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 
@@ -40,7 +41,7 @@ constexpr double kLeastOwnShare = 0.02;
 /// Which part of an effect's column the columns of others do not do, 0 to 1.
 double own_share(const Eigen::MatrixXd& others, const Eigen::VectorXd& column) {
   if (others.cols() == 0) return 1.0;
-  return (column - others * others.colPivHouseholderQr().solve(column)).norm() / column.norm();
+  return (column - others * PivotedQr(others).solve(column)).norm() / column.norm();
 }
 
 /// The zero of a rotary axis: COC of C. The workpiece is set up with it.
@@ -65,7 +66,7 @@ std::vector<Exchangeable> exchangeable_locations(const Observations& data, const
     values.tail(own.size()) = own;
   }
   if (known.cols() == 0) return list;
-  const auto qr = known.colPivHouseholderQr();
+  const PivotedQr qr(known);
   for (const EffectInstance& one : candidate_instances(data)) {
     if (one.definition().place != Place::location || is_zero_of_axis(one)) continue;
     if (std::any_of(fitted.begin(), fitted.end(), [&](const auto& other) { return same_place(one, other); })) continue;

@@ -1,9 +1,11 @@
-// Decompositions where there is nothing to decompose.
+// Decompositions: what they promise, and where there is nothing to decompose.
 #include "model/linear/decompositions.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
+
+#include "tests/model/normal_matrix.hpp"
 
 namespace ecs::model {
 namespace {
@@ -71,6 +73,39 @@ TEST_CASE("columns of zeros have rank 0 and a solution of zeros") {
   CHECK(qr.rank() == 0);
   CHECK(qr.solve(Eigen::VectorXd::Ones(5)) == Eigen::VectorXd::Zero(2));
   CHECK(qr.basis().cols() == 0);
+}
+
+TEST_CASE(
+    "what the rows of a matrix span makes its columns orthonormal, and what they do not span makes them nothing") {
+  for (const Eigen::Index dependent : {0, 1, 2}) {
+    CAPTURE(dependent);
+    Eigen::MatrixXd columns = test::normal_matrix(30, 7, 5);
+    for (Eigen::Index j = 0; j < dependent; ++j) columns.col(3 * j) = columns.col(5) * (1.0 + static_cast<double>(j));
+    const RowSpace space = row_space_of(columns, 1e-9);
+    REQUIRE(space.back.cols() == 7 - dependent);
+    REQUIRE(space.free.cols() == dependent);
+    const Eigen::MatrixXd basis = columns * space.back;
+    CHECK((basis.transpose() * basis).isIdentity(1e-12));
+    CHECK((columns * space.free).norm() < 1e-12);
+    CHECK((space.free.transpose() * space.free).isIdentity(1e-12));
+    const Eigen::VectorXd y = columns.rowwise().sum() + Eigen::VectorXd::LinSpaced(30, -1.0, 1.0);
+    CHECK((space.back * (basis.transpose() * y)).isApprox(least_norm_solution(columns, y), 1e-10));
+  }
+}
+
+TEST_CASE("a Cholesky factor solves, inverts and whitens what it was made of; a matrix that is not positive has none") {
+  const Eigen::MatrixXd columns = test::normal_matrix(20, 4, 3);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(4, 4);
+  add_gram(gram, columns);
+  CHECK(gram.isApprox(columns.transpose() * columns, 1e-13));
+  const Cholesky factor(gram);
+  REQUIRE(factor.is_positive());
+  CHECK((gram * factor.inverse()).isIdentity(1e-12));
+  CHECK((gram * factor.solve(Eigen::VectorXd::Ones(4))).isApprox(Eigen::VectorXd::Ones(4), 1e-12));
+  CHECK(factor.by_l_transposed(factor.by_l(gram)).isIdentity(1e-12));
+  CHECK(factor.half_ln_determinant() == doctest::Approx(0.5 * std::log(gram.determinant())));
+  add_gram(gram, columns, -2.0);
+  CHECK(!Cholesky(gram).is_positive());
 }
 
 }  // namespace
