@@ -1,100 +1,57 @@
-// Incomplete gamma and beta functions by series and continued fractions (Abramowitz and Stegun 1964, 6.5 and 26.5;
-// Lentz 1976 as modified by Thompson and Barnett 1986); exact interval of a share (Clopper and Pearson 1934); tail
-// beyond the largest of a sample by exponential excesses over a threshold (Pickands 1975; Davison and Smith 1990).
+// Tails by the incomplete gamma and beta functions of Boost.Math, far out, where they would be 0, by their continued
+// fractions in logarithms (Abramowitz and Stegun 1964, 6.5.31 and 26.5.8); exact interval of a share (Clopper and
+// Pearson 1934); tail beyond the largest of a sample by exponential excesses over a threshold (Pickands 1975; Davison
+// and Smith 1990).
 #include "model/fit/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/beta.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <boost/math/tools/fraction.hpp>
 
 namespace ecs::model {
 
-double ln_gamma(double x) {
-  int sign = 0;
-  return ::lgamma_r(x, &sign);
-}
+double ln_gamma(double x) { return boost::math::lgamma(x); }
 
 namespace {
 
-/// Terms after which a series or fraction ends in any case: arguments met here need less than a hundredth of them.
-constexpr int kMostTerms = 10'000;
-/// A term below this share of the sum changes no digit of a double (2⁻⁵³ = 1.1e-16).
-constexpr double kNoDigit = 1e-16;
-/// A factor this close to 1 ends a continued fraction: the last digits of a double are rounding.
-constexpr double kSettled = 1e-15;
-/// Lentz's replacement for a denominator of 0.
-constexpr double kTiny = 1e-300;
-/// ln of a probability that is 0.
-constexpr double kLnZero = -kBeyondAll;
-
-/// ln of the upper incomplete gamma ratio Q(a, x) (series below, Lentz's continued fraction above; Abramowitz and
-/// Stegun 6.5.29, 6.5.31).
-double ln_gamma_q(double a, double x) {
-  if (x <= 0.0) return 0.0;
-  const double front = a * std::log(x) - x - ln_gamma(a);
-  if (x < a + 1.0) {
-    double term = 1.0 / a, sum = term;
-    for (int n = 1; n < kMostTerms && std::abs(term) > kNoDigit * std::abs(sum); ++n) {
-      term *= x / (a + n);
-      sum += term;
-    }
-    return std::log1p(-std::min(std::exp(front) * sum, 1.0 - kNoDigit));
-  }
-  double b = x + 1.0 - a, c = 1.0 / kTiny, d = 1.0 / b, h = d;
-  for (int i = 1; i < kMostTerms; ++i) {
-    const double an = -i * (i - a);
-    b += 2.0;
-    d = an * d + b;
-    if (std::abs(d) < kTiny) d = kTiny;
-    c = b + an / c;
-    if (std::abs(c) < kTiny) c = kTiny;
-    d = 1.0 / d;
-    const double change = d * c;
-    h *= change;
-    if (std::abs(change - 1.0) < kSettled) break;
-  }
-  return front + std::log(h);
+/// ln of a continued fraction b0 + a1/(b1 + a2/(b2 + …)). @param next  gives (any, b0), (a1, b1), (a2, b2) …
+template <class Next>
+double ln_fraction(Next next) {
+  struct Terms {
+    using result_type = std::pair<double, double>;
+    Next& next;
+    int n = 0;
+    result_type operator()() { return next(n++); }
+  } terms{next};
+  return std::log(boost::math::tools::continued_fraction_b(terms, std::numeric_limits<double>::epsilon()));
 }
 
-/// Continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8).
-double beta_fraction(double a, double b, double x) {
-  double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
-  if (std::abs(d) < kTiny) d = kTiny;
-  d = 1.0 / d;
-  double h = d;
-  for (int m = 1; m < kMostTerms; ++m) {
-    const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-    const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-    for (const double step : {even, odd}) {
-      d = 1.0 + step * d;
-      if (std::abs(d) < kTiny) d = kTiny;
-      c = 1.0 + step / c;
-      if (std::abs(c) < kTiny) c = kTiny;
-      d = 1.0 / d;
-      h *= d * c;
-    }
-    if (std::abs(d * c - 1.0) < kSettled) break;
-  }
-  return h;
+/// ln of the upper incomplete gamma ratio Q(a, x).
+double ln_gamma_q(double a, double x) {
+  if (x <= 0.0) return 0.0;
+  if (x < a + 1.0) return std::log1p(-boost::math::gamma_p(a, x));
+  return a * std::log(x) - x - ln_gamma(a) -
+         ln_fraction([=](int n) { return std::pair(-n * (n - a), x + 1.0 - a + 2.0 * n); });
 }
 
 /// ln of the regularised incomplete beta function I_x(a, b).
 double ln_beta_ratio(double a, double b, double x) {
-  if (x <= 0.0) return kLnZero;
+  if (x <= 0.0) return -kBeyondAll;
   if (x >= 1.0) return 0.0;
-  const double front = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * std::log(x) + b * std::log1p(-x);
-  if (x < (a + 1.0) / (a + b + 2.0)) return front + std::log(beta_fraction(a, b, x)) - std::log(a);
-  return std::log1p(-std::min(std::exp(front) * beta_fraction(b, a, 1.0 - x) / b, 1.0 - kNoDigit));
-}
-
-/// p with I_p(a, b) = target, by bisection.
-double beta_quantile(double a, double b, double target) {
-  double low = 0.0, high = 1.0;
-  constexpr int kHalvings = 200;  // 2^-200 of the interval: far finer than a double of order 1
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (std::exp(ln_beta_ratio(a, b, middle)) < target ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  if (x >= (a + 1.0) / (a + b + 2.0)) return std::log1p(-boost::math::ibetac(a, b, x));
+  const auto term = [=](int n) {
+    const double m = n / 2;
+    if (n % 2 == 0) return std::pair(m * (b - m) * x / ((a + n - 1.0) * (a + n)), 1.0);
+    return std::pair(-(a + m) * (a + b + m) * x / ((a + n - 1.0) * (a + n)), 1.0);
+  };
+  return ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * std::log(x) + b * std::log1p(-x) - std::log(a) -
+         ln_fraction(term);
 }
 
 }  // namespace
@@ -137,9 +94,16 @@ Interval clopper_pearson(unsigned hits, unsigned trials, double confidence) {
   const double half = 0.5 * (1.0 - confidence);
   const double k = hits, n = trials;
   Interval interval;
-  interval.low = hits == 0 ? 0.0 : beta_quantile(k, n - k + 1.0, half);
-  interval.high = hits == trials ? 1.0 : beta_quantile(k + 1.0, n - k, 1.0 - half);
+  interval.low = hits == 0 ? 0.0 : boost::math::ibeta_inv(k, n - k + 1.0, half);
+  interval.high = hits == trials ? 1.0 : boost::math::ibeta_inv(k + 1.0, n - k, 1.0 - half);
   return interval;
+}
+
+double coverage_factor(double degrees_of_freedom) {
+  constexpr double kNormal = 2.0, kShare = 0.954499736103642, kMany = 1e6;
+  if (!(degrees_of_freedom < kMany)) return kNormal;
+  const boost::math::students_t distribution(std::max(1.0, degrees_of_freedom));
+  return boost::math::quantile(distribution, 0.5 * (1.0 + kShare));
 }
 
 double upper_median(std::vector<double> values) {

@@ -44,6 +44,10 @@ struct Interval {
 };
 [[nodiscard]] Interval clopper_pearson(unsigned hits, unsigned trials, double confidence = 0.95);
 
+/// Half width over standard uncertainty that holds 95.45 % (of the normal distribution: 2) of Student's t.
+/// @param degrees_of_freedom  below 1 taken as 1
+[[nodiscard]] double coverage_factor(double degrees_of_freedom);
+
 /// The middle of the ordered values, of an even number the upper of the two. @pre  values are not empty
 [[nodiscard]] double upper_median(std::vector<double> values);
 

@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "base/units.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/lengths/fitted_lengths.hpp"
 #include "model/lengths/identify.hpp"
 

@@ -345,18 +345,6 @@ double trace_of_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return a.cwiseProduct(b.transpose()).sum();
 }
 
-/// Share of Student's t within ±k.
-double share_within(double k, double freedom) {
-  constexpr int kSteps = 64;  // Simpson's rule in the angle of which k/√freedom is the tangent
-  const double end = std::atan(k / std::sqrt(freedom)), h = end / kSteps;
-  double sum = 0.0;
-  for (int i = 0; i <= kSteps; ++i)
-    sum += (i == 0 || i == kSteps ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * std::pow(std::cos(i * h), freedom - 1.0);
-  constexpr double kSquareRootOfPi = 1.7724538509055160;
-  return sum * h / 3.0 * 2.0 / kSquareRootOfPi *
-         std::exp(std::lgamma(0.5 * freedom + 0.5) - std::lgamma(0.5 * freedom));
-}
-
 }  // namespace
 
 // In coordinates in which the covariance of the unknowns is 1, B the orthonormal basis of the whitened columns, A_j the
@@ -432,18 +420,6 @@ double NoiseCertainty::degrees_of_freedom(const Eigen::MatrixXd& weights, Eigen:
 
 double NoiseCertainty::degrees_of_freedom(const Eigen::VectorXd& row, Eigen::Index first) const {
   return degrees_of_freedom(Eigen::MatrixXd(row * row.transpose()), first);
-}
-
-double coverage_factor(double degrees_of_freedom) {
-  constexpr double kNormal = 2.0, kShare = 0.954499736103642, kMany = 1e6, kLeast = 1.0, kGreatest = 20.0;
-  if (!(degrees_of_freedom < kMany)) return kNormal;
-  const double freedom = std::max(kLeast, degrees_of_freedom);
-  double low = kNormal, high = kGreatest;
-  while (high - low > 1e-5) {
-    const double middle = 0.5 * (low + high);
-    (share_within(middle, freedom) < kShare ? low : high) = middle;
-  }
-  return high;
 }
 
 }  // namespace ecs::model

@@ -96,7 +96,4 @@ class NoiseCertainty {
   Eigen::MatrixXd spread_;
 };
 
-/// Half width over standard uncertainty that holds 95.45 % (of the normal distribution: 2).
-[[nodiscard]] double coverage_factor(double degrees_of_freedom);
-
 }  // namespace ecs::model

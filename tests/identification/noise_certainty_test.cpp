@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "base/random.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/lengths/length_solution.hpp"
 #include "model/lengths/shared_noise.hpp"
 #include "tests/identification/support/made_lengths.hpp"
