@@ -466,49 +466,15 @@ std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted) {
 }
 
 Observations subset(const Observations& all, const std::vector<std::size_t>& chosen) {
-  Observations part;
-  part.rotary = all.rotary;
-  part.row = taken(all.row, chosen);
-  part.file_order = taken(all.file_order, chosen);
-  part.axis = taken(all.axis, chosen);
-  part.sense = taken(all.sense, chosen);
-  part.run = taken(all.run, chosen);
-  part.approach = taken(all.approach, chosen);
-  part.position_mm = taken(all.position_mm, chosen);
-  part.place_mm = taken(all.place_mm, chosen);
-  part.pose_deg = taken(all.pose_deg, chosen);
-  part.through_chain = taken(all.through_chain, chosen);
-  part.balls_mm = all.balls_mm;
-  part.rotary_axes = all.rotary_axes;
-  part.compensated = taken(all.compensated, chosen);
-  part.paths = all.paths;
-  part.path = taken(all.path, chosen);
-  part.along = taken(all.along, chosen);
-  part.place = taken(all.place, chosen);
-  part.moved = all.moved;
-  part.of_moved = taken(all.of_moved, chosen);
-  part.aside = taken(all.aside, chosen);
-  part.reading = taken(all.reading, chosen);
-  part.time_s = taken(all.time_s, chosen);
-  part.feed_mm_min = taken(all.feed_mm_min, chosen);
-  part.load_kg = taken(all.load_kg, chosen);
-  part.travel_since_reversal_mm = taken(all.travel_since_reversal_mm, chosen);
-  part.pressure_hPa = taken(all.pressure_hPa, chosen);
-  part.humidity_pct = taken(all.humidity_pct, chosen);
-  for (const auto& [name, column] : all.sensors_degC) part.sensors_degC[name] = taken(column, chosen);
-  for (const auto& [name, column] : all.extras) part.extras[name] = taken(column, chosen);
-  part.has_compensated_column = all.has_compensated_column;
-  part.has_run_column = all.has_run_column;
-  part.machine = all.machine;
-  part.terms = all.terms;
-  part.lines = all.lines;
-  part.datum_mm = all.datum_mm;
-  part.map = all.map;
-  part.known = all.known;
-  part.origin = all.origin;
-  part.first_since_s = all.first_since_s;
-  part.clock_note = all.clock_note;
-  part.notes = all.notes;
+  Observations part = all;
+  const auto keep = [&](auto&... columns) { ((columns = taken(columns, chosen)), ...); };
+  keep(part.row, part.file_order, part.axis, part.sense, part.run, part.approach, part.position_mm, part.place_mm,
+       part.pose_deg, part.through_chain, part.compensated, part.path, part.along, part.place, part.of_moved,
+       part.aside);
+  keep(part.reading, part.time_s, part.feed_mm_min, part.load_kg, part.travel_since_reversal_mm, part.pressure_hPa,
+       part.humidity_pct);
+  for (auto* columns : {&part.sensors_degC, &part.extras})
+    for (auto& each : *columns) keep(each.second);
   return part;
 }
 

@@ -200,13 +200,9 @@ MeasurementSet set_of_circle(const laser::CircleTest& test) {
 
 Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
   if (test.steps)
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  "kind: expected diagonal, found step: readings between the steps lie beside the "
-                                  "diagonal and are not told apart from a tilted beam (docs/standards_tests.md)",
-                                  test.source,
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(test.source, 0, 0,
+                      "kind: expected diagonal, found step: readings between the steps lie beside the "
+                      "diagonal and are not told apart from a tilted beam (docs/standards_tests.md)");
   MeasurementSet set;
   set.source = test.source;
   set.metadata = about_machine(test.metadata);

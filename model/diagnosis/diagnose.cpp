@@ -162,12 +162,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
   const VectorXd left = residual_with(in.model, in.own, {ranked.effect, ranked.choice}, problem, whitener,
                                       in.regressors.data(), in.options.plain);
-  const TrialNumbers numbers = trial_numbers(before, left, after);
-  candidate.rms_after_um = numbers.rms_after_um;
-  candidate.explained = numbers.explained;
-  candidate.kept_rms_before_um = numbers.kept_rms_before_um;
-  candidate.kept_rms_after_um = numbers.kept_rms_after_um;
-  candidate.explainable_share = numbers.explainable_share;
+  static_cast<TrialNumbers&>(candidate) = trial_numbers(before, left, after);
   candidate.tried_at.value = ranked.choice.nonlinear;
   candidate.tried_at.coefficients.assign(ranked.choice.columns.begin(), ranked.choice.columns.end());
   candidate.probability = ranked.probability;

@@ -65,7 +65,16 @@ struct OwnTerm {
   double value = 0.0;
 };
 
-struct Candidate {
+/// How well one effect alone beside the model explains the readings.
+struct TrialNumbers {
+  double rms_after_um = 0.0;        ///< with this effect added, all readings
+  double explained = 0.0;           ///< 1 − (rms_after/rms)², outliers left out
+  double kept_rms_before_um = 0.0;  ///< as rms, outliers left out
+  double kept_rms_after_um = 0.0;   ///< as rms_after, outliers left out
+  double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
+};
+
+struct Candidate : TrialNumbers {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
   bool named = false;                         ///< proved
@@ -74,11 +83,7 @@ struct Candidate {
   std::string decide;  ///< of what is likely: the measurement that would decide it; else ""
   /// Part of the answer: proved, or likely.
   [[nodiscard]] bool in_answer() const { return named || standing == Standing::likely; }
-  double rms_after_um = 0.0;                                 ///< with this effect added, all readings
-  double explained = 0.0;                                    ///< 1 − (rms_after/rms)², outliers left out
-  double kept_rms_before_um = 0.0, kept_rms_after_um = 0.0;  ///< as rms and rms_after, outliers left out
-  double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
-  double p_value = 1.0;            ///< nominal
+  double p_value = 1.0;                          ///< nominal
   double false_naming = 1.0;                     ///< chance that noise alone makes any candidate look as good
   std::optional<double> held_out_rms_um;         ///< fitted on some runs or blocks, tested on the others
   std::optional<double> held_out_rms_before_um;  ///< the same without the effect

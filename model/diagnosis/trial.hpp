@@ -53,14 +53,6 @@ struct FoundEffect {
                                              const std::vector<FoundEffect>& effects, const Regressors& regressors,
                                              bool plain);
 
-/// How well one effect alone beside the model explains the readings.
-struct TrialNumbers {
-  double rms_after_um = 0.0;
-  double explained = 0.0;
-  double kept_rms_before_um = 0.0;  ///< outliers apart
-  double kept_rms_after_um = 0.0;
-  double explainable_share = 0.0;
-};
 /// @param before  what the model leaves  @param left  what it leaves with the effect; both as told_residual()
 [[nodiscard]] TrialNumbers trial_numbers(const Eigen::VectorXd& before, const Eigen::VectorXd& left,
                                          const FittedWith& after);

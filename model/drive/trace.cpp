@@ -86,7 +86,7 @@ class TraceReader {
   void complain(int line, int column, std::string message) {
     constexpr std::size_t kMostProblems = 50;
     if (problems_.size() < kMostProblems)
-      problems_.push_back({ProblemKind::bad_input, std::move(message), file_, line, column, {}});
+      problems_.push_back(problem_at(file_, line, column, std::move(message)).value());
   }
 
   void metadata(std::string_view line) {

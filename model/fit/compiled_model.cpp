@@ -79,15 +79,12 @@ std::vector<Problem> undetermined_beside_others(const Model& fitted,
     });
     if (outside.empty()) continue;
     problems.push_back(
-        {ProblemKind::refused,
-         fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map "
-                     "carries; measure what separates them (ecs model next), or remove one of them and "
-                     "fit again",
-                     to_text(*effect), fmt::join(outside, ", ")),
-         {},
-         0,
-         0,
-         {}});
+        problem(ProblemKind::refused,
+                fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map "
+                            "carries; measure what separates them (ecs model next), or remove one of them and "
+                            "fit again",
+                            to_text(*effect), fmt::join(outside, ", ")))
+            .value());
   }
   return problems;
 }
@@ -164,15 +161,13 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
       }
       const auto most = std::max_element(ranges.begin(), ranges.end());
       if (most != ranges.end() && *most > kMostOfTable * std::max(range_of(table.compensation), kLeastRange_um))
-        problems.push_back({ProblemKind::refused,
-                            fmt::format("{} varies by {:.3g} um in a table that varies by {:.3g} um: effects of the "
-                                        "model cancel each other; remove one of them and fit again",
-                                        to_text(*effects[static_cast<std::size_t>(most - ranges.begin())]), *most,
-                                        range_of(table.compensation)),
-                            {},
-                            0,
-                            0,
-                            {}});
+        problems.push_back(
+            problem(ProblemKind::refused,
+                    fmt::format("{} varies by {:.3g} um in a table that varies by {:.3g} um: effects of the "
+                                "model cancel each other; remove one of them and fit again",
+                                to_text(*effects[static_cast<std::size_t>(most - ranges.begin())]), *most,
+                                range_of(table.compensation)))
+                .value());
       out.map.tables.push_back(std::move(table));
     }
     out.map.header.processing.push_back(

@@ -42,16 +42,6 @@ VectorXd readings_of(const Observations& data) {
   return Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
 }
 
-struct Solved {
-  VectorXd sizes;
-  VectorXd white_residual;
-  double chi2 = 0.0;
-  Index rank = 0;
-  double condition = 1.0;
-  std::vector<bool> undetermined;
-  std::vector<std::vector<Index>> collides;
-};
-
 /// Least squares by pivoted QR of scaled columns; columns that depend on others get size 0.
 Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhitened_norms) {
   constexpr double kDependent = 1e-7;
@@ -194,14 +184,18 @@ bool cancels(const Assembly& assembly, const Observations& data, const VectorXd&
   return false;
 }
 
+/// Of columns; 1 for those without entries.
+VectorXd lengths_of(const MatrixXd& columns) {
+  const VectorXd norm = columns.colwise().norm();
+  return (norm.array() > 0.0).select(norm, 1.0);
+}
+
 /// The smallest solution where terms cancel each other: directions that the data hardly see are left out one by one
 /// (truncated singular value decomposition: Hansen 1987), worst first, until no term exceeds what the readings hold or
 /// a direction is one that the readings do determine: there the terms are as large as that.
 Solved smallest(const Assembly& assembly, const Observations& data, const MatrixXd& white, const VectorXd& y,
                 Solved now) {
-  VectorXd norm = white.colwise().norm();
-  for (Index j = 0; j < norm.size(); ++j)
-    if (norm(j) <= 0.0) norm(j) = 1.0;
+  const VectorXd norm = lengths_of(white);
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
   const Spectrum seen = spectrum_of(scaled.transpose() * scaled);
   const VectorXd right = seen.vectors.transpose() * (scaled.transpose() * y);
@@ -324,9 +318,7 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
   if (joint.cols() == 0) return joint.transpose() * joint;
   joint << columns, slopes(assembly, regressors, now.sizes, free);
   const MatrixXd white = whitener(joint);
-  VectorXd norm = white.colwise().norm();
-  for (Index j = 0; j < norm.size(); ++j)
-    if (norm(j) <= 0.0) norm(j) = 1.0;
+  const VectorXd norm = lengths_of(white);
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
   // A direction that the data do not see keeps a variance that shows it; left out, it would pass for an exact one.
   const Spectrum directions = spectrum_of(scaled.transpose() * scaled);
@@ -522,14 +514,9 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
   }
   const Whitener whitener(data, core.noise, core.left_out);
   if (options.plain) now = refined_in_ranges(assembly, regressors, whitener);
-  core.sizes = now.sizes;
   core.covariance = covariance_of(assembly, regressors, whitener, now) * std::max(1.0, now.chi2 / freedom);
-  core.undetermined = now.undetermined;
-  core.collides = now.collides;
   core.residual = residual;
-  core.chi2 = now.chi2;
-  core.condition = now.condition;
-  core.rank = now.rank;
+  static_cast<Solved&>(core) = std::move(now);
   return core;
 }
 

@@ -62,15 +62,20 @@ class Assembly {
                                       const Regressors& regressors);
 };
 
-struct CoreFit {
-  Eigen::VectorXd sizes;                            ///< of all fitted columns, slot after slot; 0 for undetermined ones
-  Eigen::MatrixXd covariance;                       ///< of sizes, then of the free nonlinear parameters
+/// The linear part at given nonlinear parameters.
+struct Solved {
+  Eigen::VectorXd sizes;  ///< of all fitted columns, slot after slot; 0 for undetermined ones
+  Eigen::VectorXd white_residual;
+  double chi2 = 0.0;  ///< whitened, without outliers
+  Eigen::Index rank = 0;
+  double condition = 1.0;
   std::vector<bool> undetermined;                   ///< per column
   std::vector<std::vector<Eigen::Index>> collides;  ///< per column: columns that do the same together
+};
+
+struct CoreFit : Solved {
+  Eigen::MatrixXd covariance;  ///< of sizes, then of the free nonlinear parameters
   Eigen::VectorXd residual;
-  double chi2 = 0.0;  ///< whitened, without outliers
-  double condition = 1.0;
-  Eigen::Index rank = 0;
   NoiseModel noise;
   std::vector<bool> left_out;
 };

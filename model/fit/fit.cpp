@@ -377,7 +377,7 @@ void add_correlations(const Assembly& assembly, const CoreFit& core, Fit& fit) {
 }
 
 std::optional<Problem> unusable(const Observations& data) {
-  if (data.size() == 0) return Problem{ProblemKind::bad_input, "no readings to fit", {}, 0, 0, {}};
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to fit").value();
   return std::nullopt;
 }
 
@@ -526,12 +526,9 @@ Result<std::vector<double>> predicted(const Model& model, const Observations& at
   for (const EffectInstance& effect : held.effects) {
     if (has_values(effect)) continue;
     problems.push_back(
-        {ProblemKind::bad_input,
-         fmt::format("{}: has no values; fit the model to data first, or give its parameters", to_text(effect)),
-         {},
-         0,
-         0,
-         {}});
+        problem(ProblemKind::bad_input,
+                fmt::format("{}: has no values; fit the model to data first, or give its parameters", to_text(effect)))
+            .value());
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   ECS_TRY(assembly, Assembly::of(held, regressors));

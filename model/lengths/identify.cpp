@@ -308,27 +308,20 @@ std::string contradiction(Component component, const Identification& found) {
 
 Result<void> checked(const LengthTest& test, const params::Machine& named, const LengthMachine& machine) {
   if (!test.configuration.empty() && test.configuration != named.configuration)
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  fmt::format("the lengths are of a machine {}, the machine file of {}: expected one "
-                                              "machine",
-                                              test.configuration, named.configuration),
-                                  test.source,
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(test.source, 0, 0,
+                      fmt::format("the lengths are of a machine {}, the machine file of {}: expected one "
+                                  "machine",
+                                  test.configuration, named.configuration));
   std::vector<Problem> problems;
   for (const LengthReading& r : test.readings)
     for (std::size_t a = 0; a < kAxes; ++a)
       if (r.position_mm[a] < machine.travel_mm[a][0] - kBeyondTravel_mm ||
           r.position_mm[a] > machine.travel_mm[a][1] + kBeyondTravel_mm)
         problems.push_back(
-            {ProblemKind::bad_input,
-             fmt::format("expected {} within its travel {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]),
-                         machine.travel_mm[a][0], machine.travel_mm[a][1], r.position_mm[a]),
-             test.source,
-             r.line,
-             0,
-             {}});
+            problem_at(test.source, r.line, 0,
+                       fmt::format("expected {} within its travel {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]),
+                                   machine.travel_mm[a][0], machine.travel_mm[a][1], r.position_mm[a]))
+                .value());
   constexpr std::size_t kShown = 20;
   if (problems.size() > kShown) problems.resize(kShown);
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
@@ -370,19 +363,18 @@ Problem too_few(const LengthTest& test, IdentifySettings settings, MachineCurves
                 const PerAxis<double>& knots_mm) {
   const auto unknowns = curves.size() + nuisance_of(test, 0).end;
   std::vector<Problem> problems{
-      {ProblemKind::bad_input,
-       fmt::format("expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: measure "
-                   "more lines, or take knots farther apart (--knots)",
-                   unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()),
-       test.source,
-       0,
-       0,
-       {}}};
+      problem_at(
+          test.source, 0, 0,
+          fmt::format(
+              "expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: measure "
+              "more lines, or take knots farther apart (--knots)",
+              unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()))
+          .value()};
   settings.keep_outliers = true;
   Identification tried;
   report_on(LengthFit(test, settings, std::move(curves)).run(), tried);
   const auto add = [&](const std::string& why_not) {
-    if (!why_not.empty()) problems.push_back({ProblemKind::bad_input, why_not, test.source, 0, 0, {}});
+    if (!why_not.empty()) problems.push_back(problem_at(test.source, 0, 0, why_not).value());
   };
   for (const IdentifiedCurve& curve : tried.curves) add(curve.why_not);
   for (const IdentifiedSquareness& square : tried.squareness) add(square.why_not);
