@@ -51,7 +51,7 @@ CircleData circle_data(const laser::CircleTest& test) {
   CircleData data{{test.radius_mm, test.plane, VectorXd(n), VectorXd(n)}, VectorXd(n), {}};
   Index row = 0;
   for (auto& [key, readings] : passes) {
-    std::stable_sort(readings.begin(), readings.end(), [](auto& a, auto& b) { return a.angle_deg < b.angle_deg; });
+    std::ranges::stable_sort(readings, [](auto& a, auto& b) { return a.angle_deg < b.angle_deg; });
     data.passes.push_back({key.first, key.second, row, static_cast<Index>(readings.size())});
     for (const laser::CircleReading& reading : readings) {
       data.points.angle[row] = reading.angle_deg * (kTurn / 360.0);
@@ -103,8 +103,8 @@ std::optional<CircleNoise> noise_of_repeats(const CircleData& data) {
   double sum = 0.0, product = 0.0, weight = 0.0;
   Index count = 0;
   for (const PassRows& pass : data.passes) {
-    const auto first = std::find_if(data.passes.begin(), data.passes.end(),
-                                    [&](const PassRows& other) { return other.clockwise == pass.clockwise; });
+    const auto first =
+        std::ranges::find_if(data.passes, [&](const PassRows& other) { return other.clockwise == pass.clockwise; });
     if (first->run == pass.run) continue;
     double last = 0.0;
     for (Index i = 0; i < pass.count; ++i) {
@@ -195,7 +195,7 @@ class CircleSearch {
       if (other.columns + decay >= found.columns && worse_by(other, found) < kEquallyGood)
         names.push_back(faults_[i].name());
     }
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
@@ -259,8 +259,7 @@ class CircleSearch {
   }
 
   [[nodiscard]] bool has_name(const JointFit& found, const std::string& name) const {
-    return std::any_of(found.faults.begin(), found.faults.end(),
-                       [&](std::size_t i) { return faults_[i].name() == name; });
+    return std::ranges::any_of(found.faults, [&](std::size_t i) { return faults_[i].name() == name; });
   }
 
   [[nodiscard]] std::optional<JointFit> best_extension(const JointFit& found) const {
@@ -287,7 +286,7 @@ class CircleSearch {
         for (std::size_t i = 0; i < faults_.size(); ++i) {
           auto chosen = found.faults;
           chosen[place] = i;
-          if (std::count(chosen.begin(), chosen.end(), i) > 1) continue;
+          if (std::ranges::count(chosen, i) > 1) continue;
           const bool same = faults_[i].name() == faults_[found.faults[place]].name();
           if (!same && has_name(found, faults_[i].name())) continue;
           const JointFit other = fit(chosen);
@@ -373,8 +372,8 @@ std::vector<CircleFaultFound> ranked(const CircleSearch& search, const JointFit&
   double squares = left.squaredNorm() / static_cast<double>(left.size());
   for (const CircleFaultFound& found : faults) squares += found.rms_um * found.rms_um;
   for (CircleFaultFound& found : faults) found.share = found.rms_um * found.rms_um / squares;
-  std::stable_sort(faults.begin(), faults.end(),
-                   [](const CircleFaultFound& a, const CircleFaultFound& b) { return a.rms_um > b.rms_um; });
+  std::ranges::stable_sort(faults,
+                           [](const CircleFaultFound& a, const CircleFaultFound& b) { return a.rms_um > b.rms_um; });
   return faults;
 }
 
@@ -396,7 +395,7 @@ void explain(CircleDiagnosis& diagnosis, const CircleData& data, const std::arra
 
 /// The pitches that the readings of a circle resolve are those of the faults that can be tried.
 bool tries_pitch(const std::vector<CircleFault>& faults, char axis, double pitch_mm) {
-  return std::any_of(faults.begin(), faults.end(), [&](const CircleFault& fault) {
+  return std::ranges::any_of(faults, [&](const CircleFault& fault) {
     return fault.effect == "cyclic" && fault.where == std::string(1, axis) && fault.nonlinear == pitch_mm;
   });
 }
@@ -414,9 +413,8 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
                                       const CircleDiagnosis& diagnosis,
                                       const std::array<std::vector<double>, 2>& pitches_mm, PitchSource source) {
   std::vector<std::string> notes;
-  const bool one_way = std::all_of(data.passes.begin(), data.passes.end(), [&](const PassRows& pass) {
-    return pass.clockwise == data.passes.front().clockwise;
-  });
+  const bool one_way = std::ranges::all_of(
+      data.passes, [&](const PassRows& pass) { return pass.clockwise == data.passes.front().clockwise; });
   if (one_way)
     notes.emplace_back(
         "one direction only: squareness and servo mismatch have the same form. Contour the other way as well");
@@ -431,8 +429,8 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
     for (const double pitch_mm : pitches_mm[i])
       if (const char axis = letter_of(data.points.plane[i]); !tries_pitch(faults, axis, pitch_mm))
         notes.push_back(
-            fmt::format("a wave of {} with the pitch {:g} mm is not tried: the readings are too far apart for "
-                        "it, or the circle is too small",
+            fmt::format("a wave of {} with the pitch {:g} mm is not tried: the readings are too far apart for it, or "
+                        "the circle is too small",
                         axis, pitch_mm));
   for (const CircleFaultFound& fault : diagnosis.faults)
     if (fault.name.starts_with(kReversalSpike) && !fault.nonlinear_sigma_mm)
@@ -441,10 +439,9 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
                       "for that decay only",
                       fault.title, fault.nonlinear_mm));
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
-    notes.push_back(
-        fmt::format("what is left, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the "
-                    "library explains it",
-                    diagnosis.left_um, diagnosis.noise_um));
+    notes.push_back(fmt::format(
+        "what is left, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the library explains it",
+        diagnosis.left_um, diagnosis.noise_um));
   return notes;
 }
 

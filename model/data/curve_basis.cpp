@@ -53,7 +53,7 @@ double smooth_shape(std::size_t order, double place) {
 }
 
 std::vector<double> distinct(std::vector<double> values, double tolerance) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   std::vector<double> kept;
   for (const double v : values)
     if (kept.empty() || v - kept.back() > tolerance) kept.push_back(v);
@@ -62,7 +62,7 @@ std::vector<double> distinct(std::vector<double> values, double tolerance) {
 
 CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most, bool apart) {
   if (positions_mm.empty()) return;
-  const auto [least, greatest] = std::minmax_element(positions_mm.begin(), positions_mm.end());
+  const auto [least, greatest] = std::ranges::minmax_element(positions_mm);
   least_mm_ = *least;
   greatest_mm_ = *greatest;
   const double n = static_cast<double>(positions_mm.size());

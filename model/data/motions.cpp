@@ -134,8 +134,7 @@ void set_motions(Observations& data) {
     }
     rows.feed_mm_min[i] *= places[k].share_of_feed[moving];
   }
-  if (std::all_of(rows.travel_since_reversal_mm.begin(), rows.travel_since_reversal_mm.end(),
-                  [](double mm) { return std::isnan(mm); }))
+  if (std::ranges::all_of(rows.travel_since_reversal_mm, [](double mm) { return std::isnan(mm); }))
     rows.travel_since_reversal_mm.clear();
   motions->take_out_free(data.reading.data());
   data.moved = std::move(motions);

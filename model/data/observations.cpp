@@ -77,11 +77,10 @@ auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool b
 }
 
 std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
-  const bool by_time =
-      std::all_of(set.readings.begin(), set.readings.end(), [](const Reading& r) { return r.time_s.has_value(); });
+  const bool by_time = std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); });
   std::vector<std::size_t> order(set.readings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return key_of(set, paths, a, by_time) < key_of(set, paths, b, by_time);
   });
   return order;
@@ -123,7 +122,7 @@ void from_first(Observations& data, const MeasurementSet& set) {
 
 void take_first_conditions(Observations& data) {
   for (const auto& [sensor, column] : data.sensors_degC) {
-    const auto first = std::find_if(column.begin(), column.end(), [](double degC) { return !std::isnan(degC); });
+    const auto first = std::ranges::find_if(column, [](double degC) { return !std::isnan(degC); });
     if (first != column.end()) data.origin.sensors_degC[sensor] = *first;
   }
   if (!data.pressure_hPa.empty() && !data.humidity_pct.empty() && data.sensors_degC.contains("t_air_degC"))
@@ -151,9 +150,8 @@ void take_origin(Observations& data, const Origin& of_model) {
                                                             : "neither these readings nor those of the fit have a date";
   data.clock_note = fmt::format(
       "no common clock: {}. time_s is taken to count from the same moment as in the readings of the fit, which begin "
-      "at "
-      "{:g} s; these begin at {:g} s. A line \"# {}: 2026-01-31 08:00:00\" in a measurement file is the date of time_s "
-      "= 0",
+      "at {:g} s; these begin at {:g} s. A line \"# {}: 2026-01-31 08:00:00\" in a measurement file is the date of "
+      "time_s = 0",
       without, *of_model.time_s, *own.time_s, laser::kBegun);
 }
 
@@ -185,7 +183,7 @@ void take_columns(Observations& data, const MeasurementSet& set, const std::vect
   std::vector<std::string> extras;
   for (const Reading& r : set.readings)
     for (const auto& [name, value] : r.extras)
-      if (std::find(extras.begin(), extras.end(), name) == extras.end()) extras.push_back(name);
+      if (std::ranges::find(extras, name) == extras.end()) extras.push_back(name);
   for (const std::string& extra : extras)
     data.extras[extra] = column_of(set, order, [&](const Reading& r) { return found_in(r.extras, extra); });
   take_first_conditions(data);
@@ -226,8 +224,7 @@ void put_on_paths(Observations& data, Paths paths, const std::vector<std::size_t
 
 /// The file says where the linear axes stood: writers fill the columns of what was not given with 0.
 bool has_places(const MeasurementSet& set) {
-  return std::any_of(set.readings.begin(), set.readings.end(),
-                     [](const Reading& r) { return r.position_mm != Vector3{}; });
+  return std::ranges::any_of(set.readings, [](const Reading& r) { return r.position_mm != Vector3{}; });
 }
 
 double number_or_0(const Reading& r, std::string_view column) {
@@ -320,7 +317,7 @@ void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   std::vector<std::set<Vector3>> angles;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const auto near = [&](const Vector3& ball_mm) { return apart_mm(ball_mm, point_mm[k]) < kSameBall_mm; };
-    const auto found = std::find_if(data.balls_mm.begin(), data.balls_mm.end(), near);
+    const auto found = std::ranges::find_if(data.balls_mm, near);
     const auto ball = static_cast<std::size_t>(found - data.balls_mm.begin());
     if (found == data.balls_mm.end()) {
       data.balls_mm.push_back(point_mm[k]);
@@ -331,14 +328,13 @@ void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   }
   double farthest_mm = 0.0;
   for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
-  const bool few =
-      std::any_of(angles.begin(), angles.end(), [](const auto& poses) { return poses.size() < kFewestPoses; });
+  const bool few = std::ranges::any_of(angles, [](const auto& poses) { return poses.size() < kFewestPoses; });
   if (few || ball_changes_in_sweep(data))
     data.not_followed = fmt::format(
         "with the pivots, directions and tool offset given, the tool stands at {} points of the workpiece, up to "
-        "{:.1f} "
-        "mm apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles (ISO 841), "
-        "the pivots of the control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, tool_z_mm)",
+        "{:.1f} mm apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles "
+        "(ISO 841), the pivots of the control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, "
+        "tool_z_mm)",
         data.balls_mm.size(), farthest_mm);
 }
 
@@ -359,8 +355,7 @@ void take_sides(Observations& data, const MeasurementSet& set) {
 
 /// Where the linear axes stood, and what follows from it on a machine whose pivots are known.
 void take_chain(Observations& data, const MeasurementSet& set, const std::optional<params::Machine>& machine) {
-  const bool any_translation =
-      std::any_of(data.sense.begin(), data.sense.end(), [](Sense sense) { return !is_rotation(sense); });
+  const bool any_translation = std::ranges::any_of(data.sense, [](Sense sense) { return !is_rotation(sense); });
   if (!has_places(set) || !any_translation) return;
   for (const std::size_t k : data.file_order) data.place_mm.push_back(set.readings[k].position_mm);
   auto joints = machine ? params::joint_machine_of(*machine) : std::nullopt;
@@ -374,8 +369,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   data.machine.rotary = machine->rotary;
   data.notes.emplace_back(
       "nothing in such a model stands for errors of X, Y and Z: squareness or straightness that is not compensated "
-      "shows "
-      "as waves of the rotary axes");
+      "shows as waves of the rotary axes");
   std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
   std::vector<Vector3> point_mm;
   for (const std::size_t k : data.file_order) {
@@ -392,14 +386,14 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   for (const bool moved : {true, false})
     for (const Axis a : kAllAxes)
       if (joints->chain.has(static_cast<kinematics::Joint>(kAxes + index_of(a))) &&
-          (std::find(data.axis.begin(), data.axis.end(), a) != data.axis.end()) == moved)
+          (std::ranges::find(data.axis, a) != data.axis.end()) == moved)
         data.rotary_axes.push_back(a);
 }
 
 }  // namespace
 
 std::string_view Observations::reading_unit() const {
-  const auto rotations = std::count_if(sense.begin(), sense.end(), [](Sense s) { return is_rotation(s); });
+  const auto rotations = std::ranges::count_if(sense, [](Sense s) { return is_rotation(s); });
   if (rotations == 0) return "um";
   return static_cast<std::size_t>(rotations) == sense.size() ? "um/m" : "um, um/m";
 }
@@ -422,11 +416,11 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     data.has_compensated_column = data.has_compensated_column || r.compensated.has_value();
     data.compensated.push_back(r.compensated.value_or(tables.map.has_value()));
   }
-  data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
+  data.has_run_column = std::ranges::any_of(data.run, [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
   if (tables.origin) take_origin(data, *tables.origin);
-  const bool turned = std::any_of(set.readings.begin(), set.readings.end(),
-                                  [&](const Reading& r) { return r.angle_deg != set.readings.front().angle_deg; });
+  const bool turned = std::ranges::any_of(
+      set.readings, [&](const Reading& r) { return r.angle_deg != set.readings.front().angle_deg; });
   if (!data.rotary && turned)
     for (const std::size_t k : order) data.pose_deg.push_back(set.readings[k].angle_deg);
   if (!data.rotary) take_machine(data, machine);
@@ -497,11 +491,11 @@ Observations counted_once(Observations data, const MeasurementSet& set) {
       counts.push_back(1);
     }
   }
-  const bool has_times = std::none_of(data.time_s.begin(), data.time_s.end(), [](double t) { return std::isnan(t); }) &&
-                         !data.time_s.empty();
-  const bool evenly = std::all_of(counts.begin(), counts.end(), [&](std::size_t n) { return n == counts.front(); });
-  const bool a_plan = std::all_of(data.reading.begin(), data.reading.end(),
-                                  [&](double reading) { return reading == data.reading.front(); });
+  const bool has_times =
+      std::ranges::none_of(data.time_s, [](double t) { return std::isnan(t); }) && !data.time_s.empty();
+  const bool evenly = std::ranges::all_of(counts, [&](std::size_t n) { return n == counts.front(); });
+  const bool a_plan =
+      std::ranges::all_of(data.reading, [&](double reading) { return reading == data.reading.front(); });
   if (first.size() == data.size() || a_plan || !(has_times || evenly)) return data;
   const std::size_t dropped = data.size() - first.size();
   data = subset(data, first);

@@ -201,8 +201,8 @@ MeasurementSet set_of_circle(const laser::CircleTest& test) {
 Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
   if (test.steps)
     return problem_at(test.source, 0, 0,
-                      "kind: expected diagonal, found step: readings between the steps lie beside the "
-                      "diagonal and are not told apart from a tilted beam (docs/standards_tests.md)");
+                      "kind: expected diagonal, found step: readings between the steps lie beside the diagonal and are "
+                      "not told apart from a tilted beam (docs/standards_tests.md)");
   MeasurementSet set;
   set.source = test.source;
   set.metadata = about_machine(test.metadata);
@@ -216,9 +216,7 @@ Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
   }
   if (!unknown.empty())
     set.notes.push_back(
-        fmt::format("no {}: the corner of the volume with the least coordinates is taken to be at 0 "
-                    "there",
-                    unknown));
+        fmt::format("no {}: the corner of the volume with the least coordinates is taken to be at 0 there", unknown));
   for (const laser::DiagonalReadings& diagonal : test.diagonals) {
     Path path;
     path.kind = PathKind::line;
@@ -232,8 +230,7 @@ Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
     }
     const std::string text = to_text(path);
     const auto first = static_cast<std::size_t>(
-        std::find_if(diagonal.direction.begin(), diagonal.direction.end(), [](int sign) { return sign != 0; }) -
-        diagonal.direction.begin());
+        std::ranges::find_if(diagonal.direction, [](int sign) { return sign != 0; }) - diagonal.direction.begin());
     for (Reading reading : diagonal.readings.readings) {
       const double share = reading.position_mm[0] / std::sqrt(square);
       for (std::size_t i = 0; i < kAxes; ++i) reading.position_mm[i] = std::lerp(path.from_mm[i], path.to_mm[i], share);

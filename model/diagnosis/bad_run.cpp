@@ -164,7 +164,7 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
     }
     const auto count = static_cast<Eigen::Index>(runs.size());
     if (runs.size() < kFewestRunsOfStep || runs.size() > kMostRunsCompared) continue;
-    std::stable_sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.time < b.time; });
+    std::ranges::stable_sort(runs, [](const Run& a, const Run& b) { return a.time < b.time; });
     // means of the runs, each as heavy as its readings, beside a level and a trend
     Eigen::VectorXd weight(count), target(count);
     Eigen::MatrixXd trend(count, 2), indicator = Eigen::MatrixXd::Identity(count, count);

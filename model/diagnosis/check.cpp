@@ -53,8 +53,8 @@ std::vector<Member> members_of(const Claim& claim, const Model& model, const Reg
   const std::vector<EffectInstance> all = all_candidates(model, regressors);
   for (const Candidate& candidate : claim.candidates) {
     if (!candidate.in_answer() && !candidate.found) continue;
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
+    const auto found =
+        std::ranges::find_if(all, [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
     if (found == all.end()) {
       check.objections.push_back(beyond_library(candidate));
       continue;
@@ -107,7 +107,7 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
 
 void check_parameters(const Member& member, const EffectFit& fit, Check& check) {
   const auto find = [](const std::vector<ParameterEstimate>& list, const std::string& name) {
-    return std::find_if(list.begin(), list.end(), [&](const ParameterEstimate& one) { return one.name == name; });
+    return std::ranges::find_if(list, [&](const ParameterEstimate& one) { return one.name == name; });
   };
   for (const ParameterEstimate& claimed : member.claimed.parameters) {
     const auto own = find(fit.parameters, claimed.name);
@@ -160,8 +160,7 @@ bool own_terms_fit(const Claim& claim, const Base& base) {
 }  // namespace
 
 bool Check::holds() const {
-  return objections.empty() &&
-         std::all_of(numbers.begin(), numbers.end(), [](const CheckedNumber& number) { return number.holds; });
+  return objections.empty() && std::ranges::all_of(numbers, [](const CheckedNumber& number) { return number.holds; });
 }
 
 Result<Check> checked(const Model& model, const Observations& data, const Claim& claim) {

@@ -75,8 +75,7 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
   const auto of_step = [&](const StepOfRuns& step) {
     return fmt::format(
         "All readings {} by {:.2g} {} between runs {} and {}: another zero, or something slipped. Look at what "
-        "happened "
-        "between these runs first.",
+        "happened between these runs first.",
         step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
         step.after);
   };
@@ -104,7 +103,7 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
 void put_run_first(std::vector<Dependence>& where, const Observations& data, const Found& found,
                    const VectorXd& residual, double chance) {
   const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
-  if (std::none_of(where.begin(), where.end(), is_run)) {
+  if (std::ranges::none_of(where, is_run)) {
     const int run = found.noisy      ? found.noisy->run
                     : found.odd_pass ? found.odd_pass->run
                     : found.step     ? found.step->after
@@ -114,7 +113,7 @@ void put_run_first(std::vector<Dependence>& where, const Observations& data, con
       if (data.run[k] == run) of_run += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
     where.push_back({"run", of_run / std::max(residual.squaredNorm(), kLeastDivisor), chance, {}, {}});
   }
-  std::stable_partition(where.begin(), where.end(), is_run);
+  std::ranges::stable_partition(where, is_run);
 }
 
 /// Candidates proved on readings not fitted to: what a person pays for.
@@ -182,13 +181,13 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   for (const EffectInstance& rival : ranked.rivals) {
     auto& rivals = candidate.rivals;
     if (!same_candidate(rival, ranked.effect) &&
-        std::none_of(rivals.begin(), rivals.end(), [&](const auto& one) { return same_candidate(one, rival); }))
+        std::ranges::none_of(rivals, [&](const auto& one) { return same_candidate(one, rival); }))
       rivals.push_back(rival);
     const std::string name = to_text(rival);
     auto& list = candidate.indistinguishable_from;
     if (name != to_text(ranked.effect) || !same_sensors(rival, ranked.effect) ||
         rival.approach != ranked.effect.approach)
-      if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+      if (std::ranges::find(list, name) == list.end()) list.push_back(name);
   }
   return candidate;
 }
@@ -386,8 +385,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
-  if (structure &&
-      std::any_of(data.paths.begin(), data.paths.end(), [](const Path& path) { return path.kind == PathKind::circle; }))
+  if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; }))
     diagnosis.notes.emplace_back(
         "friction at a reversal leaves another spike than the library's: ecs test circle shows how much of the circle "
         "is left there");

@@ -62,7 +62,7 @@ Half by_target(const Observations& data) {
     const auto& list = targets[{data.channel(k), data.axis[k]}];
     const double p = data.along_of(k) + 0.1 * kSamePlace_mm;
     // pairs of neighbours go together: single ones would see a wave of two steps as a constant
-    half[k] = (std::upper_bound(list.begin(), list.end(), p) - list.begin()) / 2 % 2 == 0;
+    half[k] = (std::ranges::upper_bound(list, p) - list.begin()) / 2 % 2 == 0;
   }
   return half;
 }
@@ -95,7 +95,7 @@ std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd&
   const MatrixXd shown = columns_beyond(null_fitted, own.of, hidden_judged);
   if (own.of.cols() > 0 && shown.cols() == 0) return std::nullopt;
   const MatrixXd effect = beside(null, shown), effect_fitted = beside(null_fitted, shown), none(null.rows(), 0);
-  const auto fitted_readings = static_cast<double>(std::count(hidden_judged.begin(), hidden_judged.end(), false));
+  const auto fitted_readings = static_cast<double>(std::ranges::count(hidden_judged, false));
   if (fitted_readings < static_cast<double>(effect_fitted.cols()) + kSpareInHalf) return std::nullopt;
   const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
   double likeliest = kBeyondAll, of_effect = kBeyondAll, of_null = kBeyondAll;
@@ -245,7 +245,7 @@ double ln_p(const Whitener& whitener, double kept, const MatrixXd& columns, cons
 
 double p_value_of(const Evidence& on, const MatrixXd& columns, const VectorXd& target, const MatrixXd& effect,
                   double tests) {
-  const auto kept = static_cast<double>(std::count(on.left_out.begin(), on.left_out.end(), false));
+  const auto kept = static_cast<double>(std::ranges::count(on.left_out, false));
   double likeliest = 0.0, largest = kLeastLn;
   for (const NoiseShape& shape : on.noise.shapes) likeliest = std::max(likeliest, shape.weight);
   for (const NoiseShape& shape : on.noise.shapes) {

@@ -274,10 +274,9 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     found.objection =
         fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
   else
-    found.objection = objection_to_waves(data, found.families, chosen,
-                                         std::all_of(found.groups.begin(), found.groups.end(), [](const Group& group) {
-                                           return group.e_value.value_or(0.0) >= kProved;
-                                         }));
+    found.objection = objection_to_waves(
+        data, found.families, chosen,
+        std::ranges::all_of(found.groups, [](const Group& group) { return group.e_value.value_or(0.0) >= kProved; }));
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
   };
@@ -321,7 +320,7 @@ void blame_step(Found& found) {
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {
   const Space& space = found.solution.space;
-  const auto kept = static_cast<double>(std::count(found.left_out.begin(), found.left_out.end(), false));
+  const auto kept = static_cast<double>(std::ranges::count(found.left_out, false));
   const double freedom = kept - static_cast<double>(space.q.cols());
   if (found.noise.pure.from_repeats || freedom < kLeastFreedomBeside || space.chi2() > kMostSquareOfAll * freedom)
     return false;
@@ -386,9 +385,8 @@ bool noise_changed(const Observations& data, const VectorXd& residual, bool plai
 std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,
                                         std::vector<EffectInstance> candidates) {
   std::erase_if(candidates, [&](const EffectInstance& candidate) {
-    return !candidate.traits().several_alike && std::any_of(own.begin(), own.end(), [&](const EffectInstance& term) {
-      return same_candidate(term, candidate);
-    });
+    return !candidate.traits().several_alike &&
+           std::ranges::any_of(own, [&](const EffectInstance& term) { return same_candidate(term, candidate); });
   });
   return candidates;
 }

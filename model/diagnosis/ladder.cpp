@@ -163,8 +163,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   ECS_TRY(after, state_of(added.model, regressors));
   const Fit fit = reported(after.assembly, regressors, after.core);
   added.model = with_values(added.model, fit);
-  added.model.compensated_readings =
-      static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
+  added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
   hold_nonlinear(added.model.effects.back(), fit.effects.back());
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0)
     return problem(ProblemKind::usage,
@@ -305,9 +304,7 @@ Tie judged(const Model& model, std::size_t effect, const Observations& data, dou
 
 Result<DecidedTies> decided_ties(const Model& model, const Observations& data) {
   DecidedTies decided{model, {}};
-  if (std::all_of(model.effects.begin(), model.effects.end(),
-                  [](const auto& effect) { return effect.tied_with.empty(); }))
-    return decided;
+  if (std::ranges::all_of(model.effects, [](const auto& effect) { return effect.tied_with.empty(); })) return decided;
   ECS_TRY(now, fit(model, data));
   if (!(now.noise.noise_um > 0.0)) return decided;
   for (std::size_t i = 0; i < model.effects.size(); ++i) {

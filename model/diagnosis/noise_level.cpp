@@ -39,8 +39,8 @@ double score_at(const std::vector<double>& replicate_scores, double chance) {
 
 /// Whether so many replicates of noise reach a value that it is not worth drawing more.
 bool loses_to_noise(double value, const std::vector<double>& replicates) {
-  const auto reached = static_cast<std::size_t>(
-      std::count_if(replicates.begin(), replicates.end(), [&](double replicate) { return replicate >= value; }));
+  const auto reached =
+      static_cast<std::size_t>(std::ranges::count_if(replicates, [&](double replicate) { return replicate >= value; }));
   return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
 }
 

@@ -86,8 +86,8 @@ class ShapeSearch {
     const double n = static_cast<double>(y_.size());
     if (points_.size() < kFewestPoints || constant_ < 2.0 * n) return std::nullopt;
     std::vector<ShapeFit> fits{line(), curve(), jump(), bump(), wave(), chirp(), fading_wave()};
-    std::sort(fits.begin(), fits.end(),
-              [&](const ShapeFit& a, const ShapeFit& b) { return a.criterion(points_) < b.criterion(points_); });
+    std::ranges::sort(
+        fits, [&](const ShapeFit& a, const ShapeFit& b) { return a.criterion(points_) < b.criterion(points_); });
     const ShapeFit& best = fits.front();
     if (1.0 - (best.left - n) / (constant_ - n) < kLeastOfShape) return std::nullopt;
     if (fits[1].criterion(points_) < best.criterion(points_) + kClearMargin && !is_form_of(fits[1], best))
@@ -298,7 +298,7 @@ Points points_over(const VectorXd& residual, double noise_um, const std::vector<
   std::vector<std::pair<double, double>> pairs;
   for (const std::size_t k : rows)
     if (!std::isnan(value(k))) pairs.emplace_back(value(k), residual(static_cast<Index>(k)));
-  std::sort(pairs.begin(), pairs.end());
+  std::ranges::sort(pairs);
   Points points;
   if (pairs.empty() || pairs.back().first <= pairs.front().first) return points;
   points.from = pairs.front().first;
@@ -472,8 +472,7 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
     return fmt::format("a trend by run, {:+.3g} {} from run {} to run {}", slope * (n - 1.0),
                        unit_of_readings(data, line), names.front(), names.back());
   return fmt::format("each run has another zero, {:.3g} {} from least to greatest",
-                     *std::max_element(means.begin(), means.end()) - *std::min_element(means.begin(), means.end()),
-                     unit_of_readings(data, line));
+                     *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
 }
 
 constexpr std::size_t kBinsOfTime = 40, kBinsOfCondition = 24;

@@ -61,11 +61,9 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
     return standings[static_cast<std::size_t>(group - found.groups.data())];
   };
   sort_greatest_first(groups, [](const Group* group) { return group->member.gain; });
-  std::stable_sort(groups.begin(), groups.end(),
-                   [&](const Group* a, const Group* b) { return standing_of(a) > standing_of(b); });
+  std::ranges::stable_sort(groups, [&](const Group* a, const Group* b) { return standing_of(a) > standing_of(b); });
   const auto listed = [&](const EffectInstance& effect) {
-    return std::any_of(list.begin(), list.end(),
-                       [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
+    return std::ranges::any_of(list, [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
   };
   std::vector<std::map<std::string, double>> probability_in(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -188,9 +186,8 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
   const auto is_curve = [&](const Choice& choice) { return found.families[choice.family].effect.traits().is_curve; };
   const Group& group = found.groups[g];
   const std::optional<Axis>& axis = found.families[group.member.family].effect.axis;
-  if (!axis || (!is_curve(group.member) && std::none_of(group.rivals.begin(), group.rivals.end(), is_curve)))
-    return false;
-  return std::any_of(found.after.begin(), found.after.end(), [&](const StructureTest& test) {
+  if (!axis || (!is_curve(group.member) && std::ranges::none_of(group.rivals, is_curve))) return false;
+  return std::ranges::any_of(found.after, [&](const StructureTest& test) {
     return test.variable == data.position_name(*axis) && probability_from(test.minus_log_p) < kTellingChance;
   });
 }
@@ -233,7 +230,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
 }
 
 bool found_proved(const std::vector<Standing>& standings) {
-  return std::find(standings.begin(), standings.end(), Standing::proved) != standings.end();
+  return std::ranges::find(standings, Standing::proved) != standings.end();
 }
 
 Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings, bool noise) {
@@ -271,7 +268,7 @@ std::vector<std::string> cancelling_effects(const Observations& data, const Fit&
     }
     if (greatest - least <= high - low) continue;
     names.push_back(to_text(effect.effect));
-    any_free = any_free || std::find(own.begin(), own.end(), i) != own.end();
+    any_free = any_free || std::ranges::find(own, i) != own.end();
   }
   return any_free ? names : std::vector<std::string>();
 }
@@ -321,9 +318,8 @@ std::string why_not_explained(const Found& found) {
     return fmt::format(
         "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
         kPercent * std::max(0.0, found.cross_validated_share));
-  const auto most =
-      std::max_element(found.after.begin(), found.after.end(),
-                       [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
+  const auto most = std::ranges::max_element(
+      found.after, [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
   if (most == found.after.end()) return "the best effects of the library leave structure";
   return fmt::format(
       "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",

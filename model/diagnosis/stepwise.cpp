@@ -59,7 +59,7 @@ constexpr double kFreeFunctions = 2.0, kFunctionsATarget = 0.7;
 std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
   std::vector<std::size_t> key;
   for (const Choice& choice : chosen) key.push_back(choice.family);
-  std::sort(key.begin(), key.end());
+  std::ranges::sort(key);
   return key;
 }
 
@@ -136,8 +136,7 @@ bool is_alike(const Search& search, const Choice& member, const Choice& other) {
 }
 
 bool is_fact(const Family& family, double value) {
-  return std::any_of(family.facts.begin(), family.facts.end(),
-                     [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+  return std::ranges::any_of(family.facts, [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
 }
 
 /// Whether a value of a wave fits as well as the member: with fewer harmonics it may fit a little worse, with more it
@@ -161,7 +160,7 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (peak.gain < member.gain - coarse) continue;
     const Choice choice = search.refined_choice(space, member.family, peak.nonlinear);
     if (!fits_as_well(choice, member)) continue;
-    const bool known = periodic && std::any_of(values.begin(), values.end(), [&](const Choice& value) {
+    const bool known = periodic && std::ranges::any_of(values, [&](const Choice& value) {
                          const ValueRange peak_range =
                              definition.search.limits(search.motions(), family.effect, family.acting, value.nonlinear);
                          return choice.nonlinear >= peak_range.least && choice.nonlinear <= peak_range.greatest;
@@ -169,18 +168,17 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (!known) values.push_back(choice);
   }
   if (!definition.search.has_slope) {
-    const auto [least, greatest] = std::minmax_element(
-        values.begin(), values.end(), [](const Choice& a, const Choice& b) { return a.nonlinear < b.nonlinear; });
+    const auto [least, greatest] =
+        std::ranges::minmax_element(values, [](const Choice& a, const Choice& b) { return a.nonlinear < b.nonlinear; });
     const std::vector<double> targets = acting_positions(search.motions(), family.acting, *family.effect.axis);
-    const auto after = std::upper_bound(targets.begin(), targets.end(), greatest->nonlinear);
-    const auto before = std::lower_bound(targets.begin(), targets.end(), least->nonlinear);
+    const auto after = std::ranges::upper_bound(targets, greatest->nonlinear);
+    const auto before = std::ranges::lower_bound(targets, least->nonlinear);
     Choice low = *least, high = *greatest;
     if (before != targets.begin()) low.nonlinear = *(before - 1);
     if (after != targets.end()) high.nonlinear = *after;
     return {low, high};
   }
-  std::stable_partition(values.begin(), values.end(),
-                        [&](const Choice& value) { return is_fact(family, value.nonlinear); });
+  std::ranges::stable_partition(values, [&](const Choice& value) { return is_fact(family, value.nonlinear); });
   return values;
 }
 
@@ -335,8 +333,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     std::vector<Choice> all = search.expand(rest.space, kRivalExact);
     for (Choice& other : all) {
       const auto is_other = [&](const Choice& choice) { return choice.family == other.family; };
-      if (std::any_of(solution.chosen.begin(), solution.chosen.end(), is_other) ||
-          std::any_of(groups.begin(), groups.end(), [&](const Group& before) { return is_other(before.member); }))
+      if (std::ranges::any_of(solution.chosen, is_other) ||
+          std::ranges::any_of(groups, [&](const Group& before) { return is_other(before.member); }))
         continue;
       const bool movable = !search.families()[other.family].effect.definition().searched_parameter().empty();
       if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
@@ -365,7 +363,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     // of equals the one with fewer parameters, then the one that comes first in the library; a rotation that stands for
     // slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
-      const bool is_part = std::any_of(rest.chosen.begin(), rest.chosen.end(), [&](const Choice& other) {
+      const bool is_part = std::ranges::any_of(rest.chosen, [&](const Choice& other) {
         return may_stand_for_both(instance(group.member), instance(rival), instance(other)) ||
                may_stand_for_both(instance(other), instance(group.member), instance(rival));
       });
@@ -393,7 +391,7 @@ std::vector<double> probabilities_of(const std::vector<Choice>& alternatives, co
   std::vector<double> shares;
   for (const Choice& choice : alternatives)
     shares.push_back(choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0));
-  const double best = *std::max_element(shares.begin(), shares.end());
+  const double best = *std::ranges::max_element(shares);
   double sum = 0.0;
   for (double& share : shares) sum += share = std::exp(0.5 * (share - best));
   for (double& share : shares) share /= sum;

@@ -147,9 +147,7 @@ Eigen::MatrixXd levels_of_runs(const Observations& data) {
   return levels;
 }
 
-double counted(const std::vector<bool>& left_out) {
-  return static_cast<double>(std::count(left_out.begin(), left_out.end(), false));
-}
+double counted(const std::vector<bool>& left_out) { return static_cast<double>(std::ranges::count(left_out, false)); }
 
 double ln_square(double size) { return 2.0 * std::log(std::max(size, kLeastSize)); }
 
@@ -213,8 +211,8 @@ bool is_wandering(const Observations& data, const NoiseModel& noise, const std::
   const double session = session_of(data, noise);
   const double most = deviance({noise, 0.0}) - 2.0 * std::log(kEvident);
   return deviance({by_pass(noise, kShare)}) < most || deviance({noise, noise.pure.noise_um}) < most ||
-         std::any_of(kMemories.begin(), kMemories.end(),
-                     [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
+         std::ranges::any_of(
+             kMemories, [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
 }
 
 bool is_like_wander(const EffectInstance& effect) {

@@ -71,8 +71,7 @@ double explainable_share(double rms_um, double rms_after_um, double noise_um) {
 }
 
 VectorXd told_residual(const Model& model, const Observations& data, bool plain, VectorXd left, bool from_values) {
-  if (std::none_of(model.effects.begin(), model.effects.end(),
-                   [](const EffectInstance& effect) { return effect.traits().is_curve; }))
+  if (std::ranges::none_of(model.effects, [](const EffectInstance& effect) { return effect.traits().is_curve; }))
     return left;
   const auto fitted = fit(model, data, {plain, from_values});
   if (!fitted) return left;

@@ -49,8 +49,8 @@ double travel_of(const Observations& data, const Family& family) {
 
 bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
   if (!family.effect.traits().periodic) return true;
-  return std::any_of(family.facts.begin(), family.facts.end(),
-                     [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
+  return std::ranges::any_of(family.facts,
+                             [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
 }
 
 bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen) {
@@ -59,7 +59,7 @@ bool are_pitches_or_fractions(const std::vector<Family>& families, const std::ve
   for (const Choice& choice : chosen)
     if (families[choice.family].effect.traits().periodic) longest = std::max(longest, choice.nonlinear);
   for (const Choice& choice : chosen) pitches = pitches && is_pitch_or_no_wave(families[choice.family], choice);
-  return pitches || std::all_of(chosen.begin(), chosen.end(), [&](const Choice& choice) {
+  return pitches || std::ranges::all_of(chosen, [&](const Choice& choice) {
            return !families[choice.family].effect.traits().periodic || is_whole_fraction(choice.nonlinear, longest);
          });
 }
@@ -162,7 +162,7 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
     if (passes.size() < 2) continue;
     double square = 0.0, count = 0.0, travel = 0.0, densest = 0.0;
     for (auto& [pass_number, pass] : passes) {
-      const auto [least, greatest] = std::minmax_element(pass.p_mm.begin(), pass.p_mm.end());
+      const auto [least, greatest] = std::ranges::minmax_element(pass.p_mm);
       travel = std::max(travel, *greatest - *least);
       densest = std::max(densest, static_cast<double>(pass.p_mm.size()));
       for (const double v : pass.value) square += v * v;

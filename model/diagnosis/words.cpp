@@ -147,8 +147,8 @@ std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   const std::string place = place_text(candidate.effect);
   std::string ids = place;
   const auto named_at = [&](const std::string& text) {
-    return std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                         [&](const Candidate& one) { return one.in_answer() && place_text(one.effect) == text; });
+    return std::ranges::count_if(
+        diagnosis.candidates, [&](const Candidate& one) { return one.in_answer() && place_text(one.effect) == text; });
   };
   if (const auto value = searched_value(candidate.effect); value && named_at(place) > 1)
     ids += fmt::format(" at {:.4g}", *value);
@@ -175,14 +175,14 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
 }
 
 bool names_a_wave(const Diagnosis& diagnosis) {
-  return std::any_of(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                     [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
+  return std::ranges::any_of(diagnosis.candidates,
+                             [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
 }
 
 /// "Probably ...: not proved, because ... Measure ... to be sure."; "" where nothing is likely.
 std::string likely_text(const Diagnosis& diagnosis, const Observations& data) {
-  const auto first = std::find_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                                  [](const Candidate& one) { return one.standing == Standing::likely; });
+  const auto first =
+      std::ranges::find_if(diagnosis.candidates, [](const Candidate& one) { return one.standing == Standing::likely; });
   if (first == diagnosis.candidates.end()) return "";
   std::string findings = findings_text(diagnosis, data, true);
   if (findings.size() > 1 && std::islower(static_cast<unsigned char>(findings[1])) != 0)
@@ -291,8 +291,8 @@ struct NamedWave {
 };
 NamedWave larger_wave(NamedWave wave) {
   const auto named = [&](std::string_view name) {
-    const auto found = std::find_if(wave.parameters.begin(), wave.parameters.end(),
-                                    [&](const ParameterEstimate& one) { return one.name == name; });
+    const auto found =
+        std::ranges::find_if(wave.parameters, [&](const ParameterEstimate& one) { return one.name == name; });
     return found == wave.parameters.end() ? nullptr : &*found;
   };
   ParameterEstimate *first = named("amplitude_um"), *second = named("amplitude2_um"), *period = named("period_mm");
@@ -316,8 +316,8 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
     words.push_back(fmt::arg(std::string(name).c_str(), text));
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
-    const auto found = std::find_if(parameters.begin(), parameters.end(),
-                                    [&](const ParameterEstimate& one) { return one.name == parameter.name; });
+    const auto found =
+        std::ranges::find_if(parameters, [&](const ParameterEstimate& one) { return one.name == parameter.name; });
     word(parameter.name, found == parameters.end() ? "an unknown amount" : value_of(effect, *found, data));
   }
   word("where", where_word(effect));

@@ -128,8 +128,7 @@ void DriveSearch::try_singles() {
     single.rms_V = fitter_.rms(single.fit, 0);
     if (single.fit.possible && single.fit.cost < kLeastFall * given_.cost) singles_.push_back(std::move(single));
   }
-  std::stable_sort(singles_.begin(), singles_.end(),
-                   [](const Single& a, const Single& b) { return a.fit.cost < b.fit.cost; });
+  std::ranges::stable_sort(singles_, [](const Single& a, const Single& b) { return a.fit.cost < b.fit.cost; });
 }
 
 DriveChange DriveSearch::change_of(DriveConstant constant, const DriveFit& fit) const {
@@ -148,8 +147,7 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
   std::vector<DriveResponse> responses;
   for (const DriveFit* fit : fits) responses.push_back(fitter_.response(fit->drive));
   for (const DriveSignalInfo& info : drive_signals()) {
-    const bool recorded = std::any_of(trace_.signals.begin(), trace_.signals.end(),
-                                      [&](const RecordedSignal& s) { return s.id == info.id; });
+    const bool recorded = std::ranges::any_of(trace_.signals, [&](const RecordedSignal& s) { return s.id == info.id; });
     if (recorded) continue;
     SignalDifference difference{info.id, 0.0, {}};
     for (std::size_t i = 1; i < responses.size(); ++i) {
@@ -168,8 +166,7 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
     }
     candidate.signals.push_back(std::move(difference));
   }
-  std::stable_sort(candidate.signals.begin(), candidate.signals.end(),
-                   [](const auto& a, const auto& b) { return a.least() > b.least(); });
+  std::ranges::stable_sort(candidate.signals, [](const auto& a, const auto& b) { return a.least() > b.least(); });
   for (const SignalDifference& s : candidate.signals)
     if (s.least() >= kClearDifference) candidate.separated_by.push_back(s.signal);
 }
@@ -209,13 +206,12 @@ std::vector<std::vector<DriveConstant>> DriveSearch::directions() const {
   std::vector<DriveConstant> order;
   for (const Single& single : singles_) order.push_back(single.constant);
   for (const DriveConstantInfo& info : drive_constants())
-    if (std::find(order.begin(), order.end(), info.id) == order.end()) order.push_back(info.id);
+    if (std::ranges::find(order, info.id) == order.end()) order.push_back(info.id);
   std::vector<std::vector<DriveConstant>> found;
   for (const DriveConstant c : order) {
-    if (std::find(silent.begin(), silent.end(), c) != silent.end()) continue;
-    const auto direction_of_c = std::find_if(found.begin(), found.end(), [&](const auto& direction) {
-      return sine_between(columns, direction.front(), c) < kAlike;
-    });
+    if (std::ranges::find(silent, c) != silent.end()) continue;
+    const auto direction_of_c = std::ranges::find_if(
+        found, [&](const auto& direction) { return sine_between(columns, direction.front(), c) < kAlike; });
     if (direction_of_c != found.end())
       direction_of_c->push_back(c);
     else
@@ -228,8 +224,7 @@ std::vector<std::vector<DriveConstant>> DriveSearch::directions() const {
 DriveFit DriveSearch::best_pair(DriveConstant one, DriveConstant two) const {
   DriveFit best = given_;
   for (const auto& [from, free] : {std::pair(one, two), std::pair(two, one)}) {
-    const auto single =
-        std::find_if(singles_.begin(), singles_.end(), [&](const Single& s) { return s.constant == from; });
+    const auto single = std::ranges::find_if(singles_, [&](const Single& s) { return s.constant == from; });
     if (single == singles_.end()) continue;
     for (const DriveFit& begin : {single->fit, fitter_.best_factor(single->fit, free)}) {
       const DriveFit fit = fitter_.fitted(begin, {one, two});
@@ -260,7 +255,7 @@ void DriveSearch::try_pairs() {
       pairs.emplace_back(std::move(candidate), std::abs(best.ln_factor.at(one)) + std::abs(best.ln_factor.at(two)));
     }
   // of pairs that explain alike the smaller change comes first
-  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::ranges::stable_sort(pairs, [](const auto& a, const auto& b) { return a.second < b.second; });
   std::vector<DriveCandidate> ranked;
   for (auto& [candidate, far] : pairs) ranked.push_back(std::move(candidate));
   for (DriveCandidate& candidate : found_.candidates) ranked.push_back(std::move(candidate));

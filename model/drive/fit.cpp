@@ -315,7 +315,7 @@ DriveFit DriveFitter::best_factor(const DriveFit& start, DriveConstant constant)
   for (std::size_t i = 0; i < tries.size(); ++i)
     if ((i == 0 || tries[i].cost <= tries[i - 1].cost) && (i + 1 == tries.size() || tries[i].cost <= tries[i + 1].cost))
       valleys.push_back(tries[i]);
-  std::stable_sort(valleys.begin(), valleys.end(), [](const Try& a, const Try& b) { return a.cost < b.cost; });
+  std::ranges::stable_sort(valleys, [](const Try& a, const Try& b) { return a.cost < b.cost; });
   if (valleys.size() > 2) valleys.resize(2);
   for (const Try& valley : valleys) {
     DriveFit from = start;
@@ -371,7 +371,7 @@ double DriveFitter::rms(const DriveFit& at, std::size_t signal, bool without_gli
     squares.push_back(std::pow(difference(signal, k, simulated[k]), 2));
   if (without_glitches) {
     const double beyond = std::pow(kGlitch * trace_.signals[signal].noise, 2);
-    const auto glitches = std::count_if(squares.begin(), squares.end(), [&](double s) { return s > beyond; });
+    const auto glitches = std::ranges::count_if(squares, [&](double s) { return s > beyond; });
     if (static_cast<std::size_t>(glitches) * kSamplesAGlitch <= squares.size())
       std::erase_if(squares, [&](double s) { return s > beyond; });
   }

@@ -65,7 +65,7 @@ const DriveConstantInfo& info_of(DriveConstant constant) { return kInfo[index_of
 
 std::optional<DriveConstant> drive_constant_named(std::string_view name) {
   const auto* const found =
-      std::find_if(kInfo.begin(), kInfo.end(), [&](const auto& info) { return info.name == name || info.key == name; });
+      std::ranges::find_if(kInfo, [&](const auto& info) { return info.name == name || info.key == name; });
   if (found == kInfo.end()) return std::nullopt;
   return found->id;
 }

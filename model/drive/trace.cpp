@@ -115,18 +115,18 @@ class TraceReader {
 
   void columns(std::string_view line) {
     for (const laser::CsvField& field : laser::csv_fields(line).fields) {
-      if (std::find(columns_.begin(), columns_.end(), field.text) != columns_.end())
+      if (std::ranges::find(columns_, field.text) != columns_.end())
         return complain(line_, field.column, fmt::format("expected every column once, found {} twice", field.text));
       columns_.push_back(field.text);
       if (field.text == "time_s" || signal_named(field.text)) continue;
       trace_.notes.push_back(fmt::format("column {} is not a signal of the axis: left out", field.text));
     }
     for (const char* needed : {"time_s", "dac_V"})
-      if (std::find(columns_.begin(), columns_.end(), needed) == columns_.end())
+      if (std::ranges::find(columns_, needed) == columns_.end())
         complain(line_, 1,
                  fmt::format("expected a column {} in the header row, found {}", needed, fmt::join(columns_, ", ")));
     for (const DriveSignalInfo& info : drive_signals())
-      if (std::find(columns_.begin(), columns_.end(), info.name) != columns_.end()) {
+      if (std::ranges::find(columns_, info.name) != columns_.end()) {
         trace_.signals.emplace_back();
         trace_.signals.back().id = info.id;
       }
@@ -178,13 +178,13 @@ class TraceReader {
 /// The step of the recorder's converter: smallest distance of two different values, where many samples share values.
 double quantum_of(const std::vector<double>& value) {
   std::vector<double> sorted = value;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   const double tolerance = kSameValue * std::max(1.0, sorted.back() - sorted.front());
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i] - sorted[i - 1] > tolerance) gaps.push_back(sorted[i] - sorted[i - 1]);
   if (gaps.empty() || gaps.size() * 2 > sorted.size()) return 0.0;
-  return *std::min_element(gaps.begin(), gaps.end());
+  return *std::ranges::min_element(gaps);
 }
 
 /// From second differences, whose larger half a curve of few changes leaves untouched; at least what rounding makes.
@@ -194,13 +194,13 @@ double noise_of(const std::vector<double>& value, double quantum) {
     const double bend = value[i] - 2.0 * value[i - 1] + value[i - 2];
     squares.push_back(bend * bend / kSecondDifference);
   }
-  std::sort(squares.begin(), squares.end());
+  std::ranges::sort(squares);
   // the mean of the lower ones, corrected for what a normal distribution has there
   const auto kept = static_cast<std::size_t>(kKeptShare * static_cast<double>(squares.size()));
   double sum = 0.0;
   for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
   const double spread = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(kept, 1)) / kShareOfVariance);
-  const double span = *std::max_element(value.begin(), value.end()) - *std::min_element(value.begin(), value.end());
+  const double span = *std::ranges::max_element(value) - *std::ranges::min_element(value);
   return std::max({spread, quantum / std::sqrt(kVarianceOfStep), kLeastNoise * span});
 }
 
@@ -208,18 +208,17 @@ double noise_of(const std::vector<double>& value, double quantum) {
 std::optional<double> clipped_at(const RecordedSignal& signal, int sense) {
   std::vector<double> v;
   for (const double x : signal.value) v.push_back(sense * x);
-  const double top = *std::max_element(v.begin(), v.end());
+  const double top = *std::ranges::max_element(v);
   const double base =
       upper_median(std::vector(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / kSamplesATraceRest + 1)));
   const double height = top - base;
   const double close = std::max(kAtTop * signal.quantum, kSameValue * std::abs(top));
-  const auto flat =
-      static_cast<std::size_t>(std::count_if(v.begin(), v.end(), [&](double x) { return x > top - close; }));
+  const auto flat = static_cast<std::size_t>(std::ranges::count_if(v, [&](double x) { return x > top - close; }));
   if (flat * kSamplesAFlat < v.size() || height < kFlatHeight * signal.noise) return std::nullopt;
   const auto first_above = [&](double share) {
-    return std::find_if(v.begin(), v.end(), [&](double x) { return x > base + share * height; }) - v.begin();
+    return std::ranges::find_if(v, [&](double x) { return x > base + share * height; }) - v.begin();
   };
-  const auto arrival = std::find_if(v.begin(), v.end(), [&](double x) { return x > top - close; }) - v.begin();
+  const auto arrival = std::ranges::find_if(v, [&](double x) { return x > top - close; }) - v.begin();
   const auto last_fifth = arrival - first_above(kLastFifth), middle = first_above(kMiddleTo) - first_above(kMiddleFrom);
   if (last_fifth > 2 * middle + 2) return std::nullopt;
   // once there, it is to stay: noise would lift a true plateau above its first sample
@@ -239,7 +238,7 @@ void TraceReader::finish() {
                     fmt::format("expected at least {} samples, found {}", kFewestTraceSamples, trace_.time_s.size()));
   trace_.move = {*feed_, *distance_};
   for (RecordedSignal& s : trace_.signals) {
-    const auto [least, most] = std::minmax_element(s.value.begin(), s.value.end());
+    const auto [least, most] = std::ranges::minmax_element(s.value);
     if (*most - *least <= 0.0) {
       complain(line_, 1,
                fmt::format("{}: expected a signal that changes, found {} in every sample", info_of(s.id).name, *most));
@@ -307,7 +306,7 @@ constexpr double kLeastHeight = 5.0;
 
 /// Means over a few samples where the noise asks for it.
 std::vector<double> smoothed(const std::vector<double>& value, double noise) {
-  const double span = *std::max_element(value.begin(), value.end()) - *std::min_element(value.begin(), value.end());
+  const double span = *std::ranges::max_element(value) - *std::ranges::min_element(value);
   if (noise < kQuiet * span) return value;
   const std::ptrdiff_t reach = noise < kNoisy * span ? 1 : 2, n = std::ssize(value);
   std::vector<double> mean;
@@ -323,7 +322,7 @@ std::vector<double> smoothed(const std::vector<double>& value, double noise) {
 /// Median of the upper tenth of the height.
 double level_of(const std::vector<double>& v, double base) {
   std::vector<double> sorted = v;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   const double high = sorted[static_cast<std::size_t>(kTopQuantile * static_cast<double>(sorted.size() - 1))];
   std::vector<double> upper;
   for (const double x : v)
@@ -362,13 +361,13 @@ StepShape shape_of(const Times& time_s, const std::vector<double>& value, double
   StepShape shape;
   if (value.size() < kFewestSamples) return shape;
   std::vector<double> v = smoothed(value, noise);
-  const auto [least, most] = std::minmax_element(v.begin(), v.end());
+  const auto [least, most] = std::ranges::minmax_element(v);
   const double sense = std::abs(*least) > std::abs(*most) ? -1.0 : 1.0;
   for (double& x : v) x *= sense;
   // at rest before the move, or after it where the recorder came too late
   const auto few = static_cast<std::ptrdiff_t>(v.size() / kSamplesARest + 1);
   const double before = upper_median({v.begin(), v.begin() + few}), after = upper_median({v.end() - few, v.end()});
-  const double top = *std::max_element(v.begin(), v.end());
+  const double top = *std::ranges::max_element(v);
   const double base = std::min(before, after);
   if (base > 0.5 * top) return shape;
   const double level = level_of(v, base), height = level - base;

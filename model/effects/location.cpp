@@ -50,12 +50,10 @@ EffectDefinition location() {
       .parameters = {{"um", "um", "place of the axis line; of AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::none,
       .how = "machine data of the control: the place and direction of the rotary axis; the unit has X, Y and Z",
-      .separated_by =
-          {54,
-           "Measure the ball again over the whole turn of {axis} at another angle of the other rotary axis; turn the "
-           "spindle by 180 degrees between two readings to know the zero of the probe. Then measure the ball at "
-           "another "
-           "radius and height."},
+      .separated_by = {54,
+                       "Measure the ball again over the whole turn of {axis} at another angle of the other rotary "
+                       "axis; turn the spindle by 180 degrees between two readings to know the zero of the probe. Then "
+                       "measure the ball at another radius and height."},
       .traits = {.one_per_axis = true, .on_rotary_axes = true},
       .place = Place::location,
       .preference = -10,

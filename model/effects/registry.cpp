@@ -67,8 +67,7 @@ EffectId effect_named(std::string_view name) {
 
 EffectId effect_at(Place place) {
   const auto& library = effect_library();
-  const auto found =
-      std::find_if(library.begin(), library.end(), [&](const EffectDefinition& one) { return one.place == place; });
+  const auto found = std::ranges::find_if(library, [&](const EffectDefinition& one) { return one.place == place; });
   assert(found != library.end());
   return &*found;
 }
@@ -77,7 +76,7 @@ namespace {
 
 /// The direction in which the machine has no axis that could correct the effect.
 std::optional<Axis> missing_axis(const EffectInstance& effect, const params::Machine& machine) {
-  const bool known = std::any_of(machine.axes.begin(), machine.axes.end(), [](const auto& axis) { return axis; });
+  const bool known = std::ranges::any_of(machine.axes, [](const auto& axis) { return axis.has_value(); });
   if (!known || !effect.sense || is_rotation(*effect.sense) || !effect.definition().is_carried()) return std::nullopt;
   const Axis direction = direction_of(*effect.sense);
   return machine.axes[index_of(direction)] ? std::nullopt : std::optional(direction);

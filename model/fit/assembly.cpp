@@ -46,8 +46,7 @@ Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressor
     if (!rows.aside.empty() && rows.aside[k]) continue;
     if (std::isnan(values[k]))
       ++slot.acting.skipped;
-    else if (std::any_of(effect.formulas.begin(), effect.formulas.end(),
-                         [&](const UserFormula& f) { return f.sense == rows.sense[k]; }))
+    else if (std::ranges::any_of(effect.formulas, [&](const UserFormula& f) { return f.sense == rows.sense[k]; }))
       slot.acting.rows.push_back(k);
   }
   if (slot.acting.skipped > 0) slot.acting.lacking = "a column of its formula";

@@ -90,8 +90,8 @@ std::vector<DirectionSummary> directions_of(const Fit& fit, const Observations& 
 std::vector<WorstPlace> worst_of(const Fit& fit, const Observations& data, std::size_t count) {
   std::vector<std::size_t> order(data.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return std::abs(fit.residual[a]) > std::abs(fit.residual[b]); });
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return std::abs(fit.residual[a]) > std::abs(fit.residual[b]); });
   std::vector<WorstPlace> list;
   for (std::size_t i = 0; i < std::min(count, order.size()); ++i) {
     const std::size_t k = order[i];
@@ -152,7 +152,7 @@ ResidualView residual_view(const Observations& data, const std::vector<double>& 
   std::vector<std::pair<double, double>> pairs;
   for (std::size_t k = 0; k < data.size(); ++k)
     if (const double value = variable_of(data, k, variable); !std::isnan(value)) pairs.emplace_back(value, residual[k]);
-  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(pairs, [](const auto& a, const auto& b) { return a.first < b.first; });
   if (pairs.empty() || pairs.front().first == pairs.back().first) return view;
   std::vector<double> values;
   for (const auto& pair : pairs) values.push_back(pair.first);
@@ -224,7 +224,7 @@ Result<std::vector<VolumePoint>> predicted_volume(const Model& fitted, const par
         points.push_back({{x, y, z}, {}});
         for (const Axis direction : kAllAxes) {
           laser::Reading reading;
-          reading.axis = moving(direction) ? direction : *std::find_if(kAllAxes.begin(), kAllAxes.end(), moving);
+          reading.axis = moving(direction) ? direction : *std::ranges::find_if(kAllAxes, moving);
           reading.sense = static_cast<Sense>(direction);
           reading.position_mm = {x, y, z};
           reading.approach = static_cast<Approach>(approach);

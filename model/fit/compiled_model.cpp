@@ -58,7 +58,7 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
 constexpr double kMostOfTable = 100.0, kLeastRange_um = 0.1;  // below, it is no error of a machine
 
 double range_of(const std::vector<double>& values) {
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  const auto [least, greatest] = std::ranges::minmax_element(values);
   return values.empty() ? 0.0 : *greatest - *least;
 }
 
@@ -74,16 +74,16 @@ std::vector<Problem> undetermined_beside_others(const Model& fitted,
     std::vector<std::string> outside = *effect->undetermined;
     std::erase_if(outside, [&](const std::string& name) {
       const auto is_named = [&](const EffectInstance& one) { return to_text(one) == name; };
-      return std::none_of(fitted.effects.begin(), fitted.effects.end(), is_named) ||
-             std::any_of(carried.begin(), carried.end(), [&](const EffectInstance* one) { return is_named(*one); });
+      return std::ranges::none_of(fitted.effects, is_named) ||
+             std::ranges::any_of(carried, [&](const EffectInstance* one) { return is_named(*one); });
     });
     if (outside.empty()) continue;
     problems.push_back(
-        problem(ProblemKind::refused,
-                fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map "
-                            "carries; measure what separates them (ecs model next), or remove one of them and "
-                            "fit again",
-                            to_text(*effect), fmt::join(outside, ", ")))
+        problem(
+            ProblemKind::refused,
+            fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map carries; "
+                        "measure what separates them (ecs model next), or remove one of them and fit again",
+                        to_text(*effect), fmt::join(outside, ", ")))
             .value());
   }
   return problems;
@@ -140,8 +140,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   for (const auto& [component, effects] : tables) {
     const params::MachineAxis& axis = *machine.axes[index_of(moving_axis(component))];
     const std::vector<double> grid = table_positions(axis, increment_mm);
-    const bool two =
-        std::any_of(effects.begin(), effects.end(), [](const EffectInstance* e) { return differs_by_approach(*e); });
+    const bool two = std::ranges::any_of(effects, [](const EffectInstance* e) { return differs_by_approach(*e); });
     std::vector<std::string> names;
     for (const EffectInstance* effect : effects) names.push_back(to_text(*effect));
     for (const Approach approach :
@@ -159,21 +158,20 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
         for (const double value : *values) largest = std::max(largest, std::abs(value));
         ranges.push_back(range_of(*values));
       }
-      const auto most = std::max_element(ranges.begin(), ranges.end());
+      const auto most = std::ranges::max_element(ranges);
       if (most != ranges.end() && *most > kMostOfTable * std::max(range_of(table.compensation), kLeastRange_um))
-        problems.push_back(
-            problem(ProblemKind::refused,
-                    fmt::format("{} varies by {:.3g} um in a table that varies by {:.3g} um: effects of the "
-                                "model cancel each other; remove one of them and fit again",
-                                to_text(*effects[static_cast<std::size_t>(most - ranges.begin())]), *most,
-                                range_of(table.compensation)))
-                .value());
+        problems.push_back(problem(ProblemKind::refused,
+                                   fmt::format("{} varies by {:.3g} um in a table that varies by {:.3g} um: effects of "
+                                               "the model cancel each other; remove one of them and fit again",
+                                               to_text(*effects[static_cast<std::size_t>(most - ranges.begin())]),
+                                               *most, range_of(table.compensation)))
+                               .value());
       out.map.tables.push_back(std::move(table));
     }
     out.map.header.processing.push_back(
         fmt::format("{} compiled from the model: {}", name_of(component), fmt::join(names, " + ")));
     for (const LadderStep& step : fitted.history)
-      if (std::find(names.begin(), names.end(), step.effect) != names.end())
+      if (std::ranges::find(names, step.effect) != names.end())
         out.map.header.processing.push_back(fmt::format("{} fitted to {}", step.effect, step.data));
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
@@ -193,18 +191,17 @@ std::vector<Term> own_lever_rows(const params::Machine& machine) {
   const auto measured = terms_of(*chain, Convention::iso, CurveKind::measured);
   if (!physical || !measured) return rows;
   for (const Term& row : *physical)
-    if (row.has_lever && row.uses_coordinate && std::find(measured->begin(), measured->end(), row) == measured->end())
+    if (row.has_lever && row.uses_coordinate && std::ranges::find(*measured, row) == measured->end())
       rows.push_back(row);
   return rows;
 }
 
 bool has_table(const laser::ErrorMap& map, Component component) {
-  return std::any_of(map.tables.begin(), map.tables.end(),
-                     [&](const MapTable& table) { return table.component == component; });
+  return std::ranges::any_of(map.tables, [&](const MapTable& table) { return table.component == component; });
 }
 
 void sort_tables(laser::ErrorMap& map) {
-  std::stable_sort(map.tables.begin(), map.tables.end(), [](const MapTable& a, const MapTable& b) {
+  std::ranges::stable_sort(map.tables, [](const MapTable& a, const MapTable& b) {
     return index_of(a.component) != index_of(b.component) ? index_of(a.component) < index_of(b.component)
                                                           : a.approach > b.approach;
   });

@@ -332,9 +332,8 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
 namespace {
 
 bool varies(const Observations& data, const std::vector<std::size_t>& rows, Axis a) {
-  return std::any_of(rows.begin(), rows.end(), [&](std::size_t k) {
-    return std::abs(data.p_mm(k, a) - data.p_mm(rows.front(), a)) > kSamePlace_mm;
-  });
+  return std::ranges::any_of(
+      rows, [&](std::size_t k) { return std::abs(data.p_mm(k, a) - data.p_mm(rows.front(), a)) > kSamePlace_mm; });
 }
 
 /// What smooth axes could show along a path: harmonics of the angle on a circle, smooth functions of the place on a
@@ -395,9 +394,8 @@ MatrixXd smooth_columns(const Observations& data) {
     };
     add([](std::size_t) { return 1.0; });
     std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for so many only
-    std::stable_partition(axes.begin(), axes.end(), [&](Axis a) {
-      return std::any_of(rows.begin(), rows.end(), [&](std::size_t k) { return data.axis[k] == a; });
-    });
+    std::ranges::stable_partition(
+        axes, [&](Axis a) { return std::ranges::any_of(rows, [&](std::size_t k) { return data.axis[k] == a; }); });
     for (const Axis a : axes) {
       std::vector<double> p;
       for (const std::size_t k : rows) p.push_back(data.p_mm(k, a));

@@ -76,7 +76,7 @@ void add_levels(Functions& functions, const Observations& data, Channel channel,
   for (std::size_t k = 0; k < data.size(); ++k)
     if (data.channel(k) == channel && !std::isnan(value(k))) values.push_back(value(k));
   if (values.size() < kFewestOfSense) return;
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const double width = values.back() - values.front();
   if (width <= 0.0) return;
   std::vector<double> levels = distinct(values, kSameLevel * width);
@@ -232,8 +232,8 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
           a.push_back(data.p_mm(k, pair.a));
           b.push_back(data.p_mm(k, pair.b));
         }
-      const auto in_a = std::minmax_element(a.begin(), a.end()), in_b = std::minmax_element(b.begin(), b.end());
-      const double from_a = *in_a.first, to_a = *in_a.second, from_b = *in_b.first, to_b = *in_b.second;
+      const auto in_a = std::ranges::minmax_element(a), in_b = std::ranges::minmax_element(b);
+      const double from_a = *in_a.min, to_a = *in_a.max, from_b = *in_b.min, to_b = *in_b.max;
       if (to_a - from_a <= kSamePlace_mm || to_b - from_b <= kSamePlace_mm) continue;
       functions.add([&](std::size_t k) {
         if (data.channel(k) != channel) return 0.0;
@@ -277,7 +277,7 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
 void add_rows(const Observations& data, std::vector<Variable>& out) {
   constexpr double kFastest_rows = 24.0;
   if (!data.time_s.empty() || data.row.empty()) return;
-  const auto [least, greatest] = std::minmax_element(data.row.begin(), data.row.end());
+  const auto [least, greatest] = std::ranges::minmax_element(data.row);
   const double first = *least, length = static_cast<double>(*greatest) - first;
   if (length <= 0.0) return;
   Functions functions(data.size());
@@ -334,7 +334,7 @@ void add_condition(const Observations& data, const std::string& name, const Colu
 
 void add_compensated(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   const bool first = data.compensated.empty() || data.compensated.front();
-  if (std::all_of(data.compensated.begin(), data.compensated.end(), [&](bool c) { return c == first; })) return;
+  if (std::ranges::all_of(data.compensated, [&](bool c) { return c == first; })) return;
   Functions functions(data.size());
   for (const Channel channel : channels_of(data)) {
     const auto on = [&](std::size_t k) { return data.channel(k) == channel && data.compensated[k] ? 1.0 : 0.0; };

@@ -244,7 +244,7 @@ void add_colliding(const Assembly& assembly, Index column, const CoreFit& core, 
   const std::string own = to_text(assembly.slots[slot_of_column(assembly, column)].effect);
   for (const Index other : core.collides[static_cast<std::size_t>(column)]) {
     const std::string name = to_text(assembly.slots[slot_of_column(assembly, other)].effect);
-    if (name != own && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (name != own && std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
 }
 
@@ -256,9 +256,9 @@ std::vector<std::string> colliding_effects(const Assembly& assembly, std::size_t
   const std::string own = to_text(assembly.slots[s].effect);
   for (std::size_t other = 0; other < core.collides.size(); ++other) {
     const auto& list = core.collides[other];
-    if (std::none_of(list.begin(), list.end(), [&](Index column) { return column >= first && column < end; })) continue;
+    if (std::ranges::none_of(list, [&](Index column) { return column >= first && column < end; })) continue;
     const std::string name = to_text(assembly.slots[slot_of_column(assembly, static_cast<Index>(other))].effect);
-    if (name != own && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (name != own && std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
   return names;
 }
@@ -349,8 +349,7 @@ void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) 
     std::string text = to_text(assembly.slots[s].effect);
     text += others.empty() ? ": these data do not show it"
                            : fmt::format(" cannot be told from {}", fmt::join(others, ", "));
-    if (std::find(fit.undetermined.begin(), fit.undetermined.end(), text) == fit.undetermined.end())
-      fit.undetermined.push_back(text);
+    if (std::ranges::find(fit.undetermined, text) == fit.undetermined.end()) fit.undetermined.push_back(text);
   }
 }
 
@@ -372,8 +371,9 @@ void add_correlations(const Assembly& assembly, const CoreFit& core, Fit& fit) {
       const double value = core.covariance(i, j) / std::sqrt(core.covariance(i, i) * core.covariance(j, j));
       if (std::abs(value) >= kWorthTelling) fit.correlations.push_back({name(j), name(i), value});
     }
-  std::stable_sort(fit.correlations.begin(), fit.correlations.end(),
-                   [](const Correlation& a, const Correlation& b) { return std::abs(a.value) > std::abs(b.value); });
+  std::ranges::stable_sort(fit.correlations, [](const Correlation& a, const Correlation& b) {
+    return std::abs(a.value) > std::abs(b.value);
+  });
 }
 
 std::optional<Problem> unusable(const Observations& data) {
@@ -419,7 +419,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     fit.effects.push_back(effect_fit(assembly, s, regressors, core, nonlinear));
     const Slot& slot = assembly.slots[s];
-    if (slot.has_slope()) nonlinear += std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true);
+    if (slot.has_slope()) nonlinear += std::ranges::count(slot.nonlinear_free, true);
     if (slot.acting.skipped > 0)
       fit.notes.push_back(fmt::format("{}: {} of {} readings skipped, they lack {}", to_text(slot.effect),
                                       slot.acting.skipped, slot.acting.skipped + slot.acting.readings.size(),
@@ -445,7 +445,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   const std::vector<bool> unknown = of_unknown_approach(data);
   for (std::size_t k = 0; k < data.size(); ++k)
     if (core.left_out[k] && !unknown[k]) fit.outliers.push_back(data.row[k]);
-  std::sort(fit.outliers.begin(), fit.outliers.end());
+  std::ranges::sort(fit.outliers);
   fit.noise = core.noise.pure;
   for (const NoiseGroup& group : core.noise.groups)
     fit.noise_by_sense.push_back({group.sense, group.axis, group.white, group.correlated, group.time, group.path});
@@ -482,7 +482,7 @@ LadderStep rung_of(const std::string& effect, const std::string& data_name, cons
   LadderStep rung{effect, data_name, 0.0, 0.0, 0.0, fit.noise.noise_um, {}, static_cast<int>(fit.outliers.size())};
   std::vector<double> kept_before, kept;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    if (std::binary_search(fit.outliers.begin(), fit.outliers.end(), data.row[k])) continue;
+    if (std::ranges::binary_search(fit.outliers, data.row[k])) continue;
     kept_before.push_back(before[k]);
     kept.push_back(fit.residual[k]);
     rung.peak_um = std::max(rung.peak_um, std::abs(fit.residual[k]));
@@ -511,8 +511,7 @@ namespace {
 
 /// Nothing of it is left to be fitted, or some of it is given and the rest is nothing.
 bool has_values(const EffectInstance& held) {
-  if (held.is_user())
-    return std::all_of(held.user.begin(), held.user.end(), [](const UserParameter& p) { return p.value.has_value(); });
+  if (held.is_user()) return std::ranges::all_of(held.user, [](const UserParameter& p) { return p.value.has_value(); });
   if (held.traits().is_curve) return !held.curve.empty();
   return !held.parameters.empty() || held.definition().parameters.empty();
 }

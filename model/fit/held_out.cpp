@@ -65,7 +65,7 @@ Parts parts_by_target(const Observations& data) {
   for (std::size_t k = 0; k < data.size(); ++k) {
     const auto& list = targets[{data.channel(k), data.axis[k]}];
     const double p = data.along_of(k);
-    const auto rank = std::upper_bound(list.begin(), list.end(), p + 0.1 * kSamePlace_mm) - list.begin();
+    const auto rank = std::ranges::upper_bound(list, p + 0.1 * kSamePlace_mm) - list.begin();
     parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
   }
   return parts;
@@ -74,8 +74,8 @@ Parts parts_by_target(const Observations& data) {
 bool has_targets_to_leave_out(const Observations& data) {
   std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
   for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
-  return std::all_of(targets.begin(), targets.end(),
-                     [](const auto& each) { return distinct(each.second, kSamePlace_mm).size() >= kFewestTargets; });
+  return std::ranges::all_of(
+      targets, [](const auto& each) { return distinct(each.second, kSamePlace_mm).size() >= kFewestTargets; });
 }
 
 namespace {

@@ -73,8 +73,7 @@ std::optional<FittedCurve> curve_in(TomlReader& reader, const toml::table& table
       reader.complain(table, fmt::format("{}: expected the lists {} and value", what, places));
     return std::nullopt;
   }
-  if (p->empty() || p->size() != value->size() ||
-      std::adjacent_find(p->begin(), p->end(), std::greater_equal<>()) != p->end()) {
+  if (p->empty() || p->size() != value->size() || std::ranges::adjacent_find(*p, std::greater_equal<>()) != p->end()) {
     reader.complain(table, fmt::format("{}: expected {} ascending and as many values; found {} and {}", what, places,
                                        p->size(), value->size()));
     return std::nullopt;
@@ -88,7 +87,7 @@ void take_numbers(TomlReader& reader, const toml::table& effect, std::string_vie
   if (table == nullptr) return;
   reader.only(*table, known, key);
   for (const auto& [name, node] : *table) {
-    if (std::find(known.begin(), known.end(), std::string(name.str())) == known.end()) continue;
+    if (std::ranges::find(known, std::string(name.str())) == known.end()) continue;
     if (const auto value = reader.number(*table, name.str())) into[std::string(name.str())] = *value;
   }
 }
@@ -124,8 +123,7 @@ std::vector<UserParameter> parameters_in(const std::vector<UserFormula>& formula
       std::size_t next = end;
       while (next < text.size() && text[next] == ' ') ++next;
       const bool function = next < text.size() && text[next] == '(';
-      const bool known =
-          std::any_of(parameters.begin(), parameters.end(), [&](const UserParameter& p) { return p.name == word; });
+      const bool known = std::ranges::any_of(parameters, [&](const UserParameter& p) { return p.name == word; });
       if (!function && !known && !is_column_name(word)) parameters.push_back({word, {}, {}, {}, {}, {}});
       i = end;
     }
@@ -136,7 +134,7 @@ std::vector<UserParameter> parameters_in(const std::vector<UserFormula>& formula
 /// As formulas name it: a letter or '_', then letters, digits and '_'.
 bool is_formula_name(std::string_view name) {
   const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  return !name.empty() && letter(name.front()) && std::all_of(name.begin(), name.end(), [&](char c) {
+  return !name.empty() && letter(name.front()) && std::ranges::all_of(name, [&](char c) {
     return letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
   });
 }
@@ -146,7 +144,7 @@ void check_parameter_name(TomlReader& reader, const toml::node& at, const std::s
   if (!is_formula_name(name))
     reader.complain(
         at, fmt::format("parameters: expected a name as in the formula, of letters, digits and _, got \"{}\"", name));
-  if (std::any_of(effect.user.begin(), effect.user.end(), [&](const UserParameter& one) { return one.name == name; }))
+  if (std::ranges::any_of(effect.user, [&](const UserParameter& one) { return one.name == name; }))
     reader.complain(at, fmt::format("parameters: expected every name once, got \"{}\" twice", name));
 }
 
@@ -189,8 +187,7 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
   } else if (!table.contains("formula")) {
     reader.complain(table, "user effect: expected formula = { EX = \"…\", … }");
   }
-  std::sort(effect.formulas.begin(), effect.formulas.end(),
-            [](const UserFormula& a, const UserFormula& b) { return a.sense < b.sense; });
+  std::ranges::sort(effect.formulas, [](const UserFormula& a, const UserFormula& b) { return a.sense < b.sense; });
   if (const toml::table* parameters = table.get_as<toml::table>("parameters")) {
     for (const auto& [key, node] : *parameters)
       take_user_parameter(reader, *parameters, std::string(key.str()), effect);
@@ -216,7 +213,7 @@ void take_undetermined(TomlReader& reader, const toml::table& table, EffectInsta
   if (!table.contains("undetermined")) return;
   const toml::array* names = table.get_as<toml::array>("undetermined");
   effect.undetermined.emplace();
-  if (names == nullptr || !std::all_of(names->begin(), names->end(), [](const auto& one) { return one.is_string(); }))
+  if (names == nullptr || !std::ranges::all_of(*names, [](const auto& one) { return one.is_string(); }))
     return reader.complain(*table.get("undetermined"), "undetermined: expected a list of names in quotes");
   for (const toml::node& one : *names) effect.undetermined->push_back(one.as_string()->get());
 }
@@ -467,15 +464,16 @@ void take_alternatives(std::string_view text, Model& model) {
 
 bool counts_time(const EffectInstance& effect) {
   return (effect.traits().from_origin && effect.definition().has_need(Need::time)) ||
-         std::any_of(effect.formulas.begin(), effect.formulas.end(),
-                     [](const UserFormula& formula) { return formula.text.find("time_s") != std::string::npos; });
+         std::ranges::any_of(effect.formulas, [](const UserFormula& formula) {
+           return formula.text.find("time_s") != std::string::npos;
+         });
 }
 
 /// What of its origin the effects of a model count from; nothing where none does.
 std::optional<Origin> counting_origin(const Model& model) {
   if (!model.origin || !counts_from_origin(model)) return std::nullopt;
   Origin origin = *model.origin;
-  if (std::none_of(model.effects.begin(), model.effects.end(), counts_time)) {
+  if (std::ranges::none_of(model.effects, counts_time)) {
     origin.time_s.reset();
     origin.date.clear();
   }
@@ -485,8 +483,8 @@ std::optional<Origin> counting_origin(const Model& model) {
 }  // namespace
 
 bool counts_from_origin(const Model& model) {
-  return std::any_of(model.effects.begin(), model.effects.end(),
-                     [](const EffectInstance& effect) { return effect.traits().from_origin || counts_time(effect); });
+  return std::ranges::any_of(
+      model.effects, [](const EffectInstance& effect) { return effect.traits().from_origin || counts_time(effect); });
 }
 
 Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,

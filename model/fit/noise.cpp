@@ -123,8 +123,8 @@ bool runs_differ(const Halves& halves) {
 /// Enough of them to judge the noise by. @param of_poses  neighbours of a pose say nothing of it: any repeats are
 /// better
 bool many(const std::vector<double>& deviation, bool of_poses) {
-  const auto there = static_cast<std::size_t>(
-      std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
+  const auto there =
+      static_cast<std::size_t>(std::ranges::count_if(deviation, [](double d) { return !std::isnan(d); }));
   return there >= kFewestDeviations && (of_poses || there * 2 >= deviation.size());
 }
 
@@ -192,7 +192,7 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
   std::vector<double> values;
   for (const std::size_t k : group.rows) values.push_back(data.reading[k]);
   const auto sorted = [&] {
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     return values;
   }();
   double smallest = 0.0;
@@ -202,9 +202,8 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
   }
   // a step of a file has few digits; one of a scale, such as a part of a wavelength, may have many
   for (const double step : {rounded(smallest, kNoStep_um), smallest})
-    if (step >= kFinestStep_um && std::all_of(sorted.begin(), sorted.end(), [&](double v) {
-          return std::abs(v / step - std::round(v / step)) <= kOffStep;
-        }))
+    if (step >= kFinestStep_um &&
+        std::ranges::all_of(sorted, [&](double v) { return std::abs(v / step - std::round(v / step)) <= kOffStep; }))
       return step;
   return 0.0;
 }
@@ -342,9 +341,8 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
 
   noise.shapes =
       likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));
-  const NoiseShape& best =
-      *std::max_element(noise.shapes.begin(), noise.shapes.end(),
-                        [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
+  const NoiseShape& best = *std::ranges::max_element(
+      noise.shapes, [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
   double sum = 0.0;
   for (std::size_t g = 0; g < noise.groups.size(); ++g) {
     NoiseGroup& group = noise.groups[g];

@@ -213,7 +213,7 @@ std::vector<Pass> quiet_passes(std::vector<Pass> passes, std::size_t groups) {
     }
     if (static_cast<double>(loud.size()) > kMostShare * static_cast<double>(mine.size())) loud.clear();
     for (const std::size_t i : mine)
-      if (std::find(loud.begin(), loud.end(), i) == loud.end()) quiet.push_back(std::move(passes[i]));
+      if (std::ranges::find(loud, i) == loud.end()) quiet.push_back(std::move(passes[i]));
   }
   return quiet;
 }
@@ -365,8 +365,8 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
     most = std::max(most, shape.weight);
   };
   for (NoiseShape& shape : shapes) weigh(shape);
-  const NoiseShape best = *std::max_element(
-      shapes.begin(), shapes.end(), [](const NoiseShape& a, const NoiseShape& b) { return a.weight < b.weight; });
+  const NoiseShape best =
+      *std::ranges::max_element(shapes, [](const NoiseShape& a, const NoiseShape& b) { return a.weight < b.weight; });
   if (best.share > 0.0 && best.time < kTimes_s.front() && best.time >= kResolved * interval_s)
     for (const double time : {best.time / std::numbers::sqrt2, best.time * std::numbers::sqrt2})
       for (const double share : kShares) weigh(shapes.emplace_back(NoiseShape{share, time, 0.0, {}}));

@@ -152,9 +152,8 @@ void keep_on_circles(const Observations& data, std::vector<bool>& out) {
     if (!out[k] || !data.on_path(k) || data.path_of(k).kind != PathKind::circle) continue;
     const std::size_t node = repeats.node_of[k];
     const PlaceOnPath place = place_on(data.path_of(k), data.position_mm[k], data.approach[k]);
-    const bool after_reversal =
-        std::any_of(place.since_reversal_mm.begin(), place.since_reversal_mm.end(),
-                    [&](const auto& mm) { return mm && *mm < kClose * data.path_of(k).radius_mm; });
+    const bool after_reversal = std::ranges::any_of(
+        place.since_reversal_mm, [&](const auto& mm) { return mm && *mm < kClose * data.path_of(k).radius_mm; });
     if (readings[node] > 1 ? odd[node] == readings[node] : after_reversal) out[k] = false;
   }
 }
@@ -194,7 +193,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
     std::vector<std::pair<double, std::size_t>> found;
     for (const std::size_t k : rows)
       if (oddness[k] != 0.0) found.emplace_back(std::abs(oddness[k]), k);
-    std::sort(found.begin(), found.end(), std::greater<>());
+    std::ranges::sort(found, std::greater<>());
     for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
   keep_streaks(data, oddness, out);

@@ -264,8 +264,7 @@ bool Search::at_limit(std::size_t f, double nonlinear) const {
   if (definition.search.limits == nullptr || family.grid.size() + family.facts.size() <= 1) return false;
   const ValueRange range = definition.search.limits(regressors_.motions(), family.effect, family.acting, kBeyondAll);
   const auto is_another = [&](Limit limit) {
-    return std::any_of(definition.turns_into.begin(), definition.turns_into.end(),
-                       [&](const Becomes& becomes) { return becomes.limit == limit; });
+    return std::ranges::any_of(definition.turns_into, [&](const Becomes& becomes) { return becomes.limit == limit; });
   };
   return (nonlinear > (1.0 - kAtLimit) * range.greatest && is_another(Limit::at_greatest)) ||
          (nonlinear < (1.0 + kAtLimit) * range.least && is_another(Limit::at_least));
@@ -390,7 +389,7 @@ Choice Search::best_value(const Space& space, const Choice& now, bool all_period
 
 Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own, bool far) const {
   Solution best = solution(chosen, own);
-  const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
+  const bool movable = std::ranges::any_of(chosen, [&](const Choice& c) {
     const EffectDefinition& definition = families_[c.family].effect.definition();
     return definition.traits.is_curve || !definition.searched_parameter().empty();
   });
@@ -421,7 +420,7 @@ std::vector<std::string> unused_sizes(const EffectDefinition& definition, const 
   std::vector<std::string> names;
   if (definition.column_sets.empty()) return names;
   for (std::size_t j = 0; j < definition.column_count(); ++j)
-    if (std::find(choice.columns.begin(), choice.columns.end(), static_cast<Index>(j)) == choice.columns.end())
+    if (std::ranges::find(choice.columns, static_cast<Index>(j)) == choice.columns.end())
       names.emplace_back(parameter_of_coefficient(definition, j));
   return names;
 }

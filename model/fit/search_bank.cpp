@@ -64,8 +64,7 @@ void Search::build_shapes(std::size_t f) {
     for (const std::size_t k : rows) p.push_back(regressors_.motions().p_mm(k, *family.effect.axis));
     shapes.place_mm = distinct(p, 1e-9);
     for (const double at : p)
-      bank.node_of.push_back(std::upper_bound(shapes.place_mm.begin(), shapes.place_mm.end(), at) -
-                             shapes.place_mm.begin() - 1);
+      bank.node_of.push_back(std::ranges::upper_bound(shapes.place_mm, at) - shapes.place_mm.begin() - 1);
     bank.nodes = static_cast<Index>(shapes.place_mm.size());
   } else {
     for (std::size_t i = 0; i < rows.size(); ++i) bank.node_of.push_back(static_cast<Index>(i));

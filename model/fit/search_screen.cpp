@@ -272,7 +272,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   }
   std::erase_if(list, [](const Choice& choice) { return choice.gain <= 0.0; });
   // of equals the first of the library is first
-  std::sort(list.begin(), list.end(), [](const Choice& a, const Choice& b) { return a.family < b.family; });
+  std::ranges::sort(list, [](const Choice& a, const Choice& b) { return a.family < b.family; });
   sort_greatest_first(list, score_of);
   return list;
 }

@@ -70,10 +70,9 @@ double tail_probability(std::vector<double> noise_replicates, double value) {
   constexpr double kFewReached = 3.0;     // counts up to this vary more than the fitted tail does
   constexpr double kLeastExcess = 1e-12;  // replicates that are all alike have no tail
   if (noise_replicates.empty()) return 1.0;
-  std::sort(noise_replicates.begin(), noise_replicates.end());
+  std::ranges::sort(noise_replicates);
   const auto n = static_cast<double>(noise_replicates.size());
-  const auto reached = static_cast<double>(noise_replicates.end() -
-                                           std::lower_bound(noise_replicates.begin(), noise_replicates.end(), value));
+  const auto reached = static_cast<double>(noise_replicates.end() - std::ranges::lower_bound(noise_replicates, value));
   const std::size_t from = noise_replicates.size() - std::max<std::size_t>(noise_replicates.size() / kTailPart, 1);
   if (value <= noise_replicates[from]) return reached / n;
   double excess = 0.0;

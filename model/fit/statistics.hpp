@@ -61,7 +61,7 @@ template <class List, class Value>
 void sort_greatest_first(List& list, const Value& value) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < list.size(); ++i) order.emplace_back(value(list[i]), i);
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
   for (auto from = order.begin(); from != order.end();) {
     auto to = std::next(from);
     while (to != order.end() &&

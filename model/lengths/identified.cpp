@@ -65,8 +65,7 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
   const auto needed = static_cast<std::size_t>(curves.block(component).even) + 1;
   if (places.size() < needed)
     return fmt::format(
-        "{} is not determined: {} places of {} for a curve that needs {}: add targets, or take knots "
-        "farther apart",
+        "{} is not determined: {} places of {} for a curve that needs {}: add targets, or take knots farther apart",
         name, places.size(), letter_of(axis), needed);
   std::vector<std::string> lacks;
   bool some_lever_changes = false;
@@ -102,7 +101,7 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
       some_lever_changes = true;
     }
   }
-  std::sort(lacks.begin(), lacks.end());
+  std::ranges::sort(lacks);
   lacks.erase(std::unique(lacks.begin(), lacks.end()), lacks.end());
   std::string text = name + " is not determined";
   if (!some_lever_changes && !lacks.empty()) return fmt::format("{}: {}", text, fmt::join(lacks, "; "));
@@ -381,7 +380,7 @@ class LengthReport {
 
 bool Identification::whole() const {
   const auto right = [](const auto& one) { return one.why_not.empty(); };
-  return std::all_of(curves.begin(), curves.end(), right) && std::all_of(squareness.begin(), squareness.end(), right);
+  return std::ranges::all_of(curves, right) && std::ranges::all_of(squareness, right);
 }
 
 void report_on(const FittedLengths& fitted, Identification& out) { LengthReport(fitted).fill(out); }

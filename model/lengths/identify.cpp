@@ -309,8 +309,7 @@ std::string contradiction(Component component, const Identification& found) {
 Result<void> checked(const LengthTest& test, const params::Machine& named, const LengthMachine& machine) {
   if (!test.configuration.empty() && test.configuration != named.configuration)
     return problem_at(test.source, 0, 0,
-                      fmt::format("the lengths are of a machine {}, the machine file of {}: expected one "
-                                  "machine",
+                      fmt::format("the lengths are of a machine {}, the machine file of {}: expected one machine",
                                   test.configuration, named.configuration));
   std::vector<Problem> problems;
   for (const LengthReading& r : test.readings)
@@ -333,7 +332,7 @@ Result<void> checked(const LengthTest& test, const params::Machine& named, const
 std::vector<std::string> contradicted_zeros(const LengthTest& test, const IdentifySettings& settings,
                                             const LengthMachine& machine, CurveSettings curves) {
   std::vector<std::string> notes;
-  const auto declared = std::count(settings.zero.begin(), settings.zero.end(), true);
+  const auto declared = std::ranges::count(settings.zero, true);
   curves.zero = {};
   MachineCurves free(machine, curves);
   const auto unknowns = free.size() + nuisance_of(test, 0).end;
@@ -365,10 +364,9 @@ Problem too_few(const LengthTest& test, IdentifySettings settings, MachineCurves
   std::vector<Problem> problems{
       problem_at(
           test.source, 0, 0,
-          fmt::format(
-              "expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: measure "
-              "more lines, or take knots farther apart (--knots)",
-              unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()))
+          fmt::format("expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: "
+                      "measure more lines, or take knots farther apart (--knots)",
+                      unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()))
           .value()};
   settings.keep_outliers = true;
   Identification tried;

@@ -85,7 +85,7 @@ class LengthReader {
     }
     if (entry.key == "knots_mm") {
       const auto knots = vector_in(words, 0);
-      if (!knots || std::any_of(knots->begin(), knots->end(), [](double mm) { return !(mm > 0.0); }))
+      if (!knots || std::ranges::any_of(*knots, [](double mm) { return !(mm > 0.0); }))
         findings_.add(0, 0,
                       fmt::format("knots_mm: expected three lengths above 0, found {}", laser::in_quotes(entry.value)));
       else

@@ -181,7 +181,7 @@ class PathChooser {
       std::set<std::size_t> fresh;
       std::size_t best = 0;
       for (;;) {
-        best = static_cast<std::size_t>(std::max_element(options.begin(), options.end(), less) - options.begin());
+        best = static_cast<std::size_t>(std::ranges::max_element(options, less) - options.begin());
         if (!fresh.insert(best).second) break;
         options[best].score = score_of(options[best]);
       }
@@ -217,7 +217,7 @@ class PathChooser {
       apply(item->rows, -1.0);
     }
     for (std::size_t s = 0; s < stands_.size(); ++s)
-      open_[s] = std::any_of(items_.begin(), items_.end(), [&](const Item& i) { return i.stand == s && i.used > 0; });
+      open_[s] = std::ranges::any_of(items_, [&](const Item& i) { return i.stand == s && i.used > 0; });
     update();
   }
 
@@ -229,15 +229,15 @@ class PathChooser {
     for (Item& item : items_)
       if (item.used > 0) items.push_back(&item);
     while (!items.empty()) {
-      const auto best = std::min_element(items.begin(), items.end(),
-                                         [&](const Item* a, const Item* b) { return score(a) < score(b); });
+      const auto best =
+          std::ranges::min_element(items, [&](const Item* a, const Item* b) { return score(a) < score(b); });
       Item* item = *best;
       const double before = item->loss;
       item->loss = change(item->rows, -1.0).value_or(std::numeric_limits<double>::max());
       if (item->loss > at_most)
         items.erase(best);
       else if (item->loss <= before ||
-               std::none_of(items.begin(), items.end(), [&](const Item* other) { return score(other) < score(item); }))
+               std::ranges::none_of(items, [&](const Item* other) { return score(other) < score(item); }))
         return item;
     }
     return nullptr;
@@ -382,7 +382,7 @@ class SetUpChooser {
       std::set<std::size_t> fresh;
       std::size_t best = 0;
       for (;;) {
-        best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+        best = static_cast<std::size_t>(std::ranges::max_element(scores) - scores.begin());
         if (!fresh.insert(best).second) break;
         scores[best] = score(best);
       }

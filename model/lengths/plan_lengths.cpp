@@ -39,10 +39,9 @@ class LengthPlanner {
   Result<LengthPlan> run() {
     add_set_ups();
     if (stands_.empty())
-      return problem(ProblemKind::usage,
-                     fmt::format("no circle of {:g} mm about any station lies within the travel: expected a shorter "
-                                 "ball bar or other stations",
-                                 settings_.ball_bar_mm));
+      return problem(ProblemKind::usage, fmt::format("no circle of {:g} mm about any station lies within the travel: "
+                                                     "expected a shorter ball bar or other stations",
+                                                     settings_.ball_bar_mm));
     for (const PlanStand& stand : stands_) known_.emplace_back(task_, stand);
     find_free();
     write(settings_.instrument == LengthInstrument::tracker ? from_stations()
@@ -106,11 +105,11 @@ class LengthPlanner {
         names.push_back(name_of(static_cast<Component>(c)));
     }
     plan_.undetermined.assign(names.begin(), names.end());
-    plan_.notes.push_back(fmt::format(
-        "no length of these set-ups determines {} by {}: {} hold{} something that leaves every length as it "
-        "is; the uncertainty is that of the rest",
-        names.size() == 1 ? "a component" : "components", names.size() == 1 ? "itself" : "themselves",
-        fmt::join(names, ", "), names.size() == 1 ? "s" : ""));
+    plan_.notes.push_back(
+        fmt::format("no length of these set-ups determines {} by {}: {} hold{} something that leaves every length as "
+                    "it is; the uncertainty is that of the rest",
+                    names.size() == 1 ? "a component" : "components", names.size() == 1 ? "itself" : "themselves",
+                    fmt::join(names, ", "), names.size() == 1 ? "s" : ""));
   }
 
   using Stations = std::vector<std::size_t>;
@@ -119,7 +118,7 @@ class LengthPlanner {
   [[nodiscard]] std::vector<std::size_t> stands_at(const Stations& set_ups) const {
     std::vector<std::size_t> out;
     for (std::size_t s = 0; s < stands_.size(); ++s)
-      if (std::find(set_ups.begin(), set_ups.end(), stands_[s].set_up) != set_ups.end()) out.push_back(s);
+      if (std::ranges::find(set_ups, stands_[s].set_up) != set_ups.end()) out.push_back(s);
     return out;
   }
 
@@ -131,7 +130,7 @@ class LengthPlanner {
       for (const std::size_t s : stands_at(set)) information += known_[s].of_runs(1);
       out.emplace_back(mean_square_of(task_, information), set);
     }
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
     return out;
   }
 
@@ -156,9 +155,9 @@ class LengthPlanner {
       for (std::size_t i = 0; i < std::min(kWidened, ranked.size()); ++i)
         for (std::size_t s = 0; s < count; ++s) {
           Stations set = ranked[i].second;
-          if (std::find(set.begin(), set.end(), s) != set.end()) continue;
+          if (std::ranges::find(set, s) != set.end()) continue;
           set.push_back(s);
-          std::sort(set.begin(), set.end());
+          std::ranges::sort(set);
           wider.insert(set);
         }
       sets.assign(wider.begin(), wider.end());
@@ -176,7 +175,7 @@ class LengthPlanner {
     std::vector<LengthSetUp> kept;
     std::vector<std::optional<std::size_t>> number(test.set_ups.size());
     for (std::size_t s = 0; s < choice.stands.size(); ++s) {
-      if (std::all_of(choice.used[s].begin(), choice.used[s].end(), [](int runs) { return runs == 0; })) continue;
+      if (std::ranges::all_of(choice.used[s], [](int runs) { return runs == 0; })) continue;
       const PlanStand& stand = choice.stands[s];
       if (!number[stand.set_up]) {
         number[stand.set_up] = kept.size();

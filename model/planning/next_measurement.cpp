@@ -62,7 +62,7 @@ Worth worth_of(const MatrixXd& sigma, Question question) {
       asked += 1.0;
       if (sigma(i, count) >= kSeparates) seen.push_back(sigma(i, count));
     }
-    worth.sure_sigma = seen.empty() ? sigma.col(count).maxCoeff() : *std::min_element(seen.begin(), seen.end());
+    worth.sure_sigma = seen.empty() ? sigma.col(count).maxCoeff() : *std::ranges::min_element(seen);
   } else {
     worth.sure_sigma = kBeyondAll;
     for (Index i = 0; i < count; ++i) {
@@ -127,7 +127,7 @@ std::vector<Weighed> worth_telling(std::vector<Weighed> ranked, Question questio
   for (Weighed& one : ranked) {
     if (kept.size() == most) break;
     if (any_separates && one.proposal.separation_sigma < kSeparates) continue;
-    if (std::none_of(kept.begin(), kept.end(), [&](const Weighed& w) { return outdone(w.proposal, one.proposal); }))
+    if (std::ranges::none_of(kept, [&](const Weighed& w) { return outdone(w.proposal, one.proposal); }))
       kept.push_back(std::move(one));
   }
   return kept;
@@ -148,7 +148,7 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
       one.mean_sigma = worth.mean_sigma;
       if (worth.sure_sigma < kTelling) continue;
       one.proposal.pairs = pairs_of(sigma, names, question);
-      const auto same = std::find_if(best.begin(), best.end(), [&](const Weighed& w) {
+      const auto same = std::ranges::find_if(best, [&](const Weighed& w) {
         return w.proposal.condition == one.proposal.condition && w.proposal.axis == one.proposal.axis &&
                w.proposal.sense == one.proposal.sense;
       });
@@ -157,7 +157,7 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
       else if (before(one.proposal, one.mean_sigma, same->proposal, same->mean_sigma))
         *same = std::move(one);
     }
-  std::stable_sort(best.begin(), best.end(), [](const Weighed& a, const Weighed& b) {
+  std::ranges::stable_sort(best, [](const Weighed& a, const Weighed& b) {
     return before(a.proposal, a.mean_sigma, b.proposal, b.mean_sigma);
   });
   return worth_telling(std::move(best), question);
@@ -165,20 +165,18 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
 
 std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
                                              const MeasuringTimes& times) {
-  const bool on_the_fly =
-      std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.traits().in_motion; });
-  const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
-    return e.traits().of_approach || e.approach != ApproachMode::both;
-  });
+  const bool on_the_fly = std::ranges::any_of(rivals, [](const EffectInstance& e) { return e.traits().in_motion; });
+  const bool of_approach = std::ranges::any_of(
+      rivals, [](const EffectInstance& e) { return e.traits().of_approach || e.approach != ApproachMode::both; });
   const Observations on_lines = without_paths(data);
   std::vector<PresentLine> lines = present_lines(on_lines, times);
   const auto concerns = [&](const PresentLine& line) {
-    return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
+    return std::ranges::any_of(rivals, [&](const EffectInstance& e) {
       const bool in_sense = sense_text(e).empty() || *e.sense == line.sense;
       return in_sense && (!e.axis || *e.axis == line.axis || !e.sense);
     });
   };
-  std::stable_partition(lines.begin(), lines.end(), concerns);
+  std::ranges::stable_partition(lines, concerns);
   if (lines.size() > kMostLines) lines.resize(kMostLines);
   std::vector<MeasurementProposal> options;
   for (const PresentLine& line : lines)
@@ -249,8 +247,7 @@ bool can_be_foretold(const EffectInstance& effect, const WithProposals& all, Nex
       note += ", which is constant in these data: a new run is taken to have the same value";
     else
       note += fmt::format(", which follows {} in these data: a new run is taken to do so too", follows->second);
-    if (std::find(next.notes.begin(), next.notes.end(), note) == next.notes.end())
-      next.notes.push_back(std::move(note));
+    if (std::ranges::find(next.notes, note) == next.notes.end()) next.notes.push_back(std::move(note));
   }
   return known;
 }
@@ -280,8 +277,7 @@ std::vector<MeasurementProposal> without_ties(std::vector<MeasurementProposal> o
     std::iota(rows.begin(), rows.end(), std::size_t{0});
     for (std::size_t k = 0; k < all.count[i]; ++k) rows.push_back(all.first[i] + k);
     const Observations joined = subset(all.data, rows);
-    if (std::none_of(rivals.begin(), rivals.end(),
-                     [&](const EffectInstance& rival) { return is_tied_to_runs(joined, rival); }))
+    if (std::ranges::none_of(rivals, [&](const EffectInstance& rival) { return is_tied_to_runs(joined, rival); }))
       kept.push_back(options[i]);
   }
   return kept;
@@ -389,10 +385,10 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   const std::vector<Explanation> unseen = unseen_causes(belief, all, regressors, in.model, kMostUnseen);
   const double noise_um = belief.noise.pure.noise_um;
   if (unseen.empty()) {
-    next.notes.push_back(fmt::format(
-        "nothing to separate: any cause of one size as large as the noise of one reading ({:.2g} {}) would have been "
-        "seen",
-        noise_um, part.reading_unit()));
+    next.notes.push_back(
+        fmt::format("nothing to separate: any cause of one size as large as the noise of one reading ({:.2g} {}) would "
+                    "have been seen",
+                    noise_um, part.reading_unit()));
     return {};
   }
   std::vector<std::string> names;
@@ -416,14 +412,13 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
 std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
-    if (candidate.in_answer() && (!candidate.named || !candidate.rivals.empty() || !candidate.parameters_set.empty() ||
-                                  candidate.e_value.value_or(0.0) < kProved ||
-                                  std::any_of(candidate.parameters.begin(), candidate.parameters.end(),
-                                              [](const ParameterEstimate& one) { return one.undetermined; })))
+    if (candidate.in_answer() &&
+        (!candidate.named || !candidate.rivals.empty() || !candidate.parameters_set.empty() ||
+         candidate.e_value.value_or(0.0) < kProved ||
+         std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
   return "Nothing is in doubt that a measurement could settle: what is named is proved, and nothing else of the "
-         "library "
-         "fits these data as well. Add it to the model, compensate, and measure the same lines again." +
+         "library fits these data as well. Add it to the model, compensate, and measure the same lines again." +
          (diagnosis.reservation.empty() ? "" : " What these data cannot show: " + diagnosis.reservation);
 }
 
@@ -438,8 +433,8 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().in_answer()) return next;
   const OpenGroup group = open_group(diagnosis);
   for (Candidate& candidate : diagnosis.candidates)
-    if (std::any_of(group.rivals.begin(), group.rivals.end(),
-                    [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
+    if (std::ranges::any_of(group.rivals,
+                            [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
       candidate.next_measurement = next.proposals.front().sentence;
   return next;
 }

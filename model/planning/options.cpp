@@ -84,7 +84,7 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   now.sense = sense;
   now.parked_mm = data.position_mm[rows.front()];
   now.parked_mm[index_of(axis)] = 0.0;
-  now.first_run = 1 + *std::max_element(data.run.begin(), data.run.end());
+  now.first_run = 1 + *std::ranges::max_element(data.run);
   now.set_up_minutes = times.start_minutes;
   now.own_zero = times.zeroed_each_run;
   std::vector<double> targets;
@@ -307,8 +307,8 @@ std::vector<PresentLine> present_lines(const Observations& data, const Measuring
   }
   std::vector<PresentLine> lines;
   for (const auto& [pair, parked] : places) {
-    const auto most = std::max_element(parked.begin(), parked.end(),
-                                       [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    const auto most = std::ranges::max_element(
+        parked, [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     std::vector<std::size_t> all;  // of scattered poses no line has readings enough: their axis and sense count
     for (const auto& each : parked) all.insert(all.end(), each.second.begin(), each.second.end());
     const bool scattered = most->second.size() < kFewTargets && parked.size() > 1;
@@ -316,8 +316,7 @@ std::vector<PresentLine> present_lines(const Observations& data, const Measuring
                      as_now(data, pair.first, pair.second, scattered ? all : most->second, times), all.size()};
     if (!line.now.targets_mm.empty()) lines.push_back(std::move(line));
   }
-  std::stable_sort(lines.begin(), lines.end(),
-                   [](const PresentLine& a, const PresentLine& b) { return a.readings > b.readings; });
+  std::ranges::stable_sort(lines, [](const PresentLine& a, const PresentLine& b) { return a.readings > b.readings; });
   return lines;
 }
 

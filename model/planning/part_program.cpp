@@ -168,7 +168,7 @@ class ProgramWriter {
     if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
     for (const int d : pass_senses(plan_)) {
       std::vector<double> targets = targets_;
-      if (d < 0) std::reverse(targets.begin(), targets.end());
+      if (d < 0) std::ranges::reverse(targets);
       block("G90G00" + to(limited(targets.front() - d * plan_.overrun_mm)), "REMOVE BACKLASH BEFORE FIRST READING");
       pass(targets, d, feed_mm_min);
     }

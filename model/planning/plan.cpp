@@ -78,7 +78,7 @@ class PlanJudge {
     for (std::size_t s = 0; s < assembly_.slots.size(); ++s) {
       Slot& slot = assembly_.slots[s];
       auto sizes = sizes_given(model_, s, slot, plan);
-      const bool matters = std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true) > 0;
+      const bool matters = std::ranges::count(slot.nonlinear_free, true) > 0;
       if (!sizes || (matters && sizes->size() > 0 && sizes->squaredNorm() == 0.0)) {
         sizes = assumed_sizes(slot);
         if (matters && slot.columns.cols() > 0)
@@ -211,7 +211,7 @@ class PlanJudge {
     std::vector<std::string> others;
     for (const Index other : collides_[static_cast<std::size_t>(linear_) + i]) {
       const std::string owner = owner_of(other);
-      if (std::find(others.begin(), others.end(), owner) == others.end()) others.push_back(owner);
+      if (std::ranges::find(others, owner) == others.end()) others.push_back(owner);
     }
     check.undetermined.push_back(
         others.empty() ? fmt::format("{}: nothing in the plan depends on its {}", to_text(slot.effect), parameter)
@@ -239,7 +239,7 @@ Result<PlanCheck> check_plan(const Model& model, const Observations& plan, doubl
     return problem(ProblemKind::usage, fmt::format("expected a noise above 0 um, got {}", noise_um));
   if (plan.size() == 0) return problem(ProblemKind::bad_input, "the plan has no rows to measure");
   Observations expected = plan;
-  std::fill(expected.reading.begin(), expected.reading.end(), 0.0);
+  std::ranges::fill(expected.reading, 0.0);
   const Regressors regressors(expected);
   ECS_TRY(assembly, Assembly::of(model, regressors));
   return PlanJudge(model, assembly, regressors, noise_um).judged();

@@ -53,15 +53,14 @@ struct Apart {
 std::vector<Apart> pairs_once(const MeasurementProposal& p) {
   std::vector<Apart> list;
   for (const PairSeparation& pair : p.pairs) {
-    const auto back = std::find_if(list.begin(), list.end(), [&](const Apart& one) {
-      return one.first == pair.rival && one.second == pair.truth;
-    });
+    const auto back = std::ranges::find_if(
+        list, [&](const Apart& one) { return one.first == pair.rival && one.second == pair.truth; });
     if (back == list.end())
       list.push_back({pair.truth, pair.rival, pair.sigma});
     else
       back->sigma = std::min(back->sigma, pair.sigma);
   }
-  std::stable_sort(list.begin(), list.end(), [](const Apart& a, const Apart& b) { return a.sigma > b.sigma; });
+  std::ranges::stable_sort(list, [](const Apart& a, const Apart& b) { return a.sigma > b.sigma; });
   return list;
 }
 
@@ -129,7 +128,7 @@ using Eigen::VectorXd;
 
 bool lists(const Candidate& candidate, const EffectInstance& other) {
   const auto& list = candidate.indistinguishable_from;
-  return std::find(list.begin(), list.end(), to_text(other)) != list.end();
+  return std::ranges::find(list, to_text(other)) != list.end();
 }
 
 /// Least separation [sigma] at which a cause counts as seen: as what separates rivals.
@@ -200,7 +199,7 @@ Explanation depends_on(const Dependence& dependence, const Observations& all) {
     const double value = variable_of(all, static_cast<std::size_t>(k), one.name);
     if (std::isnan(value) || at.empty()) continue;
     if (unknown_beyond && (value < at.front() || value > at.back())) continue;
-    const auto above = std::upper_bound(at.begin(), at.end(), value);
+    const auto above = std::ranges::upper_bound(at, value);
     const auto j = static_cast<Index>(
         std::clamp<std::ptrdiff_t>(above - at.begin() - 1, 0, std::max<std::ptrdiff_t>(0, std::ssize(at) - 2)));
     if (at.size() == 1) {
@@ -231,8 +230,8 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
     const EffectTraits& traits = effect.traits();
     const bool free_shape = (traits.is_curve && !traits.keeps_mean) || traits.fixed_size ||
                             !effect.definition().searched_parameter().empty();
-    const bool believed = std::any_of(model.effects.begin(), model.effects.end(),
-                                      [&](const EffectInstance& e) { return same_candidate(e, effect); });
+    const bool believed =
+        std::ranges::any_of(model.effects, [&](const EffectInstance& e) { return same_candidate(e, effect); });
     if (free_shape || believed) continue;
     const MatrixXd columns = regressors.columns(effect, 0.0).of;
     // of an angle its slope: the mean is lost where the readout is zeroed on another line; of a shift and a change of
@@ -256,7 +255,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
       if (left < kSeen) unseen.emplace_back(left, std::move(one));
     }
   }
-  std::stable_sort(unseen.begin(), unseen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(unseen, [](const auto& a, const auto& b) { return a.first < b.first; });
   if (unseen.size() > most) unseen.resize(most);
   std::vector<Explanation> list;
   for (auto& each : unseen) list.push_back(std::move(each.second));

@@ -39,7 +39,7 @@ std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_
   const auto one_run = [&](double feed_mm_min) {
     for (const int d : pass_senses(proposal)) {
       std::vector<double> targets = proposal.targets_mm;
-      if (d < 0) std::reverse(targets.begin(), targets.end());
+      if (d < 0) std::ranges::reverse(targets);
       const double start_mm = targets.front() - d * proposal.overrun_mm;
       move(start_mm, rapid_mm_min);
       for (const double target : targets) {
@@ -85,7 +85,7 @@ MeasurementProposal on_circle(const Observations& data, const Path& circle, cons
   one.axis = circle.plane[0];
   one.sense = static_cast<Sense>(index_of(one.axis));
   one.parked_mm = circle.from_mm;
-  one.first_run = 1 + *std::max_element(data.run.begin(), data.run.end());
+  one.first_run = 1 + *std::ranges::max_element(data.run);
   one.dwell_s = one.trigger_s = one.overrun_mm = 0.0;
   one.feed_mm_min = kUsualFeed_mm_min;
   one.set_up_minutes = times.circle_minutes;
@@ -148,7 +148,7 @@ std::optional<Path> free_circle(const Observations& data, const std::array<Axis,
       const auto& travel_mm = data.machine.axes[index_of(axis)]->travel_mm;
       fits = fits && 2.0 * bar_mm <= kMostOfTravel * (travel_mm[1] - travel_mm[0]);
     }
-    const bool measured = std::any_of(data.paths.begin(), data.paths.end(), [&](const Path& present) {
+    const bool measured = std::ranges::any_of(data.paths, [&](const Path& present) {
       return present.kind == PathKind::circle && present.name == circle.name && present.radius_mm == bar_mm;
     });
     if (!fits || measured) continue;

@@ -119,7 +119,7 @@ std::optional<Follows> follows(const Observations& present, const Column& extra)
 
 /// Marks rows of the present readings by a 1 among zeros.
 bool is_mark(const Column& extra) {
-  return std::all_of(extra.begin(), extra.end(), [](double value) { return value == 0.0 || value == 1.0; });
+  return std::ranges::all_of(extra, [](double value) { return value == 0.0 || value == 1.0; });
 }
 
 /// Cells of the extra columns in the new rows, which are otherwise whole.
@@ -159,9 +159,9 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
   double last_s = 0.0;
   for (const double t : present.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
-  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.set_up != 1; }))
+  if (std::ranges::any_of(proposals, [](const MeasurementProposal& p) { return p.set_up != 1; }))
     all.data.extras.try_emplace("set_up", Column(rows.size(), 1.0));
-  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.circle; }))
+  if (std::ranges::any_of(proposals, [](const MeasurementProposal& p) { return p.circle.has_value(); }))
     make_room_for_paths(all.data);
   for (std::size_t i = 0; i < proposals.size(); ++i) {
     if (proposals[i].circle) all.data.paths.push_back(*proposals[i].circle);  // a pass of its own, measured or not
@@ -169,7 +169,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }
-  fill_extras(all, present, std::any_of(proposals.begin(), proposals.end(), [](const auto& p) { return p.own_zero; }));
+  fill_extras(all, present, std::ranges::any_of(proposals, [](const auto& p) { return p.own_zero; }));
   set_motions(all.data);
   return all;
 }

@@ -69,7 +69,7 @@ std::vector<Exchangeable> exchangeable_locations(const Observations& data, const
   const PivotedQr qr(known);
   for (const EffectInstance& one : candidate_instances(data)) {
     if (one.definition().place != Place::location || is_zero_of_axis(one)) continue;
-    if (std::any_of(fitted.begin(), fitted.end(), [&](const auto& other) { return same_place(one, other); })) continue;
+    if (std::ranges::any_of(fitted, [&](const auto& other) { return same_place(one, other); })) continue;
     const Eigen::VectorXd column = regressors.columns(one, 0.0).of.col(0);
     const Eigen::VectorXd share = qr.solve(column);
     if ((column - known * share).norm() > kLeastOwnShare * column.norm()) continue;
@@ -86,9 +86,7 @@ namespace {
 
 constexpr Sense kSenses[] = {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC};
 
-bool has(const Observations& data, Sense sense) {
-  return std::find(data.sense.begin(), data.sense.end(), sense) != data.sense.end();
-}
+bool has(const Observations& data, Sense sense) { return std::ranges::find(data.sense, sense) != data.sense.end(); }
 
 std::vector<Axis> moved_axes(const Observations& data, Sense sense) {
   std::vector<Axis> axes;
@@ -123,7 +121,7 @@ const std::vector<EffectId>& by_preference() {
   static const std::vector<EffectId> sorted = [] {
     std::vector<EffectId> all;
     for (const EffectDefinition& definition : effect_library()) all.push_back(&definition);
-    std::stable_sort(all.begin(), all.end(), [](EffectId a, EffectId b) { return a->preference < b->preference; });
+    std::ranges::stable_sort(all, [](EffectId a, EffectId b) { return a->preference < b->preference; });
     return all;
   }();
   return sorted;
@@ -191,7 +189,7 @@ void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
 }
 
 void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) {
-  if (!data.map || std::find(data.compensated.begin(), data.compensated.end(), true) == data.compensated.end()) return;
+  if (!data.map || std::ranges::find(data.compensated, true) == data.compensated.end()) return;
   std::vector<EffectInstance> places;
   std::set<Component> components;
   std::set<Axis> axes;
@@ -211,7 +209,7 @@ void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) 
   }
   for (const Axis axis : axes) {
     const auto of_axis = [&](Component c) { return moving_axis(c) == axis; };
-    if (std::count_if(components.begin(), components.end(), of_axis) < 2) continue;  // it is that component
+    if (std::ranges::count_if(components, of_axis) < 2) continue;  // it is that component
     EffectInstance one;
     one.axis = axis;
     places.push_back(one);
@@ -247,7 +245,7 @@ std::vector<EffectInstance> usual_of_ball(const Observations& data) {
     if (one.definition().place == Place::artefact) take(one);
     if (one.definition().place == Place::location) locations.push_back(one);
   }
-  std::stable_partition(locations.begin(), locations.end(), [](const auto& one) { return !is_zero_of_axis(one); });
+  std::ranges::stable_partition(locations, [](const auto& one) { return !is_zero_of_axis(one); });
   std::vector<EffectInstance> rivals;
   for (const EffectInstance& one : locations)
     own_share(known, column_of(one)) > kLeastOwnShare ? take(one) : rivals.push_back(one);
@@ -287,7 +285,7 @@ Axis natural_axis(const Observations& all, Sense sense) {
   const Observations& data = all.motions();
   const std::vector<Axis> moved = moved_axes(data, sense);
   const Axis own = direction_of(sense);
-  if (moved.empty() || std::find(moved.begin(), moved.end(), own) != moved.end()) return own;
+  if (moved.empty() || std::ranges::find(moved, own) != moved.end()) return own;
   return moved.front();
 }
 
@@ -321,11 +319,11 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
     std::erase_if(out, [&](const EffectInstance& one) { return !seen_by_line(all, one); });
     const auto reverses = [](const EffectInstance& one) { return one.traits().of_approach; };
     const auto leans = [](const EffectInstance& one) { return one.definition().place == Place::squareness; };
-    std::stable_partition(out.begin(), out.end(), reverses);
-    std::stable_partition(out.begin(), out.end(), leans);
+    std::ranges::stable_partition(out, reverses);
+    std::ranges::stable_partition(out, leans);
   }
   // of effects that do the same the first is named: those of the machine before the set-up
-  std::stable_partition(out.begin(), out.end(), [](const EffectInstance& one) {
+  std::ranges::stable_partition(out, [](const EffectInstance& one) {
     const Place place = one.definition().place;
     return place != Place::set_up && place != Place::artefact;
   });

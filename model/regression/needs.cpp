@@ -95,14 +95,12 @@ void note(const Observations& data, std::string_view what, const Chosen& chosen,
 }  // namespace
 
 bool lacks_needs(const Observations& data, const EffectDefinition& definition) {
-  return std::any_of(definition.needs.begin(), definition.needs.end(),
-                     [&](Need need) { return facts_of(need).lacking(data); });
+  return std::ranges::any_of(definition.needs, [&](Need need) { return facts_of(need).lacking(data); });
 }
 
 bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect) {
   const auto& needed = effect.definition().needs;
-  return std::none_of(needed.begin(), needed.end(),
-                      [&](Need need) { return std::isnan(facts_of(need).cell(data, k, effect)); });
+  return std::ranges::none_of(needed, [&](Need need) { return std::isnan(facts_of(need).cell(data, k, effect)); });
 }
 
 bool follows_reversal(const EffectDefinition& definition) {
@@ -120,10 +118,9 @@ std::string needed_columns(const EffectInstance& effect) {
 
 bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
   const auto& turns = effect.definition().turns_into;
-  if (std::none_of(turns.begin(), turns.end(), [](const Becomes& b) { return b.limit == Limit::tied_to_runs; }))
-    return false;
+  if (std::ranges::none_of(turns, [](const Becomes& b) { return b.limit == Limit::tied_to_runs; })) return false;
   const auto& needed = effect.definition().needs;
-  return std::none_of(needed.begin(), needed.end(), [&](Need need) {
+  return std::ranges::none_of(needed, [&](Need need) {
     std::map<int, std::pair<double, double>> runs;  // least and greatest value
     for (std::size_t k = 0; k < data.size(); ++k) {
       const double value = facts_of(need).cell(data, k, effect);
@@ -146,7 +143,7 @@ bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
   });
 }
 
-bool EffectDefinition::has_need(Need need) const { return std::find(needs.begin(), needs.end(), need) != needs.end(); }
+bool EffectDefinition::has_need(Need need) const { return std::ranges::find(needs, need) != needs.end(); }
 
 namespace {
 
@@ -168,10 +165,9 @@ void add_tied_to_runs(const Observations& data, std::vector<std::string>& notes)
     }
   }
   for (const auto& [columns, effects] : effects_of)
-    notes.push_back(
-        fmt::format("{} changes only from run to run, with fewer than {} levels: {} cannot be told from the "
-                    "offset of a run",
-                    columns, kFewestLevels, fmt::join(effects, " and ")));
+    notes.push_back(fmt::format(
+        "{} changes only from run to run, with fewer than {} levels: {} cannot be told from the offset of a run",
+        columns, kFewestLevels, fmt::join(effects, " and ")));
 }
 
 }  // namespace
@@ -190,8 +186,7 @@ bool has_readings_across(const Observations& data) {
 namespace {
 
 bool has_circle(const Observations& all) {
-  return std::any_of(all.paths.begin(), all.paths.end(),
-                     [](const Path& path) { return path.kind == PathKind::circle; });
+  return std::ranges::any_of(all.paths, [](const Path& path) { return path.kind == PathKind::circle; });
 }
 
 }  // namespace
@@ -214,7 +209,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
   if (data.time_s.empty() && data.size() > 0)
     notes.emplace_back("no time_s: the order of the rows serves as time in the tests of what is left (row)");
   add_tied_to_runs(data, notes);
-  if (std::all_of(data.approach.begin(), data.approach.end(), [](int d) { return d == 0; }))
+  if (std::ranges::all_of(data.approach, [](int d) { return d == 0; }))
     notes.emplace_back("no approach: effects of approach cannot be tried");
   if (data.terms.count == 0)
     note(

@@ -105,8 +105,8 @@ Acting acting_user(const Observations& data, const EffectInstance& effect) {
   for (const UserParameter& parameter : effect.user) start.push_back(start_of(parameter));
   const std::vector<double> values = formulas->values(start);
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const bool mine = std::any_of(effect.formulas.begin(), effect.formulas.end(),
-                                  [&](const UserFormula& formula) { return formula.sense == data.sense[k]; });
+    const bool mine = std::ranges::any_of(effect.formulas,
+                                          [&](const UserFormula& formula) { return formula.sense == data.sense[k]; });
     if (!mine || is_aside(data, k)) continue;
     if (std::isnan(values[k]))
       ++acting.skipped;
@@ -182,7 +182,7 @@ Eigen::MatrixXd Regressors::motions_from(Eigen::MatrixXd of_readings) const {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions_.size()), of_readings.cols());
   std::vector<double> all(moved.readings);
   for (Eigen::Index j = 0; j < rows.cols(); ++j) {
-    std::fill(all.begin(), all.end(), 0.0);
+    std::ranges::fill(all, 0.0);
     for (std::size_t k = 0; k < data_.size(); ++k)
       all[data_.of_moved[k]] = of_readings(static_cast<Eigen::Index>(k), j);
     moved.take_out_free(all.data());

@@ -82,8 +82,8 @@ struct UserFormulas::Parts {
     load(k);
     for (const auto& [cell, column] : compiled.optional_columns)
       *cell = (*column)[k] + (column == &data->time_s ? data->first_since_s : 0.0);
-    const bool complete = std::none_of(compiled.optional_columns.begin(), compiled.optional_columns.end(),
-                                       [](const auto& each) { return std::isnan(*each.first); });
+    const bool complete =
+        std::ranges::none_of(compiled.optional_columns, [](const auto& each) { return std::isnan(*each.first); });
     return complete ? std::optional(compiled.parser->Eval()) : std::nullopt;
   }
 };
@@ -140,7 +140,7 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
 
 std::vector<double> UserFormulas::values(const std::vector<double>& parameters) const {
   Parts& parts = *parts_;
-  std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
+  std::ranges::copy(parameters, parts.parameters.begin());
   std::vector<double> values(parts.data->size(), 0.0);
   for (std::size_t k = 0; k < values.size(); ++k) {
     for (const Parts::Compiled& compiled : parts.formulas) {
@@ -154,7 +154,7 @@ std::vector<double> UserFormulas::values(const std::vector<double>& parameters) 
 
 Result<void> UserFormulas::finite_at(const std::vector<double>& parameters) const {
   Parts& parts = *parts_;
-  std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
+  std::ranges::copy(parameters, parts.parameters.begin());
   for (const Parts::Compiled& compiled : parts.formulas)
     for (std::size_t k = 0; k < parts.data->size(); ++k) {
       if (compiled.formula.sense != parts.data->sense[k]) continue;
@@ -173,10 +173,9 @@ std::vector<std::string> UserFormulas::optional_columns() const {
   std::vector<std::string> names;
   for (const auto& [name, cell] : parts_->cells) {
     const auto reads = [&cell = cell](const Parts::Compiled& formula) {
-      return std::any_of(formula.optional_columns.begin(), formula.optional_columns.end(),
-                         [&](const auto& column) { return column.first == &cell; });
+      return std::ranges::any_of(formula.optional_columns, [&](const auto& column) { return column.first == &cell; });
     };
-    if (std::any_of(parts_->formulas.begin(), parts_->formulas.end(), reads)) names.push_back(name);
+    if (std::ranges::any_of(parts_->formulas, reads)) names.push_back(name);
   }
   return names;
 }
