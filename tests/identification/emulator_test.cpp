@@ -1,7 +1,4 @@
 // Lengths of the emulated machine: what hand computation and the true errors say.
-#include <cmath>
-
-#include <doctest/doctest.h>
 
 #include "base/text.hpp"
 #include "ecs_emulator/workshop/lengths.hpp"

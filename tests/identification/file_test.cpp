@@ -1,5 +1,4 @@
 // The file of lengths: what is read, what is refused with its line.
-#include <doctest/doctest.h>
 
 #include "model/lengths/length_test.hpp"
 #include "tests/support/test.hpp"

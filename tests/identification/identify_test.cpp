@@ -1,7 +1,5 @@
 // All components from lengths alone: exact lengths give them back, what is not determined is named, uncertainties hold.
-#include "model/lengths/identify.hpp"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/identification/support/made_lengths.hpp"
@@ -15,8 +13,7 @@ using model::IdentifiedCurve;
 using model::IdentifySettings;
 
 IdentifySettings exact_lengths() {
-  IdentifySettings settings;
-  settings.scale_um_per_m = 0.0;
+  IdentifySettings settings{.scale_um_per_m = 0.0};
   return settings;
 }
 
@@ -160,8 +157,7 @@ TEST_CASE("a reading that is wrong is named and left out") {
   REQUIRE(found.outliers.size() == 1);
   CHECK(found.outliers[0].line == 110);
   CHECK(found.outliers[0].residual_um == doctest::Approx(10.0).epsilon(0.15));
-  IdentifySettings keep;
-  keep.keep_outliers = true;
+  IdentifySettings keep{.keep_outliers = true};
   CHECK(identified(lengths, keep).readings == lengths.test.readings.size());
 }
 
@@ -185,8 +181,7 @@ TEST_CASE("a beam lost within a run is told with its line and size, and what is 
     if (r.set_up == lost.set_up && r.tool == lost.tool) r.deviation_um += 5.0;
   }
   for (const bool keep_outliers : {false, true}) {
-    IdentifySettings settings;
-    settings.keep_outliers = keep_outliers;
+    IdentifySettings settings{.keep_outliers = keep_outliers};
     const Identification found = identified(lengths, settings);
     CAPTURE(notes_in(found));
     CHECK(contains(notes_in(found),

@@ -1,11 +1,5 @@
 // What it costs that variances of noise are estimates: against what is known in closed form.
-#include <cmath>
-#include <limits>
-#include <random>
 
-#include <doctest/doctest.h>
-
-#include "base/random.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/lengths/length_solution.hpp"
 #include "model/lengths/shared_noise.hpp"

@@ -1,8 +1,4 @@
 // Plans of lengths: they reach what was asked, and measured they give the uncertainty that they promised.
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
 
 #include "model/lengths/plan_lengths.hpp"
 #include "tests/identification/support/made_lengths.hpp"

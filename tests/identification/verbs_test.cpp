@@ -1,5 +1,4 @@
 // `ecs lengths`: from a plan through the emulator to a map that `ecs volume` reads.
-#include <doctest/doctest.h>
 
 #include "base/text.hpp"
 #include "laser/map/csv.hpp"

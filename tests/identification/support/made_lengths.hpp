@@ -79,11 +79,8 @@ struct MadeLengths {
   void line(std::size_t set_up, std::size_t tool, const Vector3& a, const Vector3& b, int targets, int run = 1) {
     for (const int sense : {1, -1})
       for (int i = 0; i < targets; ++i) {
-        model::LengthReading reading;
-        reading.set_up = set_up;
-        reading.tool = tool;
-        reading.run = run;
-        reading.line = static_cast<int>(test.readings.size()) + 10;
+        model::LengthReading reading{
+            .line = static_cast<int>(test.readings.size()) + 10, .set_up = set_up, .tool = tool, .run = run};
         const double part = (sense > 0 ? i : targets - 1 - i) / (targets - 1.0);
         for (std::size_t k = 0; k < kAxes; ++k) {
           reading.position_mm[k] = std::lerp(a[k], b[k], part);

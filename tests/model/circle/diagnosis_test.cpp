@@ -6,8 +6,6 @@
 #include <numbers>
 #include <random>
 
-#include <doctest/doctest.h>
-
 #include "base/random.hpp"
 #include "tests/support/test.hpp"
 

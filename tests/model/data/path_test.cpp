@@ -1,7 +1,3 @@
-#include "model/data/path.hpp"
-
-#include <doctest/doctest.h>
-
 #include "model/data/motions.hpp"
 #include "tests/model/support/made_paths.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -66,9 +62,8 @@ TEST_CASE("along a diagonal an axis that runs against it approaches the other wa
 }
 
 TEST_CASE("centre and radius of each pass of a circle and the zero of each run of a diagonal are no error") {
-  CircleMade made;
-  made.noise_um = 0.0;
-  const Observations circle = observations_of(set_of_circle(made_circle(no_errors, made)), Model{}, mill());
+  const Observations circle =
+      observations_of(set_of_circle(made_circle(no_errors, {.noise_um = 0.0})), Model{}, mill());
   for (const double reading : circle.reading) CHECK(std::abs(reading) < 1e-9);
   const Observations body = observations_of(made_diagonals(no_errors, 0.0), Model{}, mill());
   for (const double reading : body.reading) CHECK(std::abs(reading) < 1e-9);

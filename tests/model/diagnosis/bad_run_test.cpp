@@ -1,8 +1,5 @@
 #include "model/diagnosis/bad_run.hpp"
 
-#include <cmath>
-#include <random>
-
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
@@ -19,9 +16,7 @@ using Eigen::VectorXd;
 namespace {
 
 Plan line_of_runs(int runs, int targets = 41) {
-  Plan plan;
-  plan.runs = runs;
-  plan.targets = targets;
+  Plan plan{.targets = targets, .runs = runs};
   return plan;
 }
 

@@ -1,8 +1,6 @@
 // A diagnosis checked without the search: a true one holds, a changed one is found.
 #include "model/diagnosis/check.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>

@@ -1,13 +1,7 @@
-#include "model/diagnosis/diagnose.hpp"
-
-#include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <random>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
@@ -56,10 +50,7 @@ TEST_CASE("each cause on a line is named first") {
 TEST_CASE("a short wave is named where nothing is repeated and the noise was estimated from it") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);
-    Plan plan;
-    plan.runs = 1;
-    plan.both_ways = false;
-    plan.targets = 60;
+    const Plan plan{.targets = 60, .runs = 1, .both_ways = false};
     const auto set = measured(
         plan, 0.3, [](const laser::Reading& r) { return 1.3 * std::sin(2.0 * std::numbers::pi * p(r) / 8.83); }, seed);
     const Diagnosis found = diagnosed(straight(), set);
@@ -70,13 +61,11 @@ TEST_CASE("a short wave is named where nothing is repeated and the noise was est
 }
 
 TEST_CASE("noise alone is adequate where nothing is repeated") {
-  Plan plan;
-  plan.runs = 1;
-  plan.both_ways = false;
-  plan.targets = 60;
   int named = 0;
   for (unsigned seed = 1; seed <= 40; ++seed)
-    if (diagnosed(straight(), measured(plan, 0.3, nothing, seed)).verdict != Verdict::adequate) ++named;
+    if (diagnosed(straight(), measured({.targets = 60, .runs = 1, .both_ways = false}, 0.3, nothing, seed)).verdict !=
+        Verdict::adequate)
+      ++named;
   CHECK(named <= 2);
 }
 
@@ -219,9 +208,7 @@ TEST_CASE(
 }
 
 TEST_CASE("one bad run is structure that no effect explains") {
-  Plan plan;
-  plan.runs = 5;
-  const auto set = measured(plan, 0.3, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const auto set = measured({.runs = 5}, 0.3, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
   const Diagnosis found = diagnosed(straight(), set);
   CHECK(found.verdict == Verdict::unexplained_structure);
   const auto run =
@@ -231,9 +218,8 @@ TEST_CASE("one bad run is structure that no effect explains") {
 }
 
 TEST_CASE("a wander over more than a run is structure, however many drifts come near it together") {
-  Plan plan;
-  plan.runs = 4;
-  auto set = measured(plan, 0.3, [](const laser::Reading& r) { return 1.5 * std::sin(*r.time_s / 620.0 + 1.0); });
+  auto set =
+      measured({.runs = 4}, 0.3, [](const laser::Reading& r) { return 1.5 * std::sin(*r.time_s / 620.0 + 1.0); });
   const double last = *set.readings.back().time_s;
   for (auto& r : set.readings) {
     r.sensors_degC["t_spindle_degC"] = 20.0 + 4.0 * (1.0 - std::exp(-3.0 * *r.time_s / last));
@@ -246,12 +232,9 @@ TEST_CASE("a wander over more than a run is structure, however many drifts come 
 }
 
 TEST_CASE("a scale of its own in every run is structure, though turbulence could bend a single short pass") {
-  Plan plan;
-  plan.runs = 8;
-  plan.targets = 21;
   const double slopes[] = {4.0, -3.0, 1.0, -5.0, 2.5, 3.5, -1.5, -2.0};
-  const auto set =
-      measured(plan, 0.3, [&](const laser::Reading& r) { return slopes[r.run - 1] * (p(r) / 250.0 - 1.0); });
+  const auto set = measured({.targets = 21, .runs = 8}, 0.3,
+                            [&](const laser::Reading& r) { return slopes[r.run - 1] * (p(r) / 250.0 - 1.0); });
   CHECK(diagnosed(straight(), set).verdict == Verdict::unexplained_structure);
 }
 
@@ -303,24 +286,17 @@ TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
 }
 
 TEST_CASE("poor data get a clear answer and no confident name") {
-  const auto zero = [](const laser::Reading&) { return 0.0; };
-  Plan three;
-  three.targets = 3;
-  three.runs = 1;
-  three.both_ways = false;
-  const Diagnosis few = diagnosed(straight(), measured(three, 0.3, zero));
+  const Diagnosis few = diagnosed(straight(), measured({.targets = 3, .runs = 1, .both_ways = false}, 0.3, nothing));
   CHECK(few.verdict == Verdict::cannot_tell);
   REQUIRE_FALSE(few.notes.empty());
   CHECK(few.notes.front().find("too few") != std::string::npos);
 
-  Plan once;
-  once.runs = 1;
-  CHECK(diagnosed(straight(), measured(once, 0.3, zero)).verdict == Verdict::adequate);
+  CHECK(diagnosed(straight(), measured({.runs = 1}, 0.3, nothing)).verdict == Verdict::adequate);
 
-  auto equal = measured({}, 0.0, zero);  // every reading the same
+  auto equal = measured({}, 0.0, nothing);  // every reading the same
   CHECK(diagnosed(straight(), equal).verdict == Verdict::adequate);
 
-  auto bare = measured({}, 0.3, zero);  // no time, no sensors, no approach, one run
+  auto bare = measured({}, 0.3, nothing);  // no time, no sensors, no approach, one run
   for (auto& r : bare.readings) {
     r.time_s.reset();
     r.sensors_degC.clear();
@@ -333,7 +309,7 @@ TEST_CASE("poor data get a clear answer and no confident name") {
 
   Model twice = straight();  // a model with the same term twice
   twice.effects.push_back(twice.effects[1]);
-  CHECK(diagnosed(twice, measured({}, 0.3, zero)).verdict == Verdict::adequate);
+  CHECK(diagnosed(twice, measured({}, 0.3, nothing)).verdict == Verdict::adequate);
 }
 
 TEST_CASE("one reading in a hundred grossly wrong changes nothing but the list of outliers") {
@@ -347,8 +323,7 @@ TEST_CASE("one reading in a hundred grossly wrong changes nothing but the list o
 
 TEST_CASE("a diagnosis that is stopped says so") {
   std::atomic<bool> stopped = true;
-  DiagnoseOptions options;
-  options.cancelled = &stopped;
+  DiagnoseOptions options{.cancelled = &stopped};
   const laser::MeasurementSet set = measured({}, 0.3, [](const laser::Reading& r) { return 1.0 * d(r); });
   const Observations data = observations_of(set, straight(), mill());
   const auto found = diagnose(straight(), data, options);

@@ -1,12 +1,10 @@
 #include "model/diagnosis/e_value.hpp"
 
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "model/diagnosis/diagnose.hpp"
 #include "tests/model/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
 
@@ -22,10 +20,7 @@ using Eigen::VectorXd;
 namespace {
 
 Plan of_targets(int targets, int runs = 3) {
-  Plan plan;
-  plan.targets = targets;
-  plan.step_mm = 1000.0 / targets;
-  plan.runs = runs;
+  Plan plan{.step_mm = 1000.0 / targets, .targets = targets, .runs = runs};
   return plan;
 }
 
@@ -294,9 +289,7 @@ TEST_CASE("an effect that the model takes wholly has no evidence") {
 }
 
 TEST_CASE("the causes named for a fleet are those of a whole diagnosis, with p-values that hold among many machines") {
-  DiagnoseOptions options;
-  options.noise_replicates = 60;
-  options.p_values = true;
+  DiagnoseOptions options{.noise_replicates = 60, .p_values = true};
   for (const double backlash_um : {0.0, 2.0}) {
     CAPTURE(backlash_um);
     const Observations data =

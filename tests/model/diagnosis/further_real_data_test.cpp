@@ -1,6 +1,4 @@
 // Real measurements that may not be passed on.
-#include <cmath>
-#include <numbers>
 
 #include "tests/model/support/real_sets.hpp"
 

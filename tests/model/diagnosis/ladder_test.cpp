@@ -3,12 +3,9 @@
 
 #include "model/diagnosis/ladder.hpp"
 
-#include <cmath>
-
 #include <doctest/doctest.h>
 
 #include "tests/model/support/measured_lines.hpp"
-#include "tests/model/support/measuring_session.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

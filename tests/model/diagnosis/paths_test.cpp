@@ -1,7 +1,5 @@
 // Causes found on circles and diagonals, alone and beside lines.
-#include <doctest/doctest.h>
 
-#include "model/diagnosis/diagnose.hpp"
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
@@ -81,9 +79,7 @@ double held_by_friction_um(const PathPlace& at, double size_um, double lost_um =
 }  // namespace
 
 TEST_CASE("friction of an axis is named on a circle, with how far and how long it holds the axis back") {
-  CircleMade made;
-  made.readings = 360;
-  made.noise_um = 0.5;
+  const CircleMade made{.readings = 360, .noise_um = 0.5};
   const Diagnosis diagnosis = of_new_model(circle_of(
       [](const PathPlace& at) {
         return Vector3{0.0, held_by_friction_um(at, 12.0), 0.0};
@@ -98,9 +94,7 @@ TEST_CASE("friction of an axis is named on a circle, with how far and how long i
 }
 
 TEST_CASE("lost motion that comes when friction lets the axis go is named beside friction, and no spike") {
-  CircleMade made;
-  made.readings = 720;
-  made.noise_um = 0.3;
+  const CircleMade made{.readings = 720, .noise_um = 0.3};
   for (const double size_um : {2.0, 12.0}) {
     const Diagnosis diagnosis = of_new_model(circle_of(
         [&](const PathPlace& at) {
@@ -117,9 +111,7 @@ TEST_CASE("lost motion that comes when friction lets the axis go is named beside
 }
 
 TEST_CASE("a spike that dies away from the reversal on is not told as friction") {
-  CircleMade made;
-  made.readings = 360;
-  made.noise_um = 0.3;
+  const CircleMade made{.readings = 360, .noise_um = 0.3};
   const Diagnosis diagnosis = of_new_model(circle_of(
       [](const PathPlace& at) {
         const double travelled_mm = 100.0 + at.motion[1] * (at.position_mm[1] - 300.0);

@@ -1,10 +1,6 @@
 // Another program's fits as oracle: telescope pointing tests with published models (TPOINT), as user effects.
-#include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <sstream>
-
-#include <doctest/doctest.h>
 
 #include "base/file.hpp"
 #include "base/text.hpp"

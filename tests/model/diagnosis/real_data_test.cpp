@@ -1,5 +1,4 @@
 // Real measurements of tests/data/real and samples/real: what their fields say of them, the diagnosis says too.
-#include <cmath>
 
 #include <nlohmann/json.hpp>
 

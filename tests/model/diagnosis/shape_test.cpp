@@ -1,9 +1,7 @@
 // What is left, in words: each shape by made data, and no words where nothing is proved.
 #include "model/diagnosis/shape.hpp"
 
-#include <cmath>
 #include <numbers>
-#include <random>
 
 #include <doctest/doctest.h>
 

@@ -47,8 +47,7 @@ Sample sample(const std::string& model, const std::string& data, const std::stri
 }
 
 Diagnosis answer_to(const Sample& one, const laser::MeasurementSet& set) {
-  DiagnoseOptions options;
-  options.noise_replicates = kReplicates;
+  DiagnoseOptions options{.noise_replicates = kReplicates};
   const auto found = diagnose(one.model, observations_of(set, one.model, one.machine), options);
   REQUIRE(found.has_value());
   return *found;

@@ -1,8 +1,5 @@
 #include "model/diagnosis/stepwise.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <doctest/doctest.h>
 
 #include "tests/model/support/searching.hpp"
@@ -26,7 +23,7 @@ double step_and_backlash(const laser::Reading& r) { return (p(r) > 512.0 ? 1.5 :
 
 TEST_CASE("nothing is added to noise") {
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
-    const Searching of(measured_line([](const laser::Reading&) { return 0.0; }, seed), kSigma_um, usual_suspects());
+    const Searching of(measured_line(nothing, seed), kSigma_um, usual_suspects());
     CHECK(best_solution(of.search, kOptions).chosen.empty());
   }
 }

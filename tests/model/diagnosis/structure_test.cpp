@@ -1,14 +1,9 @@
 #include "model/diagnosis/structure.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <random>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
-#include "tests/model/support/measured_lines.hpp"
 #include "tests/model/support/searching.hpp"
 
 using namespace ecs;
@@ -44,8 +39,7 @@ TEST_CASE("the logarithm of a chance agrees with a printed F table") {
 
 TEST_CASE("noise depends on nothing") {
   for (const unsigned seed : {1U, 2U, 3U})
-    for (const StructureTest& test : tests_of([](const laser::Reading&) { return 0.0; }, seed))
-      CHECK(test.minus_log_p < 4.0);
+    for (const StructureTest& test : tests_of(nothing, seed)) CHECK(test.minus_log_p < 4.0);
 }
 
 TEST_CASE("a run of its own is found under run, a reversal error under approach, a wave under its position") {
@@ -55,14 +49,14 @@ TEST_CASE("a run of its own is found under run, a reversal error under approach,
 }
 
 TEST_CASE("a variable gains about one for every function on noise, and all of its own shape") {
-  for (const StructureTest& test : tests_of([](const laser::Reading&) { return 0.0; }))
+  for (const StructureTest& test : tests_of(nothing))
     CHECK(std::abs(test.gain - test.freedom) < 4.0 * std::sqrt(2.0 * test.freedom));
   const StructureTest found = tests_of([](const laser::Reading& r) { return 0.4 * d(r); }).front();
   CHECK(found.excess == Approx(4.0).epsilon(0.2));  // (0.4/0.2)² per reading
 }
 
 TEST_CASE("a variable that never changes is left out") {
-  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const Searching of(measured({}, kSigma_um, nothing), kSigma_um, {});
   std::vector<std::string> names;
   for (const Variable& variable : variables_of(of.data)) names.push_back(variable.name);
   const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
@@ -77,14 +71,14 @@ TEST_CASE("a variable that never changes is left out") {
 }
 
 TEST_CASE("what all runs share is not a function of the run") {
-  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const Searching of(measured({}, kSigma_um, nothing), kSigma_um, {});
   const auto variables = variables_of(of.data);
   const MatrixXd& columns = variable_named(variables, "run").columns;
   for (Index j = 0; j < columns.cols(); ++j) CHECK(std::abs(columns.col(j).sum()) < 1e-9);
 }
 
 TEST_CASE("the share of a variable is all of its own shape, nothing of another, and never negative") {
-  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const Searching of(measured({}, kSigma_um, nothing), kSigma_um, {});
   const auto variables = variables_of(of.data);
   VectorXd reversal(246), runs(246);
   for (Index k = 0; k < 246; ++k) {
@@ -104,11 +98,7 @@ TEST_CASE("the share of a variable is all of its own shape, nothing of another, 
 TEST_CASE("where an axis is parked explains nothing that the position along the measured line explains") {
   laser::MeasurementSet set;
   for (const double parked : {0.0, 300.0}) {
-    Plan plan;
-    plan.runs = 1;
-    plan.targets = 21;
-    plan.parked_mm = {0.0, parked, 0.0};
-    measure(set, plan, 0.1, [&](const laser::Reading& r) {
+    measure(set, {.targets = 21, .runs = 1, .parked_mm = {0.0, parked, 0.0}}, 0.1, [&](const laser::Reading& r) {
       return 5.0 * std::sin(p(r) / 60.0) + (r.position_mm[1] > 0.0 ? 0.18 : 0.0);
     });
   }
@@ -124,7 +114,7 @@ TEST_CASE("where an axis is parked explains nothing that the position along the 
 }
 
 TEST_CASE("the largest of noise replicates is what the tests of each replicate give") {
-  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const Searching of(measured({}, kSigma_um, nothing), kSigma_um, {});
   const Structure structure(of.data, of.whitener, 164.0);
   std::mt19937_64 random(6);
   NormalDraws normal;
@@ -169,8 +159,7 @@ struct OneRun {
     for (Index k = 0; k < target.size(); ++k) target(k) += by_time(data.time_s[static_cast<std::size_t>(k)]);
   }
   static Plan plan_of(int runs) {
-    Plan plan;
-    plan.runs = runs;
+    Plan plan{.runs = runs};
     return plan;
   }
   [[nodiscard]] MatrixXd mean() const { return MatrixXd::Ones(target.size(), 1); }

@@ -1,15 +1,8 @@
 // Verdicts on noise, on structure that nothing explains, and on models with free parameters.
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <numbers>
-#include <random>
-#include <utility>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
-#include "model/diagnosis/diagnose.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

@@ -1,15 +1,9 @@
 #include "model/diagnosis/waves.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <numbers>
-#include <random>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "base/random.hpp"
 #include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 
@@ -248,9 +242,7 @@ TEST_CASE("a wave with another phase in every pass is found at its period") {
 TEST_CASE("noise shows a free wave in none of four hundred sets") {
   for (const int targets : {10, 41})
     for (unsigned seed = 1; seed <= 200; ++seed) {
-      Plan plan;
-      plan.targets = targets;
-      CHECK_FALSE(free_wave_in(measured(plan, kSigma_um, nothing, seed)));
+      CHECK_FALSE(free_wave_in(measured({.targets = targets}, kSigma_um, nothing, seed)));
     }
 }
 
@@ -271,13 +263,9 @@ TEST_CASE("a slow shape of fewer than two turns over the travel is no wave") {
 }
 
 TEST_CASE("one pass has no other to differ from, and passes of seven readings show no wave") {
-  Plan once;
-  once.runs = 1;
-  once.both_ways = false;
+  Plan once{.runs = 1, .both_ways = false};
   CHECK_FALSE(free_wave_in(with_free_wave(100.0, 2.0, 1, once)));
-  Plan brief;
-  brief.targets = 7;
-  brief.step_mm = 150.0;
+  Plan brief{.step_mm = 150.0, .targets = 7};
   CHECK_FALSE(free_wave_in(with_free_wave(400.0, 2.0, 1, brief)));
 }
 

@@ -7,10 +7,7 @@
 #include <regex>
 #include <set>
 
-#include <doctest/doctest.h>
-
 #include "base/moved_targets.hpp"
-#include "model/fit/model_file.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/hidden_cases.hpp"
@@ -70,8 +67,7 @@ Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
   REQUIRE(model);
   REQUIRE(set);
   REQUIRE(machine);
-  DiagnoseOptions options;
-  options.noise_replicates = 50;
+  DiagnoseOptions options{.noise_replicates = 50};
   const auto found = diagnose(*model, observations_of(*set, *model, machine->machine), options);
   REQUIRE(found);
   return *found;
@@ -130,10 +126,8 @@ TEST_CASE("a size that the data do not determine is not told as a number") {
 }
 
 TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
-  Plan plan;
-  plan.sense = Sense::EA;
   const auto bow = [](const laser::Reading& r) { return 12.0 * std::sin(3.14159265358979 * p(r) / 1000.0); };
-  const Diagnosis found = diagnosed(straight(Axis::X, Sense::EA), measured(plan, kNoise_um, bow));
+  const Diagnosis found = diagnosed(straight(Axis::X, Sense::EA), measured({.sense = Sense::EA}, kNoise_um, bow));
   REQUIRE_FALSE(found.candidates.empty());
   for (const Candidate& candidate : found.candidates)
     for (const ParameterEstimate& parameter : candidate.parameters)
@@ -151,9 +145,7 @@ TEST_CASE("a bad run is the first thing that is said") {
 }
 
 TEST_CASE("too few readings, or even targets without a pitch, are said in place of adequate") {
-  Plan few;
-  few.targets = 2;
-  few.runs = 1;
+  Plan few{.targets = 2, .runs = 1};
   CHECK(contains_text(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
 
   laser::MeasurementSet set = measured({}, kNoise_um, nothing);

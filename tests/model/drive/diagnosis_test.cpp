@@ -1,7 +1,6 @@
 #include "model/drive/diagnosis.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,4 @@
-#include "model/drive/simulation.hpp"
-
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>

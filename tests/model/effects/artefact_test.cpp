@@ -1,6 +1,4 @@
 // Square and straight edge: what changes its sign when they are turned over is theirs.
-#include <algorithm>
-#include <cmath>
 
 #include <doctest/doctest.h>
 
@@ -19,14 +17,10 @@ namespace {
 laser::MeasurementSet against_square(bool both_sides, double angle_um_per_m, double form_um, double machine_um_per_m,
                                      double zero_um = 0.0) {
   laser::MeasurementSet set;
-  Plan plan;
-  plan.axis = Axis::Y;
-  plan.sense = Sense::EX;
-  plan.runs = 2;
   for (const double side : both_sides ? std::vector<double>{1.0, -1.0} : std::vector<double>{1.0}) {
     const std::size_t before = set.readings.size();
     measure(
-        set, plan, kNoise_um,
+        set, {.axis = Axis::Y, .sense = Sense::EX, .runs = 2}, kNoise_um,
         [&](const laser::Reading& r) {
           const double u = p(r, Axis::Y) / 1000.0;
           return 3.0 + machine_um_per_m * u + side * (zero_um + angle_um_per_m * u + form_um * 4.0 * u * (1.0 - u));
@@ -108,9 +102,7 @@ TEST_CASE("in one position the artefact cannot be told from the machine; turning
 
 TEST_CASE("without the column a note names what cannot be tried, for readings across an axis only") {
   const auto notes_of = [](Axis axis) {
-    Plan plan;
-    plan.axis = axis;
-    const auto notes = untried_effects(observations_of(measured(plan, kNoise_um, nothing), Model{}, mill()));
+    const auto notes = untried_effects(observations_of(measured({.axis = axis}, kNoise_um, nothing), Model{}, mill()));
     return std::count(notes.begin(), notes.end(), "no reversed: artefact_angle and artefact_form cannot be tried");
   };
   CHECK(notes_of(Axis::Y) == 1);

@@ -1,7 +1,6 @@
 // Friction at reversals: the shape over time, and where it may be sought.
 #include <doctest/doctest.h>
 
-#include "model/data/path.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
@@ -78,9 +77,7 @@ TEST_CASE("while friction holds an axis it still has the lost motion of before, 
 
 TEST_CASE("at a higher acceleration the axis stands for a shorter time and stays a little further behind") {
   const auto peak_at = [](double feed_mm_min) {
-    CircleMade made;
-    made.readings = 3600;
-    made.runs = 1;
+    CircleMade made{.readings = 3600, .runs = 1};
     laser::CircleTest test = made_circle([](const PathPlace&) { return Vector3{}; }, made);
     test.feed_mm_min = feed_mm_min;
     const Observations data = observations_of(set_of_circle(test), Model{}, mill());
@@ -115,7 +112,7 @@ TEST_CASE("a circle without its feed says that friction cannot be tried, and lin
   CHECK_FALSE(has_note_of_friction(observations_of(set_of_circle(test), Model{}, mill())));
   test.feed_mm_min.reset();
   CHECK(has_note_of_friction(observations_of(set_of_circle(test), Model{}, mill())));
-  const auto line = measured(Plan{}, 0.2, [](const laser::Reading&) { return 0.0; });
+  const auto line = measured(Plan{}, 0.2, nothing);
   CHECK_FALSE(has_note_of_friction(observations_of(line, Model{}, mill())));
 }
 

@@ -1,15 +1,9 @@
 // What every effect of the library must have, whoever adds one: the tests walk the library.
-#include <cmath>
-#include <random>
 #include <set>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
-#include "model/diagnosis/diagnose.hpp"
-#include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
-#include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
@@ -39,13 +33,7 @@ Model with_tables() {
 Observations everything_varies() {
   laser::MeasurementSet set;
   for (const Sense sense : {Sense::EX, Sense::EY}) {
-    Plan plan;
-    plan.sense = sense;
-    plan.step_mm = 70.0;
-    plan.targets = 15;
-    plan.parked_mm = {0.0, 200.0, 300.0};
-    measure(
-        set, plan, 1.0, [](const laser::Reading&) { return 0.0; }, 7);
+    measure(set, {.sense = sense, .step_mm = 70.0, .targets = 15, .parked_mm = {0.0, 200.0, 300.0}}, 1.0, nothing, 7);
   }
   std::mt19937_64 random(3);
   const auto uniform = [&](double least, double greatest) { return UniformDraws(least, greatest)(random); };

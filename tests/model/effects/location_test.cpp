@@ -1,14 +1,9 @@
 // Location errors of rotary axes and error motions in readings of a ball: what the model says of them against exact
 // matrices (tests/support/exact_joints.hpp), and what it finds in such readings.
-#include <cmath>
-#include <random>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
-#include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/exact_joints.hpp"

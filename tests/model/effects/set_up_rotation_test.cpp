@@ -1,13 +1,9 @@
 // A plate set up turned: one angle for both senses, found with its size; beside the machine's own effects where one
 // sense alone was measured.
-#include <algorithm>
-#include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
 

@@ -1,11 +1,8 @@
 // Bending by the difference of two sensors: found with its size where the difference varies, not named where it does
 // not.
-#include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
-#include "model/fit/fit.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -21,10 +18,7 @@ constexpr double kBend_um_per_m2_degC = -6.0;
 /// Straightness EY of X, bent by the difference of two sensors of the column; the front is warmed in waves of its own.
 laser::MeasurementSet bent(bool difference_varies, double bend) {
   laser::MeasurementSet set;
-  Plan plan;
-  plan.sense = Sense::EY;
-  plan.runs = 4;
-  measure(set, plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  measure(set, {.sense = Sense::EY, .runs = 4}, 0.0, nothing);
   std::mt19937_64 random(5);
   NormalDraws noise(0.0, 0.4);
   for (laser::Reading& r : set.readings) {
@@ -86,7 +80,7 @@ TEST_CASE("a constant difference is no bending by temperature") {
 
 TEST_CASE("bending is sought across the moving axis only") {
   Plan along;
-  auto set = measured(along, 0.5, [](const laser::Reading&) { return 0.0; });
+  auto set = measured(along, 0.5, nothing);
   for (laser::Reading& r : set.readings)
     r.sensors_degC = {{"t_back_degC", 20.0}, {"t_front_degC", 20.0 + *r.time_s / 1000.0}};
   for (const EffectInstance& one : candidate_instances(observations_of(set, Model{}, mill())))

@@ -1,13 +1,8 @@
 // Data as they should not be: too few, constant, missing, spoiled, absurd. A clear answer each time, never a crash,
 // never a confident wrong name.
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <random>
 
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
 #include "model/fit/compare.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
@@ -24,10 +19,7 @@ double ramp(const laser::Reading& r) { return 3.0 + 9.0 * p(r) / 1000.0; }
 double lost_motion_of_two(const laser::Reading& r) { return d(r); }
 
 Plan plan(int targets, int runs, bool both_ways = true) {
-  Plan one;
-  one.targets = targets;
-  one.runs = runs;
-  one.both_ways = both_ways;
+  Plan one{.targets = targets, .runs = runs, .both_ways = both_ways};
   return one;
 }
 

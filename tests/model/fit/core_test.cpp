@@ -1,10 +1,7 @@
 #include "model/fit/core.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "tests/model/support/measured_lines.hpp"

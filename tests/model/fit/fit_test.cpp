@@ -1,8 +1,5 @@
 // Sigma of a decay length and its size by profile likelihood.
 
-#include "model/fit/fit.hpp"
-
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
@@ -52,8 +49,7 @@ TEST_CASE("a fit finds the values that the readings were made of, within three o
 TEST_CASE("a period that is not given is found and has a sigma") {
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
-  Plan plan;
-  plan.step_mm = 3.0;
+  const Plan plan{.step_mm = 3.0};
   const auto set = measured(
       plan, 0.2, [](const laser::Reading& r) { return 3.0 * std::sin(2.0 * std::numbers::pi * p(r) / 12.7 + 0.4); });
   const auto found = fit(model, observations_of(set, model, mill()));
@@ -78,10 +74,8 @@ TEST_CASE("a period far shorter than the distance of targets is found where it l
 TEST_CASE("a step of the model is found at a negative position as well") {
   Model model = straight();
   model.effects.push_back(effect(effects::step, Axis::X, Sense::EX));
-  Plan plan;
-  plan.from_mm = -1000.0;
   const Truth step = [](const laser::Reading& r) { return p(r) > -300.0 ? 3.0 : 0.0; };
-  const auto found = fit(model, observations_of(measured(plan, 0.2, step), model, mill()));
+  const auto found = fit(model, observations_of(measured({.from_mm = -1000.0}, 0.2, step), model, mill()));
   REQUIRE(found);
   CHECK(parameter(*found, 2, "position_mm").value == Approx(-300.0).epsilon(0.1));
   CHECK(parameter(*found, 2, "height_um").value == Approx(3.0).epsilon(0.1));
@@ -90,12 +84,10 @@ TEST_CASE("a step of the model is found at a negative position as well") {
 TEST_CASE("a wave of the model does not take a step for a period far shorter than the distance of targets") {
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
-  Plan plan;
-  plan.step_mm = 60.0;
   const Truth both = [](const laser::Reading& r) {
     return std::sin(2.0 * std::numbers::pi * p(r) / 200.0) + (p(r) > 1100.0 ? 6.0 : 0.0);
   };
-  const auto found = fit(model, observations_of(measured(plan, 0.2, both), model, mill()));
+  const auto found = fit(model, observations_of(measured({.step_mm = 60.0}, 0.2, both), model, mill()));
   REQUIRE(found);
   CHECK(parameter(*found, 2, "period_mm").value > 12.0);  // a fifth of the step of 60 mm
 }
@@ -166,7 +158,7 @@ TEST_CASE("a formula with an unknown name is refused with the columns there are"
   user.formulas = {{Sense::EX, "a*t_oil_degC"}};
   user.user = {{"a", "um", {}, {}, {}, {}}};
   model.effects.push_back(user);
-  const auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+  const auto set = measured({}, 0.1, nothing);
   const auto found = fit(model, observations_of(set, model, mill()));
   REQUIRE_FALSE(found);
   CHECK(to_text(found.error()).find("t_material_degC") != std::string::npos);
@@ -180,7 +172,7 @@ TEST_CASE("a formula that assigns, or has no finite value at a reading, is refus
     user.formulas = {{Sense::EX, formula}};
     user.user = {{"a", "um", {}, {}, {}, {}}};
     model.effects.push_back(user);
-    const auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+    const auto set = measured({}, 0.1, nothing);
     const auto found = fit(model, observations_of(set, model, mill()));
     return found ? std::string() : to_text(found.error());
   };
@@ -254,7 +246,7 @@ TEST_CASE("whether a plan can determine a model is known before measuring") {
   Model model = straight();
   model.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
-  auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  auto set = measured({}, 0.0, nothing);
   for (auto& r : set.readings) r.feed_mm_min = 2000.0;
   const auto one_feed = check_plan(model, observations_of(set, model, mill()), 0.5);
   REQUIRE(one_feed);
@@ -270,7 +262,7 @@ TEST_CASE("the length of a spike that all readings see at one distance is not de
   model.effects.push_back(effect(reversal_spike, Axis::X, Sense::EX));
   for (const bool two_distances : {false, true}) {
     CAPTURE(two_distances);
-    auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+    auto set = measured({}, 0.1, nothing);
     std::size_t k = 0;
     for (laser::Reading& r : set.readings) {
       const double u_mm = k % 3 == 0 ? 5.0 : two_distances && k % 3 == 1 ? 12.0 : 300.0;

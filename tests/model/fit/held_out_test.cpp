@@ -1,8 +1,5 @@
 #include "model/fit/held_out.hpp"
 
-#include <cmath>
-#include <random>
-
 #include <doctest/doctest.h>
 
 #include "tests/model/normal_matrix.hpp"
@@ -19,11 +16,8 @@ using Eigen::VectorXd;
 namespace {
 
 Observations observed_line(int runs, bool both_ways = false, int targets = 10) {
-  Plan plan;
-  plan.runs = runs;
-  plan.targets = targets;
-  plan.both_ways = both_ways;
-  return observations_of(measured(plan, 0.0, [](const laser::Reading&) { return 0.0; }), straight(), mill());
+  return observations_of(measured({.targets = targets, .runs = runs, .both_ways = both_ways}, 0.0, nothing), straight(),
+                         mill());
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "base/file.hpp"

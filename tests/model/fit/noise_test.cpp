@@ -1,14 +1,10 @@
 #include "model/fit/noise.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <random>
 #include <set>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "base/random.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
@@ -38,10 +34,7 @@ Measured readings_of(const laser::MeasurementSet& set) {
 }
 
 /// 41 targets, three runs both ways: 246 readings in 82 nodes.
-Measured white(unsigned seed = 1) {
-  return readings_of(measured(
-      {}, kWhite_um, [](const laser::Reading&) { return 0.0; }, seed));
-}
+Measured white(unsigned seed = 1) { return readings_of(measured({}, kWhite_um, nothing, seed)); }
 
 NoiseModel noise_in(const Measured& m) {
   return noise_of(m.data, m.residual, MatrixXd::Ones(m.residual.size(), 1), m.left_out);
@@ -75,19 +68,14 @@ TEST_CASE("repeats have as many degrees of freedom as there are readings less pl
 }
 
 TEST_CASE("without repeats the noise is what smooth columns leave, and says so") {
-  Plan plan;
-  plan.runs = 1;
-  plan.both_ways = false;
-  plan.targets = 200;
-  plan.step_mm = 5.0;
-  const NoiseModel noise = noise_in(readings_of(measured(plan, kWhite_um, [](const laser::Reading&) { return 7.0; })));
+  const NoiseModel noise =
+      noise_in(readings_of(measured({.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, kWhite_um,
+                                    [](const laser::Reading&) { return 7.0; })));
   CHECK_FALSE(noise.pure.from_repeats);
   CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
 }
 
 TEST_CASE("noise that lasts over several readings is recognised as correlated") {
-  Plan plan;
-  plan.runs = 5;
   std::mt19937_64 random(4);
   NormalDraws normal;
   double state = normal(random), last_s = 0.0;
@@ -97,7 +85,7 @@ TEST_CASE("noise that lasts over several readings is recognised as correlated") 
     state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
     return state;
   };
-  const NoiseModel noise = noise_in(readings_of(measured(plan, 0.2, turbulence)));
+  const NoiseModel noise = noise_in(readings_of(measured({.runs = 5}, 0.2, turbulence)));
   REQUIRE(noise.groups.size() == 1);
   CHECK(share_of_white(noise) < 0.01);
   CHECK(noise.groups.front().correlated > 2.0 * noise.groups.front().white);
@@ -108,19 +96,15 @@ namespace {
 
 /// One pass of readings that follow each other in `interval_s`: a first order process over a tenth of a second.
 Measured scan(int readings, double interval_s, double sigma_um, unsigned seed) {
-  Plan plan;
-  plan.runs = 1;
-  plan.both_ways = false;
-  plan.targets = readings;
-  plan.step_mm = 0.25;
   std::mt19937_64 random(seed);
   NormalDraws normal;
   const double memory = std::exp(-interval_s / 0.1);
   double state = normal(random);
-  Measured m = readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
-    state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
-    return sigma_um * state;
-  }));
+  Measured m = readings_of(
+      measured({.step_mm = 0.25, .targets = readings, .runs = 1, .both_ways = false}, 0.0, [&](const laser::Reading&) {
+        state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
+        return sigma_um * state;
+      }));
   for (std::size_t k = 0; k < m.data.size(); ++k) m.data.time_s[k] = interval_s * static_cast<double>(k);
   return m;
 }
@@ -244,17 +228,12 @@ namespace {
 
 /// One pass of 200 readings that sums up steps of 0.3 um, by itself or returning to 0 within `memory` readings.
 Measured walk(unsigned seed, double memory = 1e9) {
-  Plan plan;
-  plan.runs = 1;
-  plan.both_ways = false;
-  plan.targets = 200;
-  plan.step_mm = 5.0;
   std::mt19937_64 random(seed + 300);
   NormalDraws normal;
   double state = 0.0;
-  return readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
-    return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random);
-  }));
+  return readings_of(
+      measured({.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, 0.0,
+               [&](const laser::Reading&) { return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random); }));
 }
 
 /// Takes everything for noise of the size that it has.
@@ -397,10 +376,7 @@ TEST_CASE("outliers that do not stand apart from the next are kept to five perce
 }
 
 TEST_CASE("eleven readings know no scale to judge one of them by") {
-  Plan few;
-  few.targets = 11;
-  few.runs = 1;
-  few.both_ways = false;
+  Plan few{.targets = 11, .runs = 1, .both_ways = false};
   Spoiled set(1, few);
   set.raise(5, 1e6);
   CHECK(set.outliers().empty());
@@ -439,7 +415,7 @@ using namespace ecs::model;
 using namespace ecs::model::test;
 
 TEST_CASE("the transposed whitener is the transpose of the whitener, rows left out and all") {
-  const auto set = measured({}, 0.3, [](const laser::Reading&) { return 0.0; });
+  const auto set = measured({}, 0.3, nothing);
   const Observations data = observations_of(set, straight(), mill());
   NoiseModel noise = plain_noise(data, 0.3);
   for (NoiseGroup& group : noise.groups) {

@@ -1,10 +1,8 @@
 // From where a fitted model counts time and temperatures on other readings.
-#include <algorithm>
 
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
-#include "model/fit/fit.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

@@ -1,12 +1,7 @@
-#include "model/fit/search.hpp"
-
-#include <cmath>
 #include <numbers>
-#include <random>
 
 #include <doctest/doctest.h>
 
-#include "model/diagnosis/ladder.hpp"
 #include "tests/model/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
 
@@ -101,7 +96,7 @@ TEST_CASE("functions that two curves share are paid for once, whichever comes fi
 }
 
 TEST_CASE("more candidates never make noise look worse") {
-  const auto set = measured_line([](const laser::Reading&) { return 0.0; });
+  const auto set = measured_line(nothing);
   const Searching few(set, kSigma_um, candidates_named({"backlash:X:EX"}));
   const Searching many(set, kSigma_um, candidates_named({"backlash:X:EX", "cyclic:X:EX", "step:X:EX"}));
   MatrixXd replicates = normal_matrix(246, 40, 3);
@@ -114,8 +109,7 @@ TEST_CASE("more candidates never make noise look worse") {
 }
 
 TEST_CASE("the score of noise on one effect is the square of one normal deviate less the price") {
-  const Searching of(measured_line([](const laser::Reading&) { return 0.0; }), kSigma_um,
-                     candidates_named({"backlash:X:EX"}));
+  const Searching of(measured_line(nothing), kSigma_um, candidates_named({"backlash:X:EX"}));
   MatrixXd replicates = normal_matrix(246, 2000, 4);
   replicates -= of.search.base().q * (of.search.base().q.transpose() * replicates);
   double mean = 0.0;

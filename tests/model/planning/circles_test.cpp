@@ -1,12 +1,10 @@
 // Circles among the proposals.
-#include <doctest/doctest.h>
 
-#include "model/diagnosis/diagnose.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
 #include "tests/model/support/made_paths.hpp"
-#include "tests/model/support/measuring_session.hpp"
+#include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -18,8 +16,7 @@ using doctest::Approx;
 namespace {
 
 MeasuringTimes with_ball_bar() {
-  MeasuringTimes times;
-  times.ball_bar = true;
+  MeasuringTimes times{.ball_bar = true};
   return times;
 }
 
@@ -43,9 +40,7 @@ struct Coarse {
   Diagnosis diagnosis;
 };
 Coarse coarse_circle() {
-  CircleMade made;
-  made.readings = 90;
-  made.noise_um = 0.1;
+  const CircleMade made{.readings = 90, .noise_um = 0.1};
   laser::MeasurementSet set = set_of_circle(made_circle(
       [](const PathPlace& at) {
         const double travelled_mm = 100.0 + at.motion[1] * (at.position_mm[1] - 300.0);

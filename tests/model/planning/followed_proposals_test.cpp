@@ -1,13 +1,8 @@
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/part_program.hpp"
-#include "tests/model/support/measuring_session.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -102,8 +97,7 @@ double chi2_apart(const Model& model, const Observations& data, const EffectInst
   const auto chi2 = [&](const EffectInstance& added) {
     Model with = model;
     with.effects.push_back(added);
-    FitOptions plain;
-    plain.plain = true;
+    FitOptions plain{.plain = true};
     const auto result = fit(with, data, plain);
     REQUIRE(result);
     double sum = 0.0;
@@ -261,9 +255,7 @@ TEST_CASE("a dead path is named over four weathers; over two it is the offset of
 }
 
 TEST_CASE("a roll through a lever or the guideway's own form: one line") {
-  Plan plan;
-  plan.sense = Sense::EY;
-  plan.parked_mm = {0.0, 100.0, 400.0};
+  Plan plan{.sense = Sense::EY, .parked_mm = {0.0, 100.0, 400.0}};
   // E_Y of TXYZ contains −EAX·Z
   check_case(case_of(
       "angular:X:EAX", straight(Axis::X, Sense::EY), plan,
@@ -288,9 +280,7 @@ TEST_CASE("a wrong gain of the map or a scale: a straight map") {
 }
 
 TEST_CASE("warming up, creep or the spindle's growth: one short session") {
-  Plan plan;
-  plan.targets = 21;
-  plan.step_mm = 50.0;
+  Plan plan{.step_mm = 50.0, .targets = 21};
   const auto warming = [](laser::Reading& r) { r.sensors_degC["t_spindle_degC"] = 20.0 + 1.5 * *r.time_s / 1800.0; };
   check_case(case_of(
       "time_drift:X:EX", straight(), plan, [](const laser::Reading& r) { return 5.0 * *r.time_s / 1800.0; }, warming));
@@ -300,9 +290,7 @@ TEST_CASE("warming up, creep or the spindle's growth: one short session") {
 }
 
 TEST_CASE("warming up or creep: a session hardly longer than the time that warming takes") {
-  Plan plan;
-  plan.targets = 21;
-  plan.step_mm = 50.0;
+  Plan plan{.step_mm = 50.0, .targets = 21};
   check_case(case_of(
       "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -2.6 * std::expm1(-*r.time_s / 1200.0); },
       kBare));
@@ -310,9 +298,7 @@ TEST_CASE("warming up or creep: a session hardly longer than the time that warmi
 
 TEST_CASE("a weak backlash at one feed needs more runs to differ from a following error") {
   const auto feed = [](laser::Reading& r) { r.feed_mm_min = 2000.0; };
-  Plan plan;
-  plan.targets = 21;
-  plan.step_mm = 50.0;
+  Plan plan{.step_mm = 50.0, .targets = 21};
   check_case(case_of(
       "backlash:X:EX", straight(), plan, [](const laser::Reading& r) { return 0.2 * d(r); }, feed));
 }

@@ -1,14 +1,10 @@
 #include "model/planning/next_measurement.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include <doctest/doctest.h>
 
 #include "base/moved_targets.hpp"
 #include "model/planning/part_program.hpp"
-#include "tests/model/support/measuring_session.hpp"
+#include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -87,11 +83,7 @@ TEST_CASE("proposals stay inside the travel with their overrun, or inside what w
 }
 
 TEST_CASE("three readings, no machine, no times, no approach: an answer without a proposal beyond what was measured") {
-  Plan plan;
-  plan.targets = 3;
-  plan.runs = 1;
-  plan.both_ways = false;
-  auto set = measured(plan, kNoise_um, [](const laser::Reading&) { return 0.0; });
+  auto set = measured({.targets = 3, .runs = 1, .both_ways = false}, kNoise_um, nothing);
   for (auto& r : set.readings) {
     r.time_s.reset();
     r.sensors_degC.clear();
@@ -112,11 +104,7 @@ TEST_CASE("three readings, no machine, no times, no approach: an answer without 
 }
 
 TEST_CASE("a model with too few readings says what it could not have seen, and what would show it") {
-  Plan plan;
-  plan.targets = 6;
-  plan.runs = 1;
-  plan.both_ways = false;
-  plan.step_mm = 190.0;
+  const Plan plan{.step_mm = 190.0, .targets = 6, .runs = 1, .both_ways = false};
   auto set = session(
       plan, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; },
       [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
@@ -222,9 +210,7 @@ TEST_CASE("proposed targets lie off equal steps where the present ones do not") 
 }
 
 TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
-  Plan plan;
-  plan.runs = 5;
-  const auto set = measured(plan, kNoise_um, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const auto set = measured({.runs = 5}, kNoise_um, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
   const Model model = straight();
   const Observations data = observations_of(set, model, mill());
   const auto found = diagnose(model, data);

@@ -1,15 +1,8 @@
 #include "model/planning/part_program.hpp"
 
-#include <cmath>
-#include <map>
-#include <random>
-#include <vector>
-
 #include <doctest/doctest.h>
 
-#include "base/random.hpp"
 #include "base/text.hpp"
-#include "laser/measurement_set.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

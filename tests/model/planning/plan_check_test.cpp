@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
@@ -23,10 +21,7 @@ bool says(const PlanCheck& check, const char* text) {
 }  // namespace
 
 TEST_CASE("before measuring: the sigma of each parameter from textbook formulas") {
-  Plan plan;
-  plan.targets = 11;
-  plan.runs = 2;
-  const auto set = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  const auto set = measured({.targets = 11, .runs = 2}, 0.0, nothing);
   Model model = straight();
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
   const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
@@ -46,7 +41,7 @@ TEST_CASE("before measuring: the sigma of each parameter from textbook formulas"
 }
 
 TEST_CASE("before measuring: what a plan cannot determine is named with what it collides with") {
-  auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  auto set = measured({}, 0.0, nothing);
   for (auto& r : set.readings) {
     r.sensors_degC["t_material_degC"] = 22.0;
     r.feed_mm_min = 2000.0;
@@ -67,14 +62,13 @@ TEST_CASE("before measuring: what a plan cannot determine is named with what it 
 }
 
 TEST_CASE("before measuring: nonlinear parameters and curves, as accurate as a fit then finds them") {
-  Plan plan;
-  plan.step_mm = 25.0;
+  Plan plan{.step_mm = 25.0};
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
   model.effects[2].fitted = {
       {"period_mm", 90.0}, {"amplitude_um", 2.0}, {"phase_rad", 0.4}, {"amplitude2_um", 0.0}, {"phase2_rad", 0.0}};
   model.effects[2].parameters = {{"amplitude2_um", 0.0}};
-  const auto empty = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  const auto empty = measured(plan, 0.0, nothing);
   const auto check = check_plan(model, observations_of(empty, model, mill()), kNoise_um);
   REQUIRE(check);
   CHECK(check->determines);
@@ -111,7 +105,7 @@ TEST_CASE("before measuring: nonlinear parameters and curves, as accurate as a f
 }
 
 TEST_CASE("before measuring: a model without values is judged at values that are reported") {
-  const auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  const auto set = measured({}, 0.0, nothing);
   Model model = straight();
   model.effects.push_back(effect(warm_up, Axis::X, Sense::EX));
   const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
@@ -123,9 +117,7 @@ TEST_CASE("before measuring: a model without values is judged at values that are
 }
 
 TEST_CASE("before measuring: an angle through its lever, alone and beside an offset on one line") {
-  Plan plan;
-  plan.sense = Sense::EY;
-  plan.parked_mm = {0.0, 0.0, 400.0};
+  Plan plan{.sense = Sense::EY, .parked_mm = {0.0, 0.0, 400.0}};
   auto set = measured(plan, 0.0, nothing);
   Model model;
   EffectInstance roll;

@@ -1,9 +1,5 @@
 #include "model/regression/needs.hpp"
 
-#include <algorithm>
-#include <functional>
-
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "tests/model/support/measured_lines.hpp"
@@ -18,10 +14,7 @@ namespace {
 
 /// Runs of ten targets; the spindle is as warm as its run says.
 Observations with_spindle(const std::vector<double>& degC_of_run, double inside_degC = 0.0) {
-  Plan plan;
-  plan.runs = static_cast<int>(degC_of_run.size());
-  plan.targets = 10;
-  auto set = measured(plan, 0.1, nothing);
+  auto set = measured({.targets = 10, .runs = static_cast<int>(degC_of_run.size())}, 0.1, nothing);
   for (laser::Reading& r : set.readings) {
     r.sensors_degC.clear();
     r.sensors_degC["t_spindle_degC"] = degC_of_run[static_cast<std::size_t>(r.run - 1)] + inside_degC * p(r) / 225.0;

@@ -15,8 +15,7 @@ using doctest::Approx;
 namespace {
 
 Observations quiet_circle() {
-  CircleMade made;
-  made.noise_um = 0.0;
+  CircleMade made{.noise_um = 0.0};
   return observations_of(set_of_circle(made_circle([](const PathPlace&) { return Vector3{}; }, made)), Model{}, mill());
 }
 

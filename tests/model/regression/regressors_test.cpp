@@ -1,6 +1,5 @@
 #include "model/regression/regressors.hpp"
 
-#include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
@@ -168,9 +167,8 @@ TEST_CASE("the size of a curve is that of the curve, not of what levers and appr
   EffectInstance pitch = effect(angular, Axis::X, Sense::EX);
   pitch.sense.reset();
   pitch.code = Component::EBX;
-  Plan plan;
-  plan.parked_mm = {0.0, 0.0, 300.0};
-  const Observations data = observations_of(measured(plan, 0.0, nothing), Model{}, mill("TXYZ"));
+  const Observations data =
+      observations_of(measured({.parked_mm = {0.0, 0.0, 300.0}}, 0.0, nothing), Model{}, mill("TXYZ"));
   const Regressors regressors(data);
   Eigen::VectorXd three = Eigen::VectorXd::Zero(regressors.columns(pitch, 0.0).of.cols());
   three(0) = 3.0;  // 3 um/m everywhere: 0.9 um through 300 mm

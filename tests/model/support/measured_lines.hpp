@@ -63,6 +63,20 @@ inline laser::MeasurementSet measured(const Plan& plan, double noise_um, const T
   return set;
 }
 
+/// One session; `conditions` changes every reading before the truth is asked.
+inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
+                                     const std::function<void(laser::Reading&)>& conditions) {
+  auto set = measured(plan, 0.0, nothing);
+  std::mt19937_64 random(11);
+  NormalDraws noise(0.0, kNoise_um);
+  for (auto& r : set.readings) {
+    r.sensors_degC.clear();
+    conditions(r);
+    r.error = truth(r) + noise(random);
+  }
+  return set;
+}
+
 inline EffectInstance effect(EffectId id, Axis axis, Sense sense) {
   EffectInstance one;
   one.id = id;
