@@ -24,7 +24,7 @@ ecs_folder(devices base laser laser/writers PkgConfig::hidapi fmt::fmt)
 
 ecs_folder(controllers base laser laser/map fmt::fmt)
 
-ecs_folder(model/circle base laser model/fit PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/circle base laser model/fit model/linear PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
 ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
            PkgConfig::Eigen3 fmt::fmt)
@@ -32,11 +32,11 @@ ecs_folder(model/drive base laser model/fit model/linear PkgConfig::Eigen3 fmt::
 ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/fit base core laser laser/import laser/map model/data model/effects model/linear model/regression
            params PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/lengths base core laser model/fit model/planning params PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/lengths base core laser model/fit model/linear model/planning params PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/linear PkgConfig::Eigen3)
 ecs_folder(model/planning base laser laser/writers model/data model/diagnosis model/effects model/fit model/linear
            model/regression params PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/regression base model/data model/effects PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
+ecs_folder(model/regression base model/data model/effects model/linear PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
 
 ecs_folder(protocol/client base core protocol/line protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt)
 ecs_folder(protocol/line base protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt tl::expected)
