@@ -13,6 +13,7 @@
 
 namespace ecs::app {
 
+/// A word of the trade, or of this unit, that a screen uses: `?` lists those that the picture shows.
 struct ExplainedWord {
   std::string word;
   std::string meaning;
@@ -21,6 +22,7 @@ struct ExplainedWord {
 /// Those that occur in a text, whatever their case, in the order of the alphabet.
 [[nodiscard]] std::vector<ExplainedWord> words_explained_in(const std::string& text);
 
+/// What is laid over any screen: its help (?), and whole what the screen shows in part only (F2). It scrolls.
 class Overlay {
  public:
   [[nodiscard]] bool shown() const { return !title_.empty(); }

@@ -365,6 +365,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kBetweenLooks{1};
+constexpr std::chrono::seconds kBetweenUnitLooks{3};  ///< a look takes half a second of a line of 9,600 baud
 
 }  // namespace
 
@@ -418,13 +419,6 @@ void LaserController::take_active_after_failure(const std::optional<std::uint32_
   message_.say(after_failure_, Tone::warning);
   failed_.reset();
 }
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kBetweenUnitLooks{3};  ///< a look takes half a second of a line of 9,600 baud
-
-}  // namespace
 
 void LaserController::verify() {
   if (!idle()) return;

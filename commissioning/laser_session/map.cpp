@@ -310,7 +310,6 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
 
 namespace {
 
-namespace fs = std::filesystem;
 constexpr const char* kScopeKey = "compensation.scope";
 
 /// A TOML string.

@@ -83,6 +83,7 @@ class Asking {
   std::function<void()> on_yes_, on_no_;
 };
 
+/// Lines that a person, or a script in that place, types while something runs.
 class Keyboard {
  public:
   virtual ~Keyboard() = default;

@@ -15,6 +15,8 @@
 
 namespace ecs::commissioning {
 
+/// What work on the link tells its screen while it has the link to itself: the newest sample and status, and where the
+/// bundled emulator's workshop is.
 class DatumLive {
  public:
   struct Seen {

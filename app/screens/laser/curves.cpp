@@ -1,6 +1,5 @@
 // Step 3: runs and readings left out and taken back, with the curve. Step 4: slope and smoothing of every curve, before
 // and after.
-
 #include <algorithm>
 #include <set>
 #include <utility>

@@ -1,6 +1,5 @@
 // Step 1: which files. Steps 2 and 5: what was measured under which conditions; accuracy and repeatability by ISO
 // 230-2.
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

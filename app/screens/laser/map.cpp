@@ -1,6 +1,5 @@
 // Step 6: the components that the scope needs, present or missing, the findings, the tables as curves. Step 7: who made
 // the map, when, for which machine.
-
 #include <algorithm>
 #include <array>
 #include <filesystem>

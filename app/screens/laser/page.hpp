@@ -28,6 +28,8 @@ struct LaserField {
   FileWish wish{};                     ///< of a path
 };
 
+/// A few fields to fill in, in a box over the screen: typed in place, chosen words on Space, the help of the field
+/// under the cursor below.
 class LaserForm {
  public:
   /// @param take  the values in the order of the fields; its answer says why they are refused; empty: taken

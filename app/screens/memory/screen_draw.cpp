@@ -1,5 +1,4 @@
 // How the memory screen looks: above whose memory it is, below what is under the cursor and what happened.
-
 #include <algorithm>
 
 #include <fmt/format.h>

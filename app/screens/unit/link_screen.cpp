@@ -1,5 +1,4 @@
 // LINK: the setting as a form with the ports there are, the doctor at work, the counts of the link.
-
 #include <algorithm>
 #include <memory>
 #include <optional>

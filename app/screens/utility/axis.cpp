@@ -1,6 +1,5 @@
 // SET AXIS POSITION: the axes with what the unit shows for them, live; a position is typed, asked for, set. OUTPUT
 // COMPENSATION VALUE: axis, value, relay shown big, what moved beside it; steps, everything off on one key.
-
 #include "commissioning/utility/axis.hpp"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // RECORD DATUM SEQUENCE: which axis, ten seconds with what the unit sees meanwhile, then the graph opens. TEST DATUM
 // ROUTINE: the axes with the stage in which each stands, live; what failed and what to do next.
-
 #include "commissioning/utility/datum.hpp"
 
 #include <algorithm>

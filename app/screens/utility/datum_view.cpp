@@ -1,5 +1,4 @@
 // DISPLAY DATUM SEQUENCE: the graph of thesis figure 5.5 with cursor and zoom, the events, a second record over it.
-
 #include "commissioning/utility/datum_view.hpp"
 
 #include <algorithm>

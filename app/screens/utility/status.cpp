@@ -1,6 +1,5 @@
 // DISPLAY ECS STATUS: state with the fault in plain words, address pointers, axes; live or from a file. And the menu
 // ECS UTILITY.
-
 #include <fmt/format.h>
 
 #include "app/screens/forms/rows.hpp"

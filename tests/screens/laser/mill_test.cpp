@@ -1,6 +1,5 @@
 // Whole machines on the screen: what a map lacks, the very map of the verb for every sample, prepared files, work taken
 // up again, every size.
-
 #include <sstream>
 
 #include "app/verbs/registry.hpp"

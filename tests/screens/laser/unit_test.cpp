@@ -1,6 +1,5 @@
 // The map on its way: sent and verified, cancelled, and an emulator that is killed in the middle.
 // Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
-
 #include "protocol/client/client.hpp"
 #include "tests/screens/support/laser_unit.hpp"
 

@@ -1,7 +1,6 @@
 // The log: what the screens told, whole, found again and copied.
 // COMMANDS: what was done, copied, written as a script.
 // The screen LOGBOOK: entries, one of them whole, verification.
-
 #include <algorithm>
 
 #include "app/screens/unit/screens.hpp"
