@@ -1,4 +1,4 @@
-// Small models, machines and measurements for the tests of the verbs of MODEL: an axis of 1000 mm, three runs both
+// A small model, a machine and measurements: an axis of 1000 mm, three runs both
 // ways, normal noise, and whatever error the test adds.
 #pragma once
 
@@ -75,39 +75,5 @@ travel_mm = [0.0, 500.0]
 [axis.Z]
 travel_mm = [0.0, 400.0]
 )";
-
-/// Model, machine and data in a folder of their own.
-struct ModelWorkspace {
-  Folder folder;
-  std::string model = folder.with("model.toml", kStraightModel);
-  std::string machine = folder.with("machine.toml", kTestMachine);
-  std::string data = folder.with("data.csv", measured_x(cyclic_x));
-  /// `ecs model VERB model.toml data.csv --machine machine.toml …`
-  [[nodiscard]] Ran verb(const std::string& name, std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"model", name, model, data, "--machine", machine};
-    words.insert(words.end(), more.begin(), more.end());
-    return ran(words);
-  }
-};
-
-inline std::size_t widest_line(const std::string& text) {
-  std::size_t widest = 0;
-  for (std::size_t at = 0, end = 0; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
-    std::size_t columns = 0;
-    for (std::size_t i = at; i < end; ++i)
-      if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) ++columns;
-    widest = std::max(widest, columns);
-  }
-  return widest;
-}
-
-inline void check_has(const nlohmann::json& object, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) {
-    CAPTURE(key);
-    CHECK(object.contains(key));
-  }
-}
-
-inline bool is_svg(const std::string& file) { return contains(content_of(file), "</svg>"); }
 
 }  // namespace ecs::app

@@ -63,23 +63,6 @@ TEST_CASE("answers to another host's requests are reported as such, not as late 
   }
 }
 
-TEST_CASE("a host that refuses the connection is a problem of the link, with something to do") {
-  const Diagnosis diagnosis = examined(parsed_link("tcp:127.0.0.1:1", "--link").value());
-  CHECK_FALSE(diagnosis.works);
-  REQUIRE(finding(diagnosis, "link"));
-  CHECK(finding(diagnosis, "link")->state == FindingState::problem);
-  CHECK_FALSE(finding(diagnosis, "link")->action.empty());
-  CHECK(finding(diagnosis, "connection") == nullptr);
-}
-
-TEST_CASE("a port that does not exist ends the examination at the port") {
-  const Diagnosis diagnosis = examined(parsed_link("rtu:/dev/no-such-port:9600", "--link").value());
-  CHECK_FALSE(diagnosis.works);
-  REQUIRE(diagnosis.findings.size() == 1);
-  CHECK(diagnosis.findings.front().check == "port");
-  CHECK(diagnosis.findings.front().state == FindingState::problem);
-}
-
 TEST_CASE("an examination that is cancelled ends without a working link") {
   auto shop = protocol::Workshop::on_tcp();
   const std::atomic<bool> cancelled{true};
