@@ -53,7 +53,7 @@ void send_tcp(Bench& bench, const std::vector<std::uint8_t>& pdu, bool sealed) {
     check(codec(Framing::tcp).answer(std::span(frame).first(cut.length), bench.server).size() <= kLongestFrame);
 }
 
-Command value_in<Command>(FuzzedBytes& input) {
+Command command_in(FuzzedBytes& input) {
   Command command;
   command.code = static_cast<CommandCode>(input.byte() % (kCommandCount + 1));
   command.axis = static_cast<Axis>(input.byte() % 3);
@@ -67,7 +67,7 @@ Command value_in<Command>(FuzzedBytes& input) {
 }
 
 void give(Bench& bench, FuzzedBytes& input) {
-  Command command = value_in<Command>(input);
+  Command command = command_in(input);
   command.token = (input.byte() & 1) != 0 ? bench.token : input.number();
   if ((input.byte() & 1) != 0) command.proof = arm_proof("wrong", bench.host.session());
   if (command.code == CommandCode::commit_staged && (input.byte() & 1) != 0) {
