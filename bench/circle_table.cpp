@@ -51,7 +51,6 @@ struct HiddenCircle {
   std::string axis;   ///< of which it is; one circle does not tell of which a scale or a lag is, two do
 };
 
-double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
 std::size_t one_of(Random& random, std::size_t count) {
   return std::min(count - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(count)));
 }

@@ -9,6 +9,7 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
+#include "base/json_values.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
@@ -57,11 +58,6 @@ std::optional<std::uint32_t> hexadecimal(std::string_view digits) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
   if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty()) return std::nullopt;
   return value;
-}
-
-std::string text_at(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 std::optional<std::uint32_t> number_at(const Json& object, const char* key) {

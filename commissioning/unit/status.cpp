@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
+#include "base/json_values.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/fault.hpp"
 #include "core/memory_image.hpp"
@@ -131,11 +132,6 @@ Json raw_json(const StatusSnapshot& snapshot) {
               {"pointers", snapshot.pointer_registers},
               {"selected", selected},
               {"events", snapshot.event_blocks}};
-}
-
-std::string text_at(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 }  // namespace
