@@ -1,12 +1,13 @@
 // DISPLAY ECS STATUS: state with the fault in plain words, address pointers, axes; live or from a file. And the menu
 // ECS UTILITY.
+#include "commissioning/unit/status.hpp"
+
 #include <fmt/format.h>
 
 #include "app/screens/forms/rows.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "base/text.hpp"
-#include "commissioning/unit/status.hpp"
 #include "commissioning/utility/status_controller.hpp"
 #include "core/fault.hpp"
 

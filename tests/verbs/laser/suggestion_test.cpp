@@ -1,5 +1,5 @@
-// Every file of real machines comes in with what the program itself suggests, or is refused with line, column and the way
-// in. Those that may be passed on: tests/transcripts/laser/real_files.case.
+// Every file of real machines comes in with what the program itself suggests, or is refused with line, column and the
+// way in. Those that may be passed on: tests/transcripts/laser/real_files.case.
 #include <filesystem>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,9 @@
 // `ecs log export --dcc` against the published schema.
+#include "commissioning/certificate/certificate.hpp"
+
 #include <cstdlib>
 
 #include "base/file.hpp"
-#include "commissioning/certificate/certificate.hpp"
 #include "tests/support/logbook_folder.hpp"
 #include "tests/support/short_lathe.hpp"
 #include "tests/support/verb_run.hpp"
