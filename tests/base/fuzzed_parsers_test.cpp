@@ -38,7 +38,7 @@ std::set<std::string> parsers() {
   std::set<std::string> names;
   for (const auto& folder : fs::directory_iterator(".")) {
     const std::string name = folder.path().filename().string();
-    if (!fs::exists(folder.path() / "CMakeLists.txt") || name == "tests" || name == "bench" || name == "build")
+    if (!folder.is_directory() || name.starts_with('.') || name == "tests" || name == "bench" || name == "build")
       continue;
     for (const auto& file : fs::recursive_directory_iterator(folder.path()))
       if (file.path().extension() == ".hpp")
