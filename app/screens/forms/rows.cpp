@@ -136,11 +136,14 @@ Result<Question> sure_to_run(UnitConnection& connection, JobControl& control, co
       "run it", "leave it"};
 }
 
-/// Of a program that failed the registers where it ended.
-std::string registers_where_it_ended(UnitConnection& connection, JobControl& control, int exit_code) {
-  if (exit_code == 0) return {};
+/// What a program returned as a number with a sign; of one that failed the registers where it ended.
+std::string end_of_run(UnitConnection& connection, JobControl& control, int exit_code) {
   const auto registers = connection.with_link(control, [](UnitLink& link) { return kept_registers(link.client()); });
-  return registers ? "it returned nothing; its registers where it ended:\n" + registers_text(*registers) : "";
+  if (!registers) return {};
+  if (exit_code != 0) return "it returned nothing; its registers where it ended:\n" + registers_text(*registers);
+  const auto returned =
+      std::find_if(registers->begin(), registers->end(), [](const auto& one) { return one.name == "D0"; });
+  return returned == registers->end() ? "" : fmt::format("signed {}", static_cast<std::int32_t>(returned->value));
 }
 
 // --- ARM THE UNIT
@@ -204,7 +207,7 @@ FormEntry run_entry() {
            .offers = {{"ADDRESS", {fmt::format("0x{:06X}", kUserPrograms)}}, {"--argument", region_addresses()}},
            .idle = region_rows(),
            .question = sure_to_run,
-           .more = registers_where_it_ended,
+           .more = end_of_run,
            .done = [](UnitConnection&, const FormValues& values, int exit_code) {
              if (exit_code != 0) note_remark("the program at " + values.at("ADDRESS") + " was run and failed");
            }}};

@@ -48,6 +48,17 @@ TEST_CASE("a program is run with its argument after a question, and says what it
   CHECK(contains(picture(*screen), "D0 0000002A"));
 }
 
+TEST_CASE("what a program returned is shown with a sign too") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  const auto screen = run_screen(bench, {{"--argument", "0xFFFFFFF6"}});  // -10
+  write(bench, 0x041000, kAddFive);
+  (void)press(*screen, Key::Name::enter);
+  REQUIRE(shows(*screen, "Run the program at 0x041000?"));
+  (void)letter(*screen, 'y');
+  CHECK_MESSAGE(shows(*screen, "signed -5"), picture(*screen));
+}
+
 TEST_CASE("Tab gives the addresses of the regions to the argument, a field that is wrong is named") {
   const StateFolder folder;
   const auto screen = form_titled("RUN USER SOFTWARE", no_link());
