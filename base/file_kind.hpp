@@ -30,7 +30,7 @@ enum class FileKind : std::uint8_t {
   datum_record,  ///< a datum sequence
   status,        ///< the saved state of a unit
   part_program,
-  lengths,  ///< measured, or a plan of them (docs/identification.md)
+  lengths,  ///< measured, or a plan of them (modules/lengths/README.md)
   other,
   circle_test,
   diagonal_test,

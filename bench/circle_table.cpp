@@ -25,12 +25,12 @@
 #include "ecs_emulator/workshop/serve.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/writers/measurement_writer.hpp"
-#include "model/circle/diagnosis.hpp"
 #include "model/data/path.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
+#include "modules/standards/circle_diagnosis.hpp"
 #include "params/machine.hpp"
 
 using namespace ecs;

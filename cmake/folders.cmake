@@ -22,9 +22,6 @@ ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
 
 ecs_folder(devices base laser laser/writers PkgConfig::hidapi fmt::fmt)
 
-ecs_folder(controllers base laser laser/map fmt::fmt)
-
-ecs_folder(model/circle base laser model/fit model/linear PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
 ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
            PkgConfig::Eigen3 fmt::fmt)
@@ -32,7 +29,6 @@ ecs_folder(model/drive base laser model/fit model/linear PkgConfig::Eigen3 fmt::
 ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/fit base core laser laser/import laser/map model/data model/effects model/linear model/regression
            params PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/lengths base core laser model/fit model/linear model/planning params PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/linear PkgConfig::Eigen3)
 ecs_folder(model/planning base laser laser/writers model/data model/diagnosis model/effects model/fit model/linear
            model/regression params PkgConfig::Eigen3 fmt::fmt)
@@ -47,8 +43,6 @@ ecs_folder(ecs_emulator/drive base core ecs_emulator/random)
 ecs_folder(ecs_emulator/effects base core ecs_emulator/random ecs_emulator/scene)
 ecs_folder(ecs_emulator/errors base core ecs_emulator/effects ecs_emulator/random ecs_emulator/settings
            ecs_emulator/thermal params PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
-ecs_folder(ecs_emulator/hidden_cases base ecs_emulator/effects ecs_emulator/errors ecs_emulator/random
-           ecs_emulator/scene laser/writers PkgConfig::Eigen3 fmt::fmt nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/instruments base core ecs_emulator/errors ecs_emulator/machine ecs_emulator/random
            ecs_emulator/settings ecs_emulator/thermal laser laser/writers fmt::fmt nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_emulator/random ecs_emulator/settings
@@ -56,23 +50,17 @@ ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_
 ecs_folder(ecs_emulator/part_programs base ecs_emulator/instruments ecs_emulator/machine fmt::fmt
            nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/random)
-ecs_folder(ecs_emulator/rig base core ecs_emulator/drive ecs_emulator/random laser laser/writers fmt::fmt
-           nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/scene base core ecs_emulator/random params fmt::fmt)
 ecs_folder(ecs_emulator/settings base core ecs_emulator/drive params fmt::fmt)
 ecs_folder(ecs_emulator/thermal base core ecs_emulator/random)
 ecs_folder(ecs_emulator/unit base core ecs_emulator/machine protocol/server Threads::Threads fmt::fmt)
-ecs_folder(ecs_emulator/verbs base base/cli ecs_emulator/effects ecs_emulator/hidden_cases ecs_emulator/instruments
-           ecs_emulator/part_programs ecs_emulator/rig ecs_emulator/unit ecs_emulator/workshop fmt::fmt
-           nlohmann_json::nlohmann_json)
+ecs_folder(ecs_emulator/verbs base base/cli ecs_emulator/instruments ecs_emulator/part_programs ecs_emulator/unit
+           ecs_emulator/workshop fmt::fmt nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/machine ecs_emulator/part_programs
            ecs_emulator/unit laser laser/writers protocol/line protocol/server fmt::fmt nlohmann_json::nlohmann_json)
 
-ecs_folder(commissioning/batch base commissioning/link commissioning/manifest commissioning/maps commissioning/unit
-           params fmt::fmt)
 ecs_folder(commissioning/certificate base commissioning/logbook laser/analysis laser/writers fmt::fmt)
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
-ecs_folder(commissioning/fleet base commissioning/manifest commissioning/models model/diagnosis fmt::fmt)
 ecs_folder(commissioning/investigation base commissioning/link commissioning/logbook commissioning/maps
            commissioning/measurements commissioning/models commissioning/session commissioning/unit laser
            laser/writers model/data model/diagnosis model/effects model/fit model/planning params protocol/client
@@ -80,15 +68,11 @@ ecs_folder(commissioning/investigation base commissioning/link commissioning/log
 ecs_folder(commissioning/laser_session base commissioning/link commissioning/logbook commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/unit core laser
            laser/analysis laser/import laser/map laser/writers params fmt::fmt)
-ecs_folder(commissioning/lengths base base/cli commissioning/maps laser laser/map model/lengths params fmt::fmt
-           nlohmann_json::nlohmann_json)
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
            Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/logbook base commissioning/unit core laser/map params PkgConfig::sqlite3 ZLIB::ZLIB fmt::fmt)
-ecs_folder(commissioning/manifest base laser fmt::fmt)
 ecs_folder(commissioning/maps base base/cli commissioning/measurements commissioning/models commissioning/session
-           commissioning/unit controllers core laser/map model/diagnosis model/effects model/fit params
-           protocol/client fmt::fmt)
+           commissioning/unit core laser/map model/diagnosis model/effects model/fit params protocol/client fmt::fmt)
 ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core devices laser
            laser/analysis laser/import laser/map laser/writers params Threads::Threads fmt::fmt
            tomlplusplus::tomlplusplus)
@@ -104,7 +88,6 @@ ecs_folder(commissioning/parameters base commissioning/link commissioning/logboo
            commissioning/unit core params fmt::fmt)
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
-ecs_folder(commissioning/standards base commissioning/plot laser/standards model/circle params fmt::fmt)
 ecs_folder(commissioning/unit base core devices laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
            commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
@@ -115,16 +98,13 @@ ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/m
 ecs_folder(app/cli app/names base base/cli commissioning/link commissioning/session core fmt::fmt)
 ecs_folder(app/names)
 ecs_folder(app/plot app/names base commissioning/plot fmt::fmt)
-ecs_folder(app/report app/cli app/names base commissioning/logbook commissioning/maps commissioning/measurements
-           commissioning/models commissioning/plot commissioning/standards commissioning/unit commissioning/volume
-           core laser/map model/diagnosis model/effects model/planning params protocol/registers fmt::fmt)
-ecs_folder(app/screens app/screens/forms app/screens/laser app/screens/memory app/screens/model app/screens/parameters
-           app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files commissioning/link
-           commissioning/logbook commissioning/session core fmt::fmt)
+ecs_folder(app/screens app/cli app/screens/forms app/screens/laser app/screens/memory app/screens/model
+           app/screens/parameters app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files
+           commissioning/link commissioning/logbook commissioning/session core fmt::fmt)
 ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commissioning/session fmt::fmt)
 ecs_folder(app/screens/forms app/cli app/plot app/screens/files app/ui app/verbs base commissioning/files
            commissioning/link commissioning/plot commissioning/session commissioning/unit commissioning/utility
-           commissioning/volume core model/lengths protocol/client fmt::fmt)
+           commissioning/volume core protocol/client fmt::fmt)
 ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/laser_session commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
            fmt::fmt)
@@ -141,15 +121,11 @@ ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/
            commissioning/unit commissioning/utility core fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
-ecs_folder(app/verbs app/cli app/plot app/report base base/cli commissioning/batch commissioning/link
-           commissioning/logbook commissioning/measurements commissioning/volume fmt::fmt)
-ecs_folder(app/verbs/export app/cli app/verbs/map base commissioning/maps commissioning/measurements controllers laser
-           laser/map params fmt::fmt)
-ecs_folder(app/verbs/fleet app/cli base commissioning/fleet fmt::fmt)
+ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/logbook
+           commissioning/measurements commissioning/volume fmt::fmt)
 ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session commissioning/measurements
            commissioning/plot commissioning/session devices laser/analysis laser/import laser/map laser/standards
            laser/writers Threads::Threads fmt::fmt)
-ecs_folder(app/verbs/lengths app/cli base commissioning/lengths commissioning/measurements laser/map fmt::fmt)
 ecs_folder(app/verbs/log app/cli base commissioning/certificate commissioning/logbook commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/map app/cli app/plot base commissioning/link commissioning/maps commissioning/measurements
            commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
@@ -158,8 +134,6 @@ ecs_folder(app/verbs/model app/cli app/plot base commissioning/investigation com
            commissioning/measurements commissioning/models commissioning/session commissioning/volume laser/writers
            model/diagnosis model/effects model/planning volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
-           fmt::fmt)
-ecs_folder(app/verbs/test app/cli app/plot base commissioning/measurements commissioning/standards laser/standards
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/utility app/cli base commissioning/measurements commissioning/session commissioning/unit core

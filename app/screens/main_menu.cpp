@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "app/cli/module.hpp"
 #include "app/screens/forms/rows.hpp"
 #include "app/screens/laser/screen.hpp"
 #include "app/screens/memory/screen.hpp"
@@ -61,25 +62,21 @@ constexpr Synonyms kSynonyms[] = {
     {"map receive", "read back download"},
     {"map verify", "compare check"},
     {"map build", "compensation error table"},
-    {"batch", "many units fleet"},
-    {"fleet diagnose", "many machines batch night slurm parallel"},
-    {"fleet merge", "many machines batch false discovery rate changed"},
     {"laser capture", "measure readings record interferometer"},
     {"laser stats", "iso 230 accuracy repeatability"},
     {"model diagnose", "cause effect missing why"},
     {"monitor", "live readout dro watch"},
     {"VOLUME", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
-    {"LENGTHS", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
-    {"PLAN OF LENGTHS", "tracker tracking interferometer ball bar diagonal multilateration fewest minutes"},
-    {"lengths fit", "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21"},
-    {"lengths plan", "tracker tracking interferometer ball bar diagonal multilateration fewest minutes"},
     {"volume", "volumetric accuracy cube diagonals faces uncertainty anywhere"},
 };
 
 std::string synonyms_of(const std::string& name) {
-  const auto* found =
-      std::find_if(std::begin(kSynonyms), std::end(kSynonyms), [&](const Synonyms& row) { return name == row.name; });
-  return found == std::end(kSynonyms) ? "" : found->words;
+  for (const Synonyms& row : kSynonyms)
+    if (name == row.name) return row.words;
+  for (const Module* module : modules())
+    for (const auto& [screen, words] : module->synonyms)
+      if (name == screen) return words;
+  return {};
 }
 
 /// Verbs that a screen of the same menu does: they are found by their names, not listed beside it.
@@ -192,6 +189,10 @@ Choices all_choices(const Connection& connection) {
   choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
                                        [connection] { return monitor_screen(connection); }});
   for (MenuChoice& form : form_choices(connection)) choices.insert(choices.end() - 1, std::move(form));
+  for (const Module* module : modules())
+    for (const ScreenEntry& screen : module->screens)
+      choices.insert(choices.end() - 1,
+                     {screen.name, screen.help, [open = screen.open, connection] { return open(connection); }});
   choices.insert(choices.end() - 1,
                  {"LOGBOOK", "what was done at a machine; verify, replay", [] { return logbook_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",

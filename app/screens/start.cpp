@@ -55,12 +55,12 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
     return model_form(connection, {first_of(files, FileKind::model), first_of(files, FileKind::machine),
                                    data == files.end() ? std::vector<std::string>{} : data->second});
   }
-  if (has(FileKind::lengths))
-    return form_titled("LENGTHS", connection,
-                       {{"LENGTHS", first_of(files, FileKind::lengths)},
-                        {"--machine", first_of(files, FileKind::machine)},
-                        {"--params", first_of(files, FileKind::parameters)}},
-                       true);
+  for (const FormEntry& form : form_entries()) {
+    if (form.row.opens.empty() || !has(form.row.opens.front().first)) continue;
+    FormValues values;
+    for (const auto& [kind, field] : form.row.opens) values[field] = first_of(files, kind);
+    return form_titled(form.row.title, connection, values, true);
+  }
   if (has(FileKind::measurements) || has(FileKind::map)) {
     auto screen = std::make_unique<LaserScreen>(connection);
     const FileKind kind = has(FileKind::measurements) ? FileKind::measurements : FileKind::map;

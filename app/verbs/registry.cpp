@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/linear.hpp"
+#include "app/cli/module.hpp"
 #include "app/cli/program.hpp"
 #include "base/file_watch.hpp"
 #include "base/json.hpp"
@@ -103,51 +104,44 @@ AroundVerb logged_verb(const std::vector<std::string>& words) {
 }  // namespace
 
 extern const std::vector<Action> kParameters, kMonitoring, kLaserReading, kLaserStatistics, kLaserProcessing,
-    kLaserTables, kLaserCapturing, kTestsOfPaths, kTestsOverTime, kLengths, kMapBuilding, kMapOfUnit, kUtilityCommands,
-    kUtilityDatum, kUnitAccess, kMemory, kModelBeginning, kModelFitting, kModelDiagnosis, kModelInvestigation,
-    kModelLadder, kModelJudgement, kVolume, kReport, kExportReading, kFleet, kBatch, kLogReading, kLogExporting,
-    kLogVerification, kDoctor, kDocuments;
-/// One for each controller format.
-const std::vector<Action>& export_writers();
+    kLaserTables, kLaserCapturing, kMapBuilding, kMapOfUnit, kUtilityCommands, kUtilityDatum, kUnitAccess, kMemory,
+    kModelBeginning, kModelFitting, kModelDiagnosis, kModelInvestigation, kModelLadder, kModelJudgement, kVolume,
+    kLogReading, kLogExporting, kLogVerification, kDoctor, kDocuments;
 
 namespace {
 
-const std::vector<MenuDefinition>& menus() {
-  static const std::vector<MenuDefinition> all{
-      {"params", "E.C.S. PARAMETERS"},
-      {"laser", "PROCESS LASER DATA: measurements"},
-      {"test", "PROCESS LASER DATA: tests of the ISO 230 standards"},
-      {"lengths", "PROCESS LASER DATA: all components from lengths"},
-      {"map", "PROCESS LASER DATA: error maps"},
-      {"utility", "ECS UTILITY"},
-      {"utility datum", "datum sequences: record, show, test"},
-      {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
-      {"memory", "MEMORY ACCESS"},
-      {"model", "MODEL: the error model against measurements"},
-      {"fleet", "MODEL: many machines, on many hosts"},
-      {"export", "the error map as compensation tables of other controls, and back"},
-      {"log", "LOGBOOK: what was done at a machine, each entry tied to the one before"}};
-  return all;
-}
-
-std::vector<const Action*> verbs_in_order() {
-  std::vector<const Action*> verbs;
+Registry core_verbs() {
+  Registry registry;
+  registry.menus = {{"params", "E.C.S. PARAMETERS"},
+                    {"laser", "PROCESS LASER DATA: measurements"},
+                    {"map", "PROCESS LASER DATA: error maps"},
+                    {"utility", "ECS UTILITY"},
+                    {"utility datum", "datum sequences: record, show, test"},
+                    {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
+                    {"memory", "MEMORY ACCESS"},
+                    {"model", "MODEL: the error model against measurements"},
+                    {"log", "LOGBOOK: what was done at a machine, each entry tied to the one before"}};
   for (const std::vector<Action>* family :
-       {&kParameters,      &kMonitoring,     &kLaserReading,    &kLaserStatistics, &kLaserProcessing,
-        &kLaserTables,     &kLaserCapturing, &kTestsOfPaths,    &kTestsOverTime,   &kLengths,
-        &kMapBuilding,     &kMapOfUnit,      &kUtilityCommands, &kUtilityDatum,    &kUnitAccess,
-        &kMemory,          &kModelBeginning, &kModelFitting,    &kModelDiagnosis,  &kModelInvestigation,
-        &kModelLadder,     &kModelJudgement, &kVolume,          &kReport,          &export_writers(),
-        &kExportReading,   &kFleet,          &kBatch,           &kLogReading,      &kLogExporting,
-        &kLogVerification, &kDoctor,         &kDocuments})
-    for (const Action& action : *family) verbs.push_back(&action);
-  return verbs;
+       {&kParameters,     &kMonitoring,         &kLaserReading,    &kLaserStatistics, &kLaserProcessing,
+        &kLaserTables,    &kLaserCapturing,     &kMapBuilding,     &kMapOfUnit,       &kUtilityCommands,
+        &kUtilityDatum,   &kUnitAccess,         &kMemory,          &kModelBeginning,  &kModelFitting,
+        &kModelDiagnosis, &kModelInvestigation, &kModelLadder,     &kModelJudgement,  &kVolume,
+        &kLogReading,     &kLogExporting,       &kLogVerification, &kDoctor,          &kDocuments})
+    for (const Action& action : *family) registry.actions.push_back(&action);
+  return registry;
 }
 
 }  // namespace
 
 const Registry& all_verbs() {
-  static const Registry registry{menus(), verbs_in_order()};
+  static const Registry registry = [] {
+    Registry all = core_verbs();
+    for (const Module* module : modules()) {
+      all.menus.insert(all.menus.end(), module->menus.begin(), module->menus.end());
+      for (const auto& family : module->verbs) all.add(family);
+    }
+    return all;
+  }();
   return registry;
 }
 

@@ -2,12 +2,14 @@
 // said of it. Does not live here: which actions a program has (its registry), parsing (command_tree.hpp).
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <concepts>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -259,11 +261,30 @@ struct Menu {
   Arguments arguments{};
 };
 
+/// Actions that belong together, and the menu or action that they follow in the help.
+template <class Context>
+struct Family {
+  const char* after = "";
+  const std::vector<Action<Context>>* actions{};
+};
+
 /// Every menu and action, in the order in which the help shows them; the actions of a menu are adjacent.
 template <class Context>
 struct Registry {
   std::vector<Menu> menus;
   std::vector<const Action<Context>*> actions;
+
+  /// Behind what it follows, and behind those that were put there before; at the end if that is not there.
+  void add(const Family<Context>& family) {
+    const Action<Context>*& before = last_behind_[family.after];
+    const std::string name = family.after;
+    const auto follows = [&](const Action<Context>* one) {
+      return before != nullptr ? one == before : one->path == name || one->path.starts_with(name + " ");
+    };
+    auto at = std::find_if(actions.rbegin(), actions.rend(), follows).base();
+    if (at == actions.begin()) at = actions.end();
+    for (const Action<Context>& one : *family.actions) at = actions.insert(at, before = &one) + 1;
+  }
 
   /// "" where no menu has that path.
   [[nodiscard]] std::string menu_help(const std::string& path) const {
@@ -271,6 +292,9 @@ struct Registry {
       if (menu.path == path) return menu.help;
     return {};
   }
+
+ private:
+  std::map<std::string, const Action<Context>*> last_behind_;
 };
 
 /// A request without fields.

@@ -327,7 +327,7 @@ Cell components_cell(const MapFromModel& b) {
   return list;
 }
 
-Cell squareness_of(const MapFromModel& b, const FromModelArguments& arguments) {
+Cell squareness_of_model(const MapFromModel& b, const FromModelArguments& arguments) {
   std::vector<std::pair<Component, double>> values;
   for (const auto& each : b.effects)
     if (is_squareness(each.first)) values.emplace_back(each.first, b.compiled.squareness[index_of(each.first)]);
@@ -355,7 +355,7 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
        {"carried", lines_cell(b.compiled.carried, "")},
        {"not_carried", paragraphs_cell(b.compiled.not_carried, "NOT CARRIED: ")},
        {"components", components_cell(b)},
-       {"squareness", squareness_of(b, arguments)},
+       {"squareness", squareness_of_model(b, arguments)},
        {"declared", shown_cell(declared_text(b))},
        {"missing", lines_cell(objections_in(b.findings), "")},
        {"findings", findings_cell(b.findings)},

@@ -14,7 +14,7 @@
 
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
-#include "commissioning/maps/export.hpp"
+#include "commissioning/maps/machine_map.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -254,7 +254,7 @@ Cell cause_cell(const CauseCost& cost, bool has_circle) {
 }
 
 /// Of an error that is a value times coordinates.
-Result<Vectors> linear_errors(const controllers::ErrorsAt& errors, const Places& places) {
+Result<Vectors> linear_errors(const ErrorsAt& errors, const Places& places) {
   constexpr double kFar_mm = 1000.0;
   Places few(kAxes + 1);
   for (std::size_t a = 0; a < kAxes; ++a) few[a + 1].position_mm[a] = kFar_mm;
@@ -279,7 +279,7 @@ Result<Vectors> errors_of_effect(const model::EffectInstance& effect, const Mode
   std::map<std::pair<double, PerAxis<Approach>>, std::size_t> number;
   std::vector<std::size_t> which;
   Places different;
-  for (const controllers::MachinePlace& place : places) {
+  for (const MachinePlace& place : places) {
     const auto [at, is_new] = number.try_emplace(
         {effect.axis ? place.position_mm[index_of(*effect.axis)] : 0.0, place.approach}, different.size());
     if (is_new) different.push_back(place);

@@ -163,7 +163,7 @@ Circle circle_of(const params::Machine& machine) {
     if (travels[a]) middle[a] = 0.5 * ((*travels[a])[0] + (*travels[a])[1]);
   for (std::size_t i = 0; i < kCirclePlaces; ++i) {
     const double angle = 2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / kCirclePlaces;
-    controllers::MachinePlace place{middle, {Approach::forward, Approach::forward, Approach::forward}};
+    MachinePlace place{middle, {Approach::forward, Approach::forward, Approach::forward}};
     place.position_mm[circle.first] += 0.5 * circle.diameter_mm * std::cos(angle);
     place.position_mm[circle.second] += 0.5 * circle.diameter_mm * std::sin(angle);
     if (std::sin(angle) > 0.0) place.approach[circle.first] = Approach::reverse;

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/maps/export.hpp"
+#include "commissioning/maps/machine_map.hpp"
 #include "model/fit/fit.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {
 
-using Places = std::vector<controllers::MachinePlace>;
+using Places = std::vector<MachinePlace>;
 
 /// In the plane of the two longest travels through the middle, run counter-clockwise: each axis arrives as it moves.
 struct Circle {

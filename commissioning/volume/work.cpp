@@ -17,7 +17,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "commissioning/maps/export.hpp"
+#include "commissioning/maps/machine_map.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/volume/true_errors.hpp"
 #include "laser/map/csv.hpp"
@@ -338,7 +338,7 @@ volume::ErrorSource source_of_model(const model::Model& model, const params::Mac
   volume::ErrorSource source;
   source.vectors = [errors =
                         errors_of_model(model, machine, "the error model")](const std::vector<volume::Place>& places) {
-    std::vector<controllers::MachinePlace> asked;
+    std::vector<MachinePlace> asked;
     asked.reserve(places.size());
     for (const volume::Place& place : places) {
       const Approach side = volume::kSides[place.side];

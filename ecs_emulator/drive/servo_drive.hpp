@@ -1,6 +1,6 @@
 // The position servo of one axis as thesis 3.2.1 and appendix A describe it: reference pulses, up-down counter, D/A
 // converter, tachogenerator, PI regulator, current regulator, motor, friction, screw.
-// Does not live here: backlash and errors of the slide behind the screw (ecs_emulator/rig/rig.hpp), what the reference
+// Does not live here: backlash and errors of the slide behind the screw (modules/rig/rig.hpp), what the reference
 // pulses ask for.
 #pragma once
 

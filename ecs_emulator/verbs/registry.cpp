@@ -3,6 +3,7 @@
 #include "ecs_emulator/verbs/registry.hpp"
 
 #include "base/cli/documents.hpp"
+#include "ecs_emulator/verbs/module.hpp"
 
 namespace ecs::emulator {
 
@@ -13,18 +14,19 @@ extern const Action kPlan;
 /// The same for a machine without a unit.
 const std::vector<Action>& verbs_without_unit();
 extern const Action kProgram;
-extern const Action kRig;
-extern const Action kHide;
 extern const Action kCompletion, kManual;
 
 Registry all_verbs(VerbContext& context) {
   cli::Menu workshop{"workshop", "what a person in the workshop does, at a running server", {}};
   workshop.arguments = {{"SOCKET", &context.workshop, "the server's --workshop socket", Need::required}};
-  Registry registry{{workshop}, {&kServe}};
+  Registry registry;
+  registry.menus = {workshop};
+  registry.actions = {&kServe};
   for (const Action& verb : workshop_verbs()) registry.actions.push_back(&verb);
   registry.actions.push_back(&kPlan);
   for (const Action& verb : verbs_without_unit()) registry.actions.push_back(&verb);
-  registry.actions.insert(registry.actions.end(), {&kProgram, &kRig, &kHide, &kCompletion, &kManual});
+  registry.actions.insert(registry.actions.end(), {&kProgram, &kCompletion, &kManual});
+  for (const Module* module : modules()) registry.add(module->verbs);
   return registry;
 }
 

@@ -211,12 +211,12 @@ void add_circle_options(RequestVerb verb) {
   verb.number("--step", "step", "between readings [deg], 1");
   verb.integer("--runs", "runs", "each of one turn both ways, 2");
   verb.number("--noise", "noise", "standard deviation of the ball bar [um], 0.1");
-  verb.path("-o,--output", "output", "circle file (docs/standards_tests.md)");
+  verb.path("-o,--output", "output", "circle file (modules/standards/README.md)");
   verb.force();
 }
 
 void add_lengths_options(RequestVerb verb) {
-  verb.path("PLAN", "plan", "plan of lengths (.csv, docs/identification.md)", Need::required);
+  verb.path("PLAN", "plan", "plan of lengths (.csv, modules/lengths/README.md)", Need::required);
   verb.number("--noise", "noise", "of a reading, standard deviation [um], 0.2");
   verb.number("--scale", "scale", "of each set-up, standard deviation [um/m], 0.1");
   verb.number("--station", "station", "of each coordinate of a station, standard deviation [mm], 0.2");

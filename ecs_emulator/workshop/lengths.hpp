@@ -1,7 +1,7 @@
 // Lengths from stations or along lines to the tool of the true machine, pose by pose as a plan says
-// (docs/identification.md). The poses are taken as reached: cold, unloaded, standing, without a unit; what the drives
-// do on the way is not in it.
-// Does not live here: what the lengths say of the machine: host and emulator share no code but the file format's words.
+// (modules/lengths/README.md). The poses are taken as reached: cold, unloaded, standing, without a unit; what the
+// drives do on the way is not in it. Does not live here: what the lengths say of the machine: host and emulator share
+// no code but the file format's words.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // The quantities of a circular test: ISO 230-4:2005, 3.3 to 3.7, and the circular hysteresis of ISO 230-4:1996; its
-// file. Does not live here: the causes of what they show (model/circle/diagnosis.hpp).
+// file. Does not live here: the causes of what they show (modules/standards/circle_diagnosis.hpp).
 #pragma once
 
 #include <array>

@@ -202,7 +202,7 @@ Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
   if (test.steps)
     return problem_at(test.source, 0, 0,
                       "kind: expected diagonal, found step: readings between the steps lie beside the diagonal and are "
-                      "not told apart from a tilted beam (docs/standards_tests.md)");
+                      "not told apart from a tilted beam (modules/standards/README.md)");
   MeasurementSet set;
   set.source = test.source;
   set.metadata = about_machine(test.metadata);

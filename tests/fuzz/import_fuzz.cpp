@@ -8,13 +8,13 @@
 #include <string>
 #include <string_view>
 
-#include "controllers/format.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
-#include "model/lengths/length_test.hpp"
+#include "modules/controllers/format.hpp"
+#include "modules/lengths/length_test.hpp"
 
 namespace {
 

@@ -19,9 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/report/diagnosis.hpp"
 #include "base/json.hpp"
-#include "commissioning/batch/batch.hpp"
 #include "commissioning/logbook/instrument.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "commissioning/unit/datum_recording.hpp"
@@ -37,6 +35,8 @@
 #include "model/drive/simulation.hpp"
 #include "model/drive/trace.hpp"
 #include "model/fit/model_file.hpp"
+#include "modules/fleet/batch.hpp"
+#include "modules/report/diagnosis.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 #include "tests/fuzz/fuzzed_bytes.hpp"

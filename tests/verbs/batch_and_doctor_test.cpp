@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "commissioning/batch/batch.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/doctor.hpp"
+#include "modules/fleet/batch.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

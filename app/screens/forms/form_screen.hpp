@@ -12,6 +12,7 @@
 
 #include "app/cli/catalogue.hpp"
 #include "app/ui/screen.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/session/message.hpp"
@@ -32,8 +33,10 @@ struct FormRow {
   FormValues preset{};
   std::map<std::string, std::vector<std::string>> offers{};  ///< values of a field that Tab goes through
   std::vector<std::string> idle{};                           ///< below the fields as long as there is no answer
-  bool talks = false;                                        ///< lines are typed while it runs
-  bool leaves_when_done = false;                             ///< Enter goes back once it is done
+  /// Fields that take files given to the program; it is opened where one of the first kind is among them.
+  std::vector<std::pair<FileKind, std::string>> opens{};
+  bool talks = false;             ///< lines are typed while it runs
+  bool leaves_when_done = false;  ///< Enter goes back once it is done
 
   /// Asked before it runs; in the thread of a task.
   std::function<Result<Question>(UnitConnection&, JobControl&, const FormValues&)> question{};

@@ -1,11 +1,10 @@
 #include "app/screens/forms/rows.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "app/cli/module.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "base/numbers.hpp"
@@ -17,43 +16,10 @@
 #include "commissioning/volume/figures.hpp"
 #include "commissioning/volume/work.hpp"
 #include "core/address_map.hpp"
-#include "model/lengths/length_test.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::app {
 namespace {
-
-// --- LENGTHS
-/// What a plan asks for, set-up by set-up; nothing: the file holds measured lengths, or is none.
-std::optional<std::string> plan_in(const FormValues& values) {
-  const std::string& file = values.at("LENGTHS");
-  const auto text = read_file(file);
-  if (!text || text->find("deviation_um") != std::string::npos) return std::nullopt;
-  const auto plan = model::parse_lengths(*text, file, true);
-  if (!plan) return std::nullopt;
-  std::string out =
-      fmt::format("{}: a plan of {} lengths{}, nothing measured yet\n", plan->source, plan->readings.size(),
-                  plan->minutes ? fmt::format(", {:.1f} minutes", *plan->minutes) : "");
-  for (std::size_t s = 0; s < plan->set_ups.size(); ++s) {
-    const model::LengthSetUp& set_up = plan->set_ups[s];
-    std::set<std::string> tools;
-    std::size_t count = 0;
-    for (const model::LengthReading& reading : plan->readings) {
-      if (reading.set_up != s) continue;
-      tools.insert(plan->tools[reading.tool].name);
-      ++count;
-    }
-    out += fmt::format("  set-up {}: {} {:.6g}, {:.6g}, {:.6g}: {} lengths, tools {}\n", set_up.name,
-                       model::word_of(set_up.instrument), set_up.place[0], set_up.place[1], set_up.place[2], count,
-                       fmt::join(tools, ", "));
-  }
-  for (const model::LengthTool& tool : plan->tools)
-    out += fmt::format("  tool {}: reflector at {:.6g}, {:.6g}, {:.6g} mm\n", tool.name, tool.offset_mm[0],
-                       tool.offset_mm[1], tool.offset_mm[2]);
-  return out + "Measure row by row and add the column deviation_um; of the emulated machine:\n  " +
-         shell_command({"ecs-emulator", "lengths", path_word(plan->source), "--machine",
-                        path_word(values.at("--machine")), "-o", "lengths.csv"});
-}
 
 // --- VOLUME
 Result<PlotFigure> figure_of_volume(const FormValues& values) {
@@ -153,30 +119,6 @@ constexpr const char* kArmExplained =
     "Type "
     "the code that it shows, then do again what was refused. What stops and switches off needs no code.";
 
-FormEntry lengths_entry() {
-  return {"all 21 components from lengths; what is missing",
-          {.verb = "lengths fit",
-           .title = "LENGTHS",
-           .asks = "Which lengths, of which machine?",
-           .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an "
-                    "interferometer, from a tracking interferometer or the ball of a ball bar. Each component with its "
-                    "expanded uncertainty (95 %), the scatter that was found and the set-ups; what the lengths do not "
-                    "determine, and which lengths would. s saves the map, and the parameters with the squareness. Of a "
-                    "plan it says what it asks for. PLAN OF LENGTHS makes one.",
-           .fields = {"LENGTHS", "--machine", "--params", "--knots"},
-           .instead = plan_in}};
-}
-
-FormEntry plan_entry() {
-  return {"which lengths to measure for a wanted uncertainty, in the fewest minutes",
-          {.verb = "lengths plan",
-           .title = "PLAN OF LENGTHS",
-           .asks = "Which machine, and how certain is its volume to be?",
-           .about = "The set-ups and lengths with the fewest minutes for a wanted uncertainty of the volume, beside "
-                    "single set-ups; the search takes half a minute. s saves the plan. Measured, it goes to LENGTHS.",
-           .fields = {"--machine", "--volume-um", "--knots"}}};
-}
-
 FormEntry volume_entry() {
   return {"the error anywhere, before and after, and how certain it is",
           {.verb = "volume",
@@ -246,14 +188,16 @@ VerbEntry verb_named(const std::string& name) {
 }  // namespace
 
 std::vector<FormEntry> form_entries() {
-  return {volume_entry(),
-          lengths_entry(),
-          plan_entry(),
-          run_entry(),
-          arm_entry(),
-          table_entry(),
-          {{}, {.verb = "laser capture", .talks = true}},
-          {{}, {.verb = "laser devices", .talks = true}}};
+  std::vector<FormEntry> entries{volume_entry(),
+                                 run_entry(),
+                                 arm_entry(),
+                                 table_entry(),
+                                 {{}, {.verb = "laser capture", .talks = true}},
+                                 {{}, {.verb = "laser devices", .talks = true}}};
+  for (const Module* module : modules())
+    if (module->forms != nullptr)
+      for (FormEntry& entry : module->forms()) entries.push_back(std::move(entry));
+  return entries;
 }
 
 std::unique_ptr<Screen> form_titled(const std::string& title, const std::shared_ptr<UnitConnection>& connection,

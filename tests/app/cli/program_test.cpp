@@ -47,7 +47,9 @@ int exit_code_after_signal(bool finished) {
                                     return Outcome{"seen\n", "{}", kDone, false};
                                   });
     std::ostringstream out, messages;
-    ::_exit(run_command_line({{}, {&done}}, {"work"}, out, messages));
+    Registry registry;
+    registry.actions = {&done};
+    ::_exit(run_command_line(registry, {"work"}, out, messages));
   }
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "commissioning/maps/export.hpp"
+#include "modules/controllers/export.hpp"
 #include "tests/support/folder.hpp"
 
 namespace ecs::commissioning {

@@ -53,17 +53,17 @@ ScrewSettings screw() {
 
 /// To and fro between two places for so long, in periods of 10 ms.
 void shuttle(Heat& heat, double from_mm, double to_mm, double m_min, double seconds, double& time_s) {
-  constexpr double kPeriod_s = 0.01;
-  const double step_mm = m_min / 60.0 * 1000.0 * kPeriod_s;
+  constexpr double kHeatPeriod_s = 0.01;
+  const double step_mm = m_min / 60.0 * 1000.0 * kHeatPeriod_s;
   double at_mm = from_mm;
   double way = to_mm > from_mm ? 1.0 : -1.0;
-  const double end_s = time_s + seconds - 0.5 * kPeriod_s;
+  const double end_s = time_s + seconds - 0.5 * kHeatPeriod_s;
   while (time_s < end_s) {
     double next_mm = at_mm + way * step_mm;
     if ((next_mm - to_mm) * (to_mm - from_mm) >= 0.0 || (next_mm - from_mm) * (to_mm - from_mm) <= 0.0) way = -way;
-    heat.moved({at_mm, 0.0, 0.0}, {next_mm, 0.0, 0.0}, kPeriod_s);
+    heat.moved({at_mm, 0.0, 0.0}, {next_mm, 0.0, 0.0}, kHeatPeriod_s);
     at_mm = next_mm;
-    time_s += kPeriod_s;
+    time_s += kHeatPeriod_s;
     heat.advance(time_s);
   }
 }

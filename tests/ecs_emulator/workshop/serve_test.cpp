@@ -17,6 +17,7 @@
 #include "protocol/client/client.hpp"
 #include "tests/ecs_emulator/support/maps.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,0 +1,276 @@
+#include "modules/controllers/curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+#include <fmt/format.h>
+
+namespace ecs::controllers {
+namespace {
+
+/// Values at a place, by straight lines between points.
+double joined(const std::vector<double>& p, const std::vector<double>& value, double at) {
+  if (at <= p.front()) return value.front();
+  if (at >= p.back()) return value.back();
+  const auto above = static_cast<std::size_t>(std::upper_bound(p.begin(), p.end(), at) - p.begin());
+  return std::lerp(value[above - 1], value[above], (at - p[above - 1]) / (p[above] - p[above - 1]));
+}
+
+/// Stretch between two chosen points, with the point between that its line misses by most.
+struct Stretch {
+  double miss = 0.0;
+  std::size_t first = 0, last = 0, worst = 0;
+  bool operator<(const Stretch& other) const { return miss < other.miss; }
+};
+
+Stretch stretch_of(const ControlCurve& curve, std::size_t first, std::size_t last) {
+  Stretch stretch{0.0, first, last, first};
+  const auto& p = curve.position_mm;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const double part = (p[i] - p[first]) / (p[last] - p[first]);
+    for (const auto* side : {&curve.forward, &curve.reverse}) {
+      const double miss = std::abs((*side)[i] - std::lerp((*side)[first], (*side)[last], part));
+      if (miss > stretch.miss) stretch = {miss, first, last, i};
+    }
+  }
+  return stretch;
+}
+
+/// Points that stay, and how far the lines between them miss the others.
+struct Choice {
+  std::vector<std::size_t> kept;
+  double miss = 0.0;
+};
+
+/// The point that the lines miss by most is added first.
+Choice greedy(const ControlCurve& curve, std::size_t most) {
+  const std::size_t last = curve.position_mm.size() - 1;
+  Choice choice{{0, last}, 0.0};
+  std::priority_queue<Stretch> open;
+  open.push(stretch_of(curve, 0, last));
+  while (choice.kept.size() < most && open.top().miss > 0.0) {
+    const Stretch widest = open.top();
+    open.pop();
+    choice.kept.push_back(widest.worst);
+    open.push(stretch_of(curve, widest.first, widest.worst));
+    open.push(stretch_of(curve, widest.worst, widest.last));
+  }
+  choice.miss = open.top().miss;
+  std::ranges::sort(choice.kept);
+  return choice;
+}
+
+constexpr std::size_t kMostForSearch = 5000;  ///< the search for the fewest points takes the square of the number
+
+/// The slopes of lines from one point that miss none of the points passed so far by more than a tolerance.
+struct Wedge {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  void narrow(double rise, double run, double tolerance) {
+    least = std::max(least, (rise - tolerance) / run);
+    most = std::min(most, (rise + tolerance) / run);
+  }
+  [[nodiscard]] bool holds(double slope) const { return slope >= least && slope <= most; }
+};
+
+/// The fewest points of the curve between which straight lines miss no other by more than `tolerance`.
+std::vector<std::size_t> fewest_within(const ControlCurve& curve, double tolerance) {
+  const std::size_t count = curve.position_mm.size();
+  std::vector<std::size_t> points(count, count + 1), from(count, 0);
+  points[0] = 1;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    Wedge forward, reverse;
+    for (std::size_t j = i + 1; j < count; ++j) {
+      const double run = curve.position_mm[j] - curve.position_mm[i];
+      const double rise_forward = curve.forward[j] - curve.forward[i];
+      const double rise_reverse = curve.reverse[j] - curve.reverse[i];
+      if (forward.holds(rise_forward / run) && reverse.holds(rise_reverse / run) && points[i] + 1 < points[j]) {
+        points[j] = points[i] + 1;
+        from[j] = i;
+      }
+      forward.narrow(rise_forward, run, tolerance);
+      reverse.narrow(rise_reverse, run, tolerance);
+      if (forward.least > forward.most || reverse.least > reverse.most) break;
+    }
+  }
+  std::vector<std::size_t> kept;
+  for (std::size_t j = count - 1; j > 0; j = from[j]) kept.push_back(j);
+  kept.push_back(0);
+  std::ranges::reverse(kept);
+  return kept;
+}
+
+ControlCurve chosen_of(const ControlCurve& curve, const std::vector<std::size_t>& kept) {
+  ControlCurve out;
+  for (const std::size_t i : kept) {
+    out.position_mm.push_back(curve.position_mm[i]);
+    out.forward.push_back(curve.forward[i]);
+    out.reverse.push_back(curve.reverse[i]);
+  }
+  return out;
+}
+
+constexpr double kNanometre_mm = 1e-6;
+constexpr double kNanometresPerMm = 1e6;
+
+EvenGrid grid_with(const ControlCurve& curve, std::size_t points) {
+  const double first = std::floor(curve.position_mm.front() * kNanometresPerMm + 1e-3) / kNanometresPerMm;
+  const double exact = (curve.position_mm.back() - first) / static_cast<double>(points - 1);
+  const double up = std::ceil(exact / kNanometre_mm - 1e-6) * kNanometre_mm;
+  return {first, std::max(up, kNanometre_mm), points};
+}
+
+/// Largest difference between two joined curves; both are straight between the points of either.
+double largest_difference(const ControlCurve& a, const ControlCurve& b) {
+  double largest = 0.0;
+  for (const Approach approach : {Approach::forward, Approach::reverse})
+    for (const auto* points : {&a.position_mm, &b.position_mm})
+      for (const double p : *points)
+        largest = std::max(largest, std::abs(value_at(a, approach, p) - value_at(b, approach, p)));
+  return largest;
+}
+
+bool is_even(const ControlCurve& curve, const EvenGrid& grid) {
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+    const double even = grid.first_mm + grid.step_mm * static_cast<double>(i);
+    if (std::abs(curve.position_mm[i] - even) > kNanometre_mm * static_cast<double>(grid.points)) return false;
+  }
+  return true;
+}
+
+/// Numbers of points worth trying, at most `most`.
+std::vector<std::size_t> numbers_to_try(std::size_t points_of_curve, std::size_t most) {
+  constexpr std::size_t kFinest = 24;
+  std::vector<std::size_t> tries;
+  for (std::size_t n = most; n >= 2 && most - n < kFinest; --n) tries.push_back(n);
+  for (std::size_t every = 2; every < points_of_curve && tries.size() < 2 * kFinest; ++every)
+    if ((points_of_curve - 1) % every == 0 && (points_of_curve - 1) / every + 1 <= most)
+      tries.push_back((points_of_curve - 1) / every + 1);
+  return tries;
+}
+
+}  // namespace
+
+double value_at(const ControlCurve& curve, Approach approach, double position_mm) {
+  return joined(curve.position_mm, approach == Approach::reverse ? curve.reverse : curve.forward, position_mm);
+}
+
+double mean_at(const ControlCurve& curve, double position_mm) {
+  return 0.5 * (value_at(curve, Approach::forward, position_mm) + value_at(curve, Approach::reverse, position_mm));
+}
+
+std::optional<ControlCurve> curve_of(const laser::ErrorMap& map, Component component) {
+  const laser::MapTable* forward = table_of(map, component, Approach::forward);
+  const laser::MapTable* reverse = table_of(map, component, Approach::reverse);
+  if (forward == nullptr || reverse == nullptr || forward->position_mm.empty() || reverse->position_mm.empty())
+    return std::nullopt;
+  ControlCurve curve;
+  std::set_union(forward->position_mm.begin(), forward->position_mm.end(), reverse->position_mm.begin(),
+                 reverse->position_mm.end(), std::back_inserter(curve.position_mm));
+  for (const double p : curve.position_mm) {
+    curve.forward.push_back(compensation_at(*forward, p));
+    curve.reverse.push_back(compensation_at(*reverse, p));
+  }
+  return curve;
+}
+
+ControlCurve resampled(const ControlCurve& curve, std::vector<double> position_mm) {
+  ControlCurve out;
+  for (const double p : position_mm) {
+    out.forward.push_back(value_at(curve, Approach::forward, p));
+    out.reverse.push_back(value_at(curve, Approach::reverse, p));
+  }
+  out.position_mm = std::move(position_mm);
+  return out;
+}
+
+ControlCurve thinned(const ControlCurve& curve, std::size_t most) {
+  if (curve.position_mm.size() <= most) return curve;
+  Choice best = greedy(curve, most);
+  if (curve.position_mm.size() > kMostForSearch) return chosen_of(curve, best.kept);
+  double low = 0.0, high = best.miss;
+  for (int halving = 0; halving < 24 && high - low > 1e-6; ++halving) {
+    const double middle = 0.5 * (low + high);
+    const auto kept = fewest_within(curve, middle);
+    (kept.size() <= most ? high : low) = middle;
+    if (kept.size() <= most) best.kept = kept;
+  }
+  return chosen_of(curve, best.kept);
+}
+
+std::vector<double> EvenGrid::positions() const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < points; ++i) all.push_back(first_mm + step_mm * static_cast<double>(i));
+  return all;
+}
+
+EvenGrid even_grid(const ControlCurve& curve, std::size_t most) {
+  const std::size_t count = curve.position_mm.size();
+  if (count <= most) {
+    const EvenGrid own = grid_with(curve, count);
+    if (is_even(curve, own)) return own;
+  }
+  EvenGrid best = grid_with(curve, most);
+  double least = largest_difference(resampled(curve, best.positions()), curve);
+  for (const std::size_t points : numbers_to_try(count, most)) {
+    const EvenGrid tried = grid_with(curve, points);
+    const double miss = largest_difference(resampled(curve, tried.positions()), curve);
+    const double better = tried.points < best.points ? 0.95 * least : least;  // fewer points must be worth it
+    if (miss < better - 1e-9) {
+      least = miss;
+      best = tried;
+    }
+  }
+  return best;
+}
+
+double deviation_from_unit(const ControlCurve& written, const laser::ErrorMap& map, Component component,
+                           Interpolation interpolation) {
+  double largest = 0.0;
+  for (const Approach approach : {Approach::forward, Approach::reverse}) {
+    const laser::MapTable& table = *table_of(map, component, approach);
+    const auto& p = table.position_mm;
+    const auto look_at = [&](double position_mm, double unit) {
+      largest = std::max(largest, std::abs(value_at(written, approach, position_mm) - unit));
+    };
+    for (const double at : written.position_mm) look_at(at, unit_value_at(table, interpolation, at));
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      look_at(p[i], table.compensation[i]);
+      if (interpolation == Interpolation::linear || i + 1 == p.size()) continue;
+      const double step_mm = 0.5 * (p[i] + p[i + 1]);  // both sides of the step
+      look_at(step_mm, table.compensation[i]);
+      look_at(step_mm, table.compensation[i + 1]);
+    }
+  }
+  return largest;
+}
+
+double largest_in(const ControlCurve& curve) {
+  double largest = 0.0;
+  for (const auto* side : {&curve.forward, &curve.reverse})
+    for (const double value : *side) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+double largest_reversal(const ControlCurve& curve) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    most = std::max(most, std::abs(curve.forward[i] - curve.reverse[i]));
+  return most;
+}
+
+ControlCurve mean_of(const ControlCurve& curve) {
+  ControlCurve mean = curve;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    mean.forward[i] = mean.reverse[i] = 0.5 * (curve.forward[i] + curve.reverse[i]);
+  return mean;
+}
+
+std::string fixed_text(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+}  // namespace ecs::controllers

@@ -1,0 +1,75 @@
+#include "modules/controllers/format.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::controllers {
+
+OptionValues::OptionValues(const std::vector<FormatOption>& options) {
+  for (const FormatOption& option : options) set(option.name, std::string(option.fallback));
+}
+
+std::string_view OptionValues::text(std::string_view name) const {
+  const auto at = values_.find(std::string(name));
+  return at == values_.end() ? std::string_view() : at->second;
+}
+
+int OptionValues::integer(std::string_view name) const { return static_cast<int>(integer_in(text(name)).value_or(0)); }
+
+std::vector<std::pair<std::optional<Axis>, std::string_view>> axis_pairs(std::string_view text) {
+  std::vector<std::pair<std::optional<Axis>, std::string_view>> pairs;
+  if (text.empty()) return pairs;
+  for (const std::string_view word : split(text, ',')) {
+    const std::string_view pair = trimmed(word);
+    if (pair.size() > 2 && pair[1] == '=')
+      pairs.emplace_back(axis_of(static_cast<char>(pair[0] & ~0x20)), pair.substr(2));
+    else
+      pairs.emplace_back(std::nullopt, pair);
+  }
+  return pairs;
+}
+
+Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
+  const std::string_view given = request.options.text("axis");
+  if (given.empty()) return std::nullopt;
+  if (!request.only_file)
+    return problem(ProblemKind::usage,
+                   "--axis names the axis of a single file; the axes of several files are taken from their names or "
+                   "their content");
+  for (const Axis axis : kAllAxes)
+    if (lower(given) == lower(std::string(1, letter_of(axis)))) return axis;
+  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));
+}
+
+extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kHeidenhain, kAerotech;
+
+std::span<const ControllerFormat* const> controller_formats() {
+  static constexpr std::array<const ControllerFormat*, 6> kFormats{
+      &kLinuxCnc, &kSiemens, &kEtalon, &kTwinCat, &kHeidenhain, &kAerotech,
+  };
+  return kFormats;
+}
+
+const ControllerFormat* controller_format(std::string_view id) {
+  const auto formats = controller_formats();
+  const auto at = std::ranges::find_if(formats, [&](const auto* format) { return format->id == id; });
+  return at == formats.end() ? nullptr : *at;
+}
+
+const ControllerFormat* recognised_format(std::string_view text) {
+  const auto formats = controller_formats();
+  const auto at = std::ranges::find_if(formats, [&](const auto* format) { return format->recognises(text); });
+  return at == formats.end() ? nullptr : *at;
+}
+
+std::string holds_row(const ControllerFormat& format) {
+  const Holds& holds = format.holds;
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} |", format.name, holds.positioning, holds.reversal,
+                     holds.straightness, holds.squareness, holds.rotations, holds.points);
+}
+
+}  // namespace ecs::controllers

@@ -1,0 +1,263 @@
+// `ecs export read`: a control's compensation tables back into a map CSV.
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/view.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/text_decoding.hpp"
+#include "modules/controllers/export.hpp"
+#include "modules/controllers/format.hpp"
+#include "modules/controllers/format_arguments.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names{"auto"};
+  for (const auto* format : controllers::controller_formats()) names.emplace_back(format->id);
+  return names;
+}
+
+/// Every read option once, with what it means for each format that has it.
+Fields<FormatValues> read_fields() {
+  std::vector<const controllers::FormatOption*> options;
+  std::map<std::string_view, std::string> help;
+  for (const auto* format : controllers::controller_formats())
+    for (const controllers::FormatOption& option : format->read_options) {
+      std::string& words = help[option.name];
+      if (words.empty()) options.push_back(&option);
+      words += fmt::format("{}{}: {}", words.empty() ? "" : ". ", format->name, option.help);
+    }
+  Fields<FormatValues> fields;
+  for (const auto* option : options) fields.add(field_of(*option, help[option->name]));
+  return fields;
+}
+
+struct ReadRequest {
+  std::vector<std::string> files;
+  std::string output, params, params_out;
+  std::string format = "auto";
+  FormatValues options;
+  static Fields<ReadRequest> fields() {
+    using R = ReadRequest;
+    return {{"FILE", &R::files, "files of one control", Need::required},
+            {"-o,--output", &R::output, "map CSV to write", Is::output},
+            {"--format", &R::format, "default: by its content", format_names()},
+            {&R::options, read_fields()},
+            {"--params", &R::params, "parameters of the machine: identity, measurement lines"},
+            {"--params-out", &R::params_out, "the same with the squareness that was read", Is::output}};
+  }
+};
+
+struct ReadFiles {
+  controllers::ControllerTables tables;
+  const controllers::ControllerFormat* format = nullptr;
+};
+
+/// "rows of three numbers (LinuxCNC), … or kw.ssfk (TwinCAT)"
+std::string marks_of_all() {
+  std::vector<std::string> marks;
+  for (const auto* format : controllers::controller_formats())
+    marks.push_back(fmt::format("{} ({})", format->marks, format->name));
+  const std::string last = std::move(marks.back());
+  marks.pop_back();
+  return fmt::format("{} or {}", fmt::join(marks, ", "), last);
+}
+
+Result<const controllers::ControllerFormat*> format_of(const ReadRequest& request, const std::string& file,
+                                                       std::string_view text) {
+  const auto* format =
+      request.format == "auto" ? controllers::recognised_format(text) : controllers::controller_format(request.format);
+  if (format) return format;
+  return problem_at(
+      file, 0, 0,
+      fmt::format("no compensation table that is known here: expected {}; --format says which", marks_of_all()));
+}
+
+Result<ReadFiles> read_files(const ReadRequest& request) {
+  ReadFiles all;
+  for (const std::string& file : request.files) {
+    ECS_TRY(bytes, read_file(file));
+    ECS_TRY(text, laser::decoded(bytes, file));
+    ECS_TRY(format, format_of(request, file, text.text));
+    if (all.format && format != all.format)
+      return problem(ProblemKind::usage,
+                     fmt::format("{} is of format {}, the files before it of {}: read the files of one controller at a "
+                                 "time",
+                                 file, format->id, all.format->id));
+    all.format = format;
+    ECS_TRY(tables, all.format->read({file, text.text, bytes, request.files.size() == 1, request.options.values()}));
+    for (auto& source : tables.sources) source.name = std::filesystem::path(file).filename().string();
+    ECS_DO(controllers::append(all.tables, std::move(tables), !all.format->tables_add_up));
+  }
+  return all;
+}
+
+/// The map with its header, on the lines of the parameters where the format counts from the machine zero.
+struct Taken {
+  controllers::ReadMap read;
+  std::string levers_from;  ///< as read: "machine zero", "measurement lines"; empty: the format has no lever arms
+  bool moved = false;       ///< from the machine zero to the measurement lines
+  std::optional<params::ParametersFile> parameters;
+  std::vector<std::string> notes;
+};
+
+/// "X at Y 50, Z 100 mm; …"
+std::string lines_in_words(const UnitParameters& parameters) {
+  std::vector<std::string> words;
+  for (const Axis axis : kAllAxes) {
+    if (!parameters.axis_present[index_of(axis)]) continue;
+    std::vector<std::string> at;
+    for (const Axis other : kAllAxes)
+      if (other != axis && parameters.axis_present[index_of(other)])
+        at.push_back(fmt::format("{} {:.6g}", letter_of(other),
+                                 parameters.measurement_lines_mm[index_of(axis)][index_of(other)]));
+    if (!at.empty()) words.push_back(fmt::format("{} at {}", letter_of(axis), fmt::join(at, ", ")));
+  }
+  return fmt::format("{} mm", fmt::join(words, "; "));
+}
+
+std::string levers_given(const ReadRequest& request) { return std::string(request.options.values().text("levers")); }
+
+/// Where the lever arms of a file count from: as --levers says, else its head, else the machine zero.
+Result<bool> levers_from_lines(const ReadRequest& request, const ReadFiles& files) {
+  const auto& said = files.tables.levers_from_lines;
+  const std::string given = levers_given(request);
+  if (given.empty()) return said.value_or(false);
+  const bool lines = given == "lines";
+  if (said && *said != lines)
+    return problem(ProblemKind::usage, fmt::format("--levers {}: the file states that its lever arms count from the {}",
+                                                   given, *said ? "measurement lines" : "machine zero"));
+  return lines;
+}
+
+/// Curves onto the lines of the parameters, with a note whatever was done.
+Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, Taken& made) {
+  ECS_TRY(lines, levers_from_lines(request, files));
+  const std::string by = !levers_given(request).empty() ? "as --levers gives it"
+                         : files.tables.levers_from_lines
+                             ? "as the head of the file states"
+                             : "the file does not state it: give --levers lines if it is wrong";
+  made.levers_from = lines ? "measurement lines" : "machine zero";
+  made.moved = !lines && made.parameters.has_value();
+  std::string done;
+  if (made.parameters) {
+    const UnitParameters& parameters = made.parameters->parameters;
+    made.read.map = files.format->at_measurement_lines(made.read.map, parameters, lines);
+    done = lines
+               ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
+                             lines_in_words(parameters))
+               : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
+                             lines_in_words(parameters));
+    made.read.map.header.processing.push_back(
+        made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
+                   : "curves as on their measurement lines, not moved");
+  } else {
+    done = lines ? "the curves were not moved; the file does not hold the lines: the parameters must have those they "
+                   "were measured on"
+                 : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
+                   "have them brought to its measurement lines";
+  }
+  made.notes.push_back(fmt::format("lever arms count from the {} ({}); {}", made.levers_from, by, done));
+  return {};
+}
+
+Result<Taken> taken(const ReadRequest& request, const ReadFiles& files) {
+  Taken made;
+  made.read = controllers::map_of(files.tables);
+  made.notes = files.tables.notes;
+  made.notes.insert(made.notes.end(), made.read.notes.begin(), made.read.notes.end());
+  const bool has_levers = files.format->at_measurement_lines != nullptr;
+  if (!levers_given(request).empty() && !has_levers)
+    return problem(ProblemKind::usage, fmt::format("--levers: the {} format has no lever arms", files.format->name));
+  auto& header = made.read.map.header;
+  if (!request.params.empty()) {
+    ECS_TRY(file, request.params_out.empty() ? params::read_parameters(request.params)
+                                             : params::read_whole_parameters(request.params));
+    made.parameters = std::move(file);
+    header.configuration = configuration_of(made.parameters->parameters);
+    header.machine = made.parameters->identity.machine;
+    header.serial_number = made.parameters->identity.serial_number;
+  }
+  header.processing.push_back(fmt::format("read from tables of a control ({})", files.format->id));
+  if (has_levers) ECS_DO(bring_to_lines(request, files, made));
+  return made;
+}
+
+/// The map and the parameters, as far as they were asked for.
+std::vector<OutputFile> outputs_of(const ReadRequest& request, const Taken& made) {
+  std::vector<OutputFile> files;
+  if (!request.output.empty()) files.push_back({request.output, laser::to_map_csv(made.read.map)});
+  if (request.params_out.empty()) return files;
+  UnitParameters parameters = made.parameters->parameters;
+  for (const Component square : made.read.squareness_found)
+    squareness_um_per_m(parameters, square) = made.read.squareness[index_of(square)];
+  files.push_back({request.params_out, params::parameters_toml(parameters, made.parameters->identity)});
+  return files;
+}
+
+Cell squareness_of(const ReadRequest& request, const Taken& made) {
+  std::vector<std::pair<Component, double>> values;
+  for (const Component square : made.read.squareness_found)
+    values.emplace_back(square, made.read.squareness[index_of(square)]);
+  Cell cell = squareness_cell(values);
+  if (!values.empty())
+    cell.text += request.params_out.empty()
+                     ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
+                     : fmt::format("squareness is in {}\n", request.params_out);
+  return cell;
+}
+
+Cell read_cell(const ReadRequest& request, const ReadFiles& files, const Taken& made,
+               const std::vector<WrittenFile>& written) {
+  return record_cell(
+      "{format}\n\n{tables}{squareness}{notes}{map}{written}",
+      {{"format", word_cell(files.format->id)},
+       {"map",
+        {text_or_null(request.output), request.output.empty() ? "no map written: give -o map.csv to keep it\n" : ""}},
+       {"tables", tables_cell(made.read.map.tables, false)},
+       {"squareness", squareness_of(request, made)},
+       {"levers_from", text_cell(made.levers_from)},
+       {"curves_moved", yes_cell(made.moved, "", "")},
+       {"written", shown_cell(written_files_cell(written).text)},
+       {"replaced", replaced_files_cell(written)},
+       {"warnings", list_cell(files.tables.warnings,
+                              [](const Problem& one) {
+                                return Cell{problem_json(one), {}};
+                              })},
+       {"notes", paragraphs_cell(made.notes, "note: ")}});
+}
+
+Result<Outcome> read(VerbContext& context, const ReadRequest& request) {
+  if (!request.params_out.empty() && request.params.empty())
+    return problem(ProblemKind::usage, "--params-out needs --params: the other parameters are taken from it");
+  std::vector<std::string> inputs = request.files;
+  inputs.push_back(request.params);
+  for (const std::string& output : {request.output, request.params_out}) ECS_DO(check_output_not_input(output, inputs));
+  if (!request.params_out.empty()) ECS_DO(check_output_not_input(request.params_out, {request.output}));
+  ECS_TRY(files, read_files(request));
+  const std::vector<Problem> warnings = files.tables.warnings;
+  ECS_TRY(made, taken(request, files));
+  for (const Problem& warning : warnings) context.console.warn(to_text(warning));
+  ECS_TRY(written, write_together(outputs_of(request, made)));
+  return outcome_of(read_cell(request, files, made, written));
+}
+
+}  // namespace
+
+extern const std::vector<Action> kExportReading{
+    action("export read", "the compensation tables of a control as a map CSV",
+           "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
+           "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
+           read, {.logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
+
+}  // namespace ecs::app

@@ -1,0 +1,97 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/answer_table.hpp"
+#include "modules/controllers/export.hpp"
+#include "tests/commissioning/support/output_files.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/ordinary_user.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+TEST_CASE("several files are written together, and each says whether it replaced one") {
+  const Folder folder;
+  (void)folder.with("y.comp", "old y");
+  ::chmod((folder / "y.comp").c_str(), 0640);
+  const auto written = write_together(three(folder));
+  REQUIRE(written);
+  CHECK(content_of(folder / "x.comp") == "new x");
+  CHECK(content_of(folder / "y.comp") == "new y");
+  CHECK(entries_in(folder) == 3);
+  CHECK(written_files_cell(*written).text == "written: " + (folder / "x.comp") + "\nreplaced: " + (folder / "y.comp") +
+                                                 "\nwritten: " + (folder / "z.comp") + "\n");
+  struct stat now {};
+  REQUIRE(::stat((folder / "y.comp").c_str(), &now) == 0);
+  CHECK((now.st_mode & 07777) == 0640);
+}
+
+TEST_CASE("where one of the names is a folder, no file is changed") {
+  const Folder folder;
+  (void)folder.with("x.comp", "old x");
+  (void)folder.with("z.comp/inside", "a folder stands there");
+  const auto written = write_together(three(folder));
+  REQUIRE_FALSE(written);
+  CHECK(written.error().kind == ProblemKind::output);
+  CHECK(written.error().file == folder / "z.comp");
+  CHECK(written.error().message == "cannot write: a folder of that name is there; no file was changed");
+  CHECK(content_of(folder / "x.comp") == "old x");
+  CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
+  CHECK(entries_in(folder) == 2);
+}
+
+TEST_CASE("two names that lead to one file are refused, and a link stays a link") {
+  const Folder folder;
+  (void)folder.with("real", "old");
+  std::filesystem::create_symlink(folder / "real", folder / "x.comp");
+  CHECK(write_together(three(folder)));
+  CHECK(content_of(folder / "real") == "new x");
+  CHECK(std::filesystem::is_symlink(folder / "x.comp"));
+  std::filesystem::remove(folder / "z.comp");
+  std::filesystem::create_symlink(folder / "real", folder / "z.comp");
+  const auto twice = write_together({{folder / "x.comp", "1"}, {folder / "z.comp", "2"}});
+  REQUIRE_FALSE(twice);
+  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
+  CHECK(content_of(folder / "real") == "new x");
+}
+
+TEST_CASE("a link to a file that is not there yet stays a link, and its target is counted as that file") {
+  const Folder folder;
+  std::filesystem::create_symlink("later", folder / "x.comp");
+  REQUIRE(write_together(three(folder)));
+  CHECK(std::filesystem::is_symlink(folder / "x.comp"));
+  CHECK(content_of(folder / "later") == "new x");
+  std::filesystem::create_symlink("nowhere", folder / "a");
+  std::filesystem::create_symlink("nowhere", folder / "b");
+  const auto twice = write_together({{folder / "a", "1"}, {folder / "b", "2"}});
+  REQUIRE_FALSE(twice);
+  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder / "nowhere"));
+}
+
+TEST_CASE("a link and the file it leads to are one file, whichever comes first") {
+  const Folder folder;
+  (void)folder.with("real", "old");
+  std::filesystem::create_symlink("real", folder / "link");
+  CHECK_FALSE(write_together({{folder / "real", "1"}, {folder / "link", "2"}}));
+  CHECK_FALSE(write_together({{folder / "link", "1"}, {folder / "./real", "2"}}));
+  CHECK(content_of(folder / "real") == "old");
+}
+
+TEST_CASE("in a folder that may not be written, nothing is changed") {
+  const Folder folder;
+  (void)folder.with("x.comp", "old x");
+  ::chmod((folder / "").c_str(), 0555);
+  const OrdinaryUser user;
+  const auto written = write_together(three(folder));
+  REQUIRE_FALSE(written);
+  CHECK(written.error().message == "cannot write: Permission denied; no file was changed");
+  CHECK(content_of(folder / "x.comp") == "old x");
+}
+
+}  // namespace
+}  // namespace ecs::commissioning

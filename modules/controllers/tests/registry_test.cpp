@@ -1,0 +1,128 @@
+// Every controller format of the registry: its words, its row in the documentation, and that reading gives back what
+// writing was given.
+#include <filesystem>
+#include <set>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "modules/controllers/curve.hpp"
+#include "modules/controllers/format.hpp"
+#include "modules/controllers/tests/support/small_machine_map.hpp"
+
+namespace ecs::controllers {
+namespace {
+
+/// The files of an export read back into a map, with the defaults of all options.
+laser::ErrorMap read_back(const ControllerFormat& format, const ControllerExport& made, const ExportSource& source) {
+  ControllerTables all;
+  for (const ExportFile& file : made.files) {
+    const bool only_file = made.files.size() == 1;
+    auto tables = format.read({file.name, file.content, file.content, only_file, OptionValues(format.read_options)});
+    REQUIRE_MESSAGE(tables, file.name);
+    REQUIRE(append(all, std::move(*tables), !format.tables_add_up));
+  }
+  laser::ErrorMap map = map_of(all).map;
+  return format.at_measurement_lines ? format.at_measurement_lines(map, source.parameters, false) : map;
+}
+
+TEST_CASE("every controller format has words, options with help, and an id of its own") {
+  std::set<std::string_view> ids;
+  for (const ControllerFormat* format : controller_formats()) {
+    CAPTURE(format->id);
+    CHECK(ids.insert(format->id).second);
+    for (const std::string_view words : {format->title, format->name, format->marks}) CHECK_FALSE(words.empty());
+    for (const std::string_view words : {format->summary, format->example, format->output_help})
+      CHECK(words.empty() == (format->write == nullptr));
+    if (format->write) CHECK(format->example.find(fmt::format("ecs export {} ", format->id)) == 0);
+    CHECK((format->resolution_um > 0.0) == (format->write != nullptr));
+    for (const auto* options : {&format->write_options, &format->read_options})
+      for (const FormatOption& option : *options) CHECK_MESSAGE(!option.help.empty(), option.name);
+    CHECK(controller_format(format->id) == format);
+  }
+  CHECK(controller_format("none") == nullptr);
+}
+
+TEST_CASE("the documentation has the row of every controller format") {
+  const auto text = read_file("modules/controllers/README.md");
+  REQUIRE(text);
+  for (const ControllerFormat* format : controller_formats())
+    CHECK_MESSAGE(text->find(holds_row(*format)) != std::string::npos, holds_row(*format));
+}
+
+TEST_CASE("what a controller format writes is recognised as that format, by name and content") {
+  const ExportSource source = whole_machine();
+  for (const ControllerFormat* format : controller_formats()) {
+    if (!format->write) continue;
+    CAPTURE(format->id);
+    const auto made = format->write(source, OptionValues(format->write_options));
+    REQUIRE(made);
+    CHECK_FALSE(made->files.empty());
+    for (const ExportFile& file : made->files) {
+      CHECK(recognised_format(file.content) == format);
+      if (format->is_file) CHECK(format->is_file(file.name));
+    }
+  }
+  CHECK(recognised_format("nothing of the kind") == nullptr);
+}
+
+TEST_CASE("reading gives back what a controller format was given, within its resolution") {
+  const ExportSource source = whole_machine();
+  for (const ControllerFormat* format : controller_formats()) {
+    if (!format->write) continue;
+    const auto made = format->write(source, OptionValues(format->write_options));
+    REQUIRE(made);
+    const laser::ErrorMap again = read_back(*format, *made, source);
+    for (const Component component : {Component::EXX, Component::EYY, Component::EZZ}) {
+      CAPTURE(format->id);
+      CAPTURE(name_of(component));
+      const auto given = curve_of(source.map, component);
+      const auto read = curve_of(again, component);
+      REQUIRE(given);
+      REQUIRE(read);
+      for (const double p : given->position_mm) {  // counted from the reference position, as tables of some formats are
+        const double expected = mean_at(*given, p) - mean_at(*given, 0.0);
+        CHECK(std::abs(mean_at(*read, p) - mean_at(*read, 0.0) - expected) <= format->resolution_um * 1.001);
+        if (!format->holds.reversal.starts_with("yes")) continue;
+        const auto reversal = [&](const ControlCurve& curve) {
+          return value_at(curve, Approach::forward, p) - value_at(curve, Approach::reverse, p);
+        };
+        CHECK(std::abs(reversal(*read) - reversal(*given)) <= format->resolution_um * 2.001);
+      }
+    }
+  }
+}
+
+TEST_CASE("a controller format refuses a file of another kind, with the file named") {
+  const std::string text = "axis,sense,reading\nX,EX,1\n";
+  for (const ControllerFormat* format : controller_formats()) {
+    CAPTURE(format->id);
+    const auto read = format->read({"x.csv", text, text, true, OptionValues(format->read_options)});
+    REQUIRE_FALSE(read);
+    CHECK(read.error().file == "x.csv");
+    CHECK_FALSE(read.error().message.empty());
+  }
+}
+
+TEST_CASE("every controller format has a fuzzer and seeds for it") {
+  const auto list = read_file("tests/fuzz/CMakeLists.txt");
+  REQUIRE(list);
+  for (const ControllerFormat* format : controller_formats()) {
+    CAPTURE(format->id);
+    CHECK(list->find(" " + std::string(format->id)) != std::string::npos);
+    CHECK(std::filesystem::is_directory("tests/fuzz/corpus/" + std::string(format->id)));
+  }
+}
+
+TEST_CASE("--axis is refused where several files are read") {
+  for (const ControllerFormat* format : controller_formats()) {
+    OptionValues options(format->read_options);
+    options.set("axis", "X");
+    const ReadRequest several{"file.comp", "0 0 0\n", "0 0 0\n", false, options};
+    CHECK(axis_option(several).error().kind == ProblemKind::usage);
+  }
+}
+
+}  // namespace
+}  // namespace ecs::controllers

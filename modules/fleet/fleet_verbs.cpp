@@ -1,0 +1,209 @@
+// `ecs fleet diagnose`: the machines of a manifest, on all cores, resumed where a former run ended. `merge`: the
+// results of many hosts as one answer, with the false-discovery rate controlled over machines.
+
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
+#include "modules/fleet/merge.hpp"
+#include "modules/fleet/result.hpp"
+#include "modules/fleet/run.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// Errors listed in the answer; all of them are in the results.
+constexpr std::size_t kMostErrors = 1000;
+
+struct FleetDiagnoseRequest {
+  std::string manifest, output;
+  int threads = 0;
+  int blanks = static_cast<int>(FleetOptions{}.noise_replicates);
+  std::string part = "1/1";
+  double limit = FleetOptions{}.most_s;
+  static Fields<FleetDiagnoseRequest> fields() {
+    using R = FleetDiagnoseRequest;
+    return {
+        {"MANIFEST", &R::manifest,
+         "table (.csv) with the columns id, model, data, machine, type, batch; files count from its folder",
+         Need::required},
+        {"-o,--output", &R::output, "results, a line of JSON a machine; those of a former run are gone on with",
+         Need::required},
+        {"--threads", &R::threads, "machines at the same time; 0: as many as there are cores", Range{0, kMostThreads}},
+        {"--blanks", &R::blanks, "simulated data sets of noise alone that a finding must beat", Range{50, 20'000}},
+        {"--part", &R::part, "only a share of the rows, for one host of many: 3/16"},
+        {"--limit", &R::limit, "for one machine, by the clock [s]; then the others go on", Range{0.1, 86'400.0}}};
+  }
+};
+
+Cell errors_cell(const FleetReport& report) {
+  Cell errors{Json::array(), {}};
+  for (const FleetError& error : report.errors)
+    if (errors.json.size() < kMostErrors)
+      errors.add(record_cell(
+          {},
+          {{"line", integer_cell(error.line)}, {"id", text_cell(error.id)}, {"message", word_cell(error.message)}}));
+  return errors;
+}
+
+Cell verdicts_cell(const FleetReport& report) {
+  Cell verdicts{Json::object(), {}};
+  for (const auto& [verdict, count] : report.verdicts) {
+    verdicts.json[verdict] = count;
+    verdicts.text += fmt::format("  {:<22} {:>8}\n", verdict, count);
+  }
+  return verdicts;
+}
+
+Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseRequest& request) {
+  ECS_TRY(manifest, Manifest::read(request.manifest, fleet_columns()));
+  ECS_TRY(part, fleet_part(request.part));
+  FleetWatch watch;
+  watch.progress = [&context](const FleetProgress& now) {
+    context.console.progress(
+        fmt::format("{} of {} machines", now.done, now.machines),
+        now.machines == 0 ? 1.0 : static_cast<double>(now.done) / static_cast<double>(now.machines), now.seconds_left);
+  };
+  watch.error = [&context](const FleetError& error) { context.console.warn(error.message); };
+  const auto report =
+      run_fleet(manifest, request.output,
+                {request.threads, static_cast<std::size_t>(request.blanks), request.limit, part}, watch);
+  context.console.end_progress();
+  if (!report) return tl::unexpected(report.error());
+  const Cell answer = record_cell(
+      "{machines} machines: {diagnosed} diagnosed, {skipped} done before, {error_count} with errors; {processor_s} s "
+      "of "
+      "processor time\n{verdicts}{stopped}",
+      {{"manifest", word_cell(request.manifest)},
+       {"output", word_cell(request.output)},
+       {"machines", count_cell(report->machines)},
+       {"diagnosed", count_cell(report->diagnosed)},
+       {"skipped", count_cell(report->skipped)},
+       {"error_count", count_cell(report->errors.size())},
+       {"errors", errors_cell(*report)},
+       {"verdicts", verdicts_cell(*report)},
+       {"processor_s", number_cell(report->processor_s, 1)},
+       {"seconds", number_cell(report->seconds, 1)},
+       {"stopped", yes_cell(report->stopped, "stopped by a signal: the same command goes on\n", "")}});
+  return outcome_of(answer, report->errors.empty() ? kDone : kDoesNotHold);
+}
+
+constexpr double kUsualRate = 0.05;
+
+struct FleetMergeRequest {
+  std::vector<std::string> results;
+  double rate = kUsualRate;
+  std::string previous, output;
+  static Fields<FleetMergeRequest> fields() {
+    using R = FleetMergeRequest;
+    return {{"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
+            {"--fdr", &R::rate, "share of false names among all names, on average", Range{1e-6, 1.0}},
+            {"--previous", &R::previous, "results of last time, or the answer of `fleet merge --json`: what changed"},
+            {"-o,--output", &R::output, "the results of all hosts as one file", Is::output}};
+  }
+};
+
+Cell q_value_cell(const std::optional<double>& q) {
+  return {number_or_null(q), q ? fmt::format("{:.1e}", *q) : "no evidence"};
+}
+
+Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {
+  const std::string heading = machines.empty() ? "" : fmt::format("\n{}\n", title);
+  return list_cell(
+      machines,
+      [](const NamedMachine& one) {
+        return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n",
+                           {{"id", word_cell(one.id)},
+                            {"cause", word_cell(one.cause)},
+                            {"q_value", q_value_cell(one.q_value)},
+                            {"type", {text_or_null(one.type), one.type}},
+                            {"batch", {text_or_null(one.batch), one.batch}}});
+      },
+      heading);
+}
+
+Cell groups_cell(const std::vector<SharedCause>& groups) {
+  return list_cell(
+      groups,
+      [](const SharedCause& one) {
+        return record_cell("  {by:<6} {value:<24} {cause:<36} {machines:>6} of {of:<6} p = {p_holm}\n",
+                           {{"by", word_cell(one.by)},
+                            {"value", word_cell(one.value)},
+                            {"cause", word_cell(one.cause)},
+                            {"machines", count_cell(one.machines)},
+                            {"of", count_cell(one.of)},
+                            {"p_value", {number_or_null(one.p_value), ""}},
+                            {"p_holm", {number_or_null(one.p_holm), fmt::format("{:.1e}", one.p_holm)}}});
+      },
+      groups.empty() ? "" : "\nshared by a type or batch (for all of them together)\n");
+}
+
+Cell changed_cell(const FleetChanges& changes) {
+  return list_cell(
+      changes.machines,
+      [](const FleetChange& one) {
+        return record_cell("  {id:<24} {cause:<36} {change}\n", {{"id", word_cell(one.id)},
+                                                                 {"cause", word_cell(one.cause)},
+                                                                 {"change", word_cell(one.is_new ? "new" : "gone")}});
+      },
+      changes.machines.empty() ? "" : "\nchanged since last time\n");
+}
+
+Cell changed_causes_cell(const FleetChanges& changes) {
+  return list_cell(
+      changes.causes,
+      [](const FleetChanges::Count& one) {
+        return record_cell(
+            "  {cause:<36} {new:>6} new {gone:>6} gone\n",
+            {{"cause", word_cell(one.cause)}, {"new", count_cell(one.is_new)}, {"gone", count_cell(one.gone)}});
+      },
+      changes.causes.empty() ? "" : "\nby cause\n");
+}
+
+Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& request) {
+  ECS_TRY(gathered, gathered_results(request.results));
+  for (const std::string& line : gathered.unreadable) context.console.warn(line);
+  for (const std::string& line : gathered.conflicts) context.console.warn(line);
+  const FleetNames names = fleet_names(gathered.results, request.rate);
+  std::vector<std::string> errors;
+  for (const FleetResult& result : gathered.results)
+    if (!result.error.empty()) errors.push_back(result.id);
+  AnswerFields fields{{"machines", count_cell(names.machines)},
+                      {"errors", {errors, fmt::format("{}", errors.size())}},
+                      {"conflicts", {gathered.conflicts, ""}},
+                      {"fdr", {request.rate, fmt::format("{:g}", 100.0 * request.rate)}},
+                      {"count", shown_cell(fmt::format("{}", names.named.size()))},
+                      {"named", named_cell(names.named, "named (q-value)")},
+                      {"unconfirmed", named_cell(names.unconfirmed, "not sure enough among so many machines")},
+                      {"unexplained",
+                       {names.unexplained, names.unexplained.empty()
+                                               ? ""
+                                               : fmt::format("\n{} machines with structure that no effect explains\n",
+                                                             names.unexplained.size())}},
+                      {"groups", groups_cell(names.groups)}};
+  std::string layout =
+      "{machines} machines, {errors} without an answer; {count} names, of which at most {fdr} % are false on average\n"
+      "{named}{unconfirmed}{unexplained}{groups}";
+  if (!request.previous.empty()) {
+    ECS_TRY(before, previously_named(request.previous, request.rate));
+    const FleetChanges changes = changes_between(before, names.named, errors);
+    fields.push_back({"changed", changed_cell(changes)});
+    fields.push_back({"changed_causes", changed_causes_cell(changes)});
+    layout += "{changed}{changed_causes}";
+  }
+  if (!request.output.empty()) ECS_DO(write_results(request.output, gathered.results));
+  return outcome_of(record_cell(layout, fields), gathered.conflicts.empty() ? kDone : kDoesNotHold);
+}
+
+}  // namespace
+
+extern const std::vector<Action> kFleet{
+    action("fleet diagnose", "what is missing from the models of many machines, on all cores",
+           "ecs fleet diagnose fleet.csv -o results.jsonl\n"
+           "  fleet.csv:  id,model,data,machine,type,batch\n"
+           "              7001,mill.toml,7001.csv,mill_machine.toml,mill,2026-04",
+           fleet_diagnose),
+    action("fleet merge", "results of many machines: which names hold, what changed, which batch shares a cause",
+           "ecs fleet merge results*.jsonl --fdr 0.05 --previous yesterday.jsonl -o today.jsonl", fleet_merge)};
+
+}  // namespace ecs::app

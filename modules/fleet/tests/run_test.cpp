@@ -1,0 +1,154 @@
+#include "modules/fleet/run.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+#include "base/interrupt.hpp"
+#include "modules/fleet/result.hpp"
+#include "modules/fleet/tests/fleet_folder.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using app::FleetFolder;
+
+Result<FleetReport> run_of(const FleetFolder& fleet, const std::string& rows, FleetOptions options = {},
+                           const FleetWatch& watch = {}) {
+  options.noise_replicates = 50;
+  const auto manifest = Manifest::read(fleet.manifest(rows), fleet_columns());
+  REQUIRE(manifest);
+  return run_fleet(*manifest, fleet.results, options, watch);
+}
+
+std::string four_rows() {
+  return FleetFolder::row(0) + FleetFolder::row(1) + FleetFolder::row(2) + FleetFolder::row(3);
+}
+
+TEST_CASE("answers do not depend on the number of threads") {
+  const FleetFolder one, many;
+  REQUIRE(run_of(one, four_rows(), {.threads = 1}));
+  REQUIRE(run_of(many, four_rows(), {.threads = 4}));
+  CHECK(one.answers() == many.answers());
+  CHECK(one.answers().at("m2").causes.at(0).name == "cyclic:X:EX");
+  CHECK(one.answers().at("m1").verdict == "adequate");
+}
+
+TEST_CASE("a run that was killed in the middle of a line goes on without loss") {
+  const FleetFolder fleet;
+  REQUIRE(run_of(fleet, four_rows(), {.threads = 1}));
+  const auto whole = fleet.answers();
+  const auto lines = fleet.lines();
+  std::ofstream(fleet.results) << lines[0] << '\n' << lines[1] << '\n' << lines[2].substr(0, 40);
+  const auto again = run_of(fleet, four_rows(), {.threads = 1});
+  REQUIRE(again);
+  CHECK(again->skipped == 2);
+  CHECK(again->diagnosed == 2);
+  CHECK(fleet.answers() == whole);
+  CHECK_FALSE(std::filesystem::exists(fleet.results + ".work"));
+}
+
+TEST_CASE("a link or a file of another program beside the results is refused, and stays as it was") {
+  const FleetFolder fleet;
+  const std::string precious = fleet.results + ".precious", work = fleet.results + ".work";
+  std::ofstream(precious) << "keep me\n";
+  std::filesystem::create_symlink(precious, work);
+  const auto through_link = run_of(fleet, FleetFolder::row(0));
+  REQUIRE_FALSE(through_link);
+  CHECK(through_link.error().kind == ProblemKind::refused);
+  CHECK(through_link.error().message.find("symbolic link") != std::string::npos);
+  std::filesystem::remove(work);
+  std::filesystem::copy_file(precious, work);
+  const auto over_file = run_of(fleet, FleetFolder::row(0));
+  REQUIRE_FALSE(over_file);
+  CHECK(over_file.error().message.find("no file of `ecs fleet diagnose`") != std::string::npos);
+  for (const std::string& file : {precious, work}) CHECK(read_file(file) == "keep me\n");
+}
+
+TEST_CASE("a signal stops a fleet in good order") {
+  const FleetFolder fleet;
+  FleetWatch watch;
+  ask_to_stop();
+  const auto stopped = run_of(fleet, four_rows(), {.threads = 2}, watch);
+  stop_asking();
+  REQUIRE(stopped);
+  CHECK(stopped->stopped);
+  CHECK(stopped->diagnosed == 0);
+  const auto rest = run_of(fleet, four_rows());
+  REQUIRE(rest);
+  CHECK(rest->skipped + rest->diagnosed == 4);
+  CHECK(fleet.answers().size() == 4);
+}
+
+TEST_CASE("changed content is diagnosed anew, a changed batch is not") {
+  const FleetFolder fleet;
+  REQUIRE(run_of(fleet, four_rows()));
+  static_cast<void>(fleet.folder.with("1.csv", app::measured_x(app::cyclic_x, {.seed = 99})));
+  const auto again = run_of(fleet, FleetFolder::row(0, "other") + FleetFolder::row(1));
+  REQUIRE(again);
+  CHECK(again->diagnosed == 1);
+  CHECK(again->skipped == 1);
+  const auto third = run_of(fleet, FleetFolder::row(0, "other") + FleetFolder::row(1));  // leaves replaced lines out
+  CHECK(third->skipped == 2);
+  CHECK(fleet.answers().at("m0").batch == "other");
+  CHECK(fleet.answers().at("m1").verdict == "missing_effect");
+  CHECK(fleet.answers().size() == 4);
+}
+
+TEST_CASE("the hash is of the content, wherever it lies") {
+  const FleetFolder one, other;
+  const auto hash_in = [](const FleetFolder& fleet, const char* data) {
+    return content_hash({"m", fleet.folder / "model.toml", fleet.folder / data, fleet.folder / "machine.toml", "", ""},
+                        200);
+  };
+  CHECK(hash_in(one, "0.csv").value() == hash_in(other, "0.csv").value());
+  CHECK(hash_in(one, "0.csv").value() != hash_in(one, "1.csv").value());
+}
+
+TEST_CASE("files that end the program three times are left out, told, and tried again by the next run") {
+  const FleetFolder fleet;
+  static_cast<void>(fleet.folder.with("results.jsonl.work", "W 2 m1\nW 0 m0\nK 1 m3\n"));
+  const auto report = run_of(fleet, four_rows(), {.threads = 1});
+  REQUIRE(report);
+  CHECK(report->diagnosed == 3);
+  REQUIRE(report->errors.size() == 1);
+  CHECK(report->errors[0].line == 3);
+  CHECK(report->errors[0].message.find("ended 3 times") != std::string::npos);
+  CHECK(commissioning::result_in(fleet.lines()[0])->id == "m2");  // those that were under way come last
+  CHECK(run_of(fleet, four_rows())->diagnosed == 1);
+}
+
+TEST_CASE("parts of a manifest together are the whole") {
+  const FleetFolder fleet;
+  CHECK(run_of(fleet, four_rows(), {.part = {1, 3}})->diagnosed == 2);
+  CHECK(run_of(fleet, four_rows(), {.part = {2, 3}})->machines == 1);
+  CHECK(run_of(fleet, four_rows(), {.part = {3, 3}})->diagnosed == 1);
+  CHECK(run_of(fleet, four_rows(), {.part = {7, 9}})->machines == 0);
+  CHECK(run_of(fleet, four_rows())->skipped == 4);
+  CHECK(fleet_part("3/16")->of == 16);
+  for (const char* wrong : {"", "0/4", "5/4", "3", "a/b", "1/2/3"}) CHECK_FALSE(fleet_part(wrong));
+}
+
+TEST_CASE("two runs do not write the same results") {
+  const FleetFolder fleet;
+  auto first = UnderWay::open(fleet.results + ".work", 1);
+  REQUIRE(first);
+  const auto second = run_of(fleet, four_rows());
+  REQUIRE_FALSE(second);
+  CHECK(second.error().kind == ProblemKind::refused);
+  first->remove();
+}
+
+TEST_CASE("a machine that takes too long is an error, and the others go on") {
+  const FleetFolder fleet;
+  app::MeasuredAxis large;
+  large.runs = 20;
+  large.targets = 80;
+  static_cast<void>(fleet.folder.with("0.csv", app::measured_x(app::cyclic_x, large)));
+  const auto report = run_of(fleet, FleetFolder::row(0) + FleetFolder::row(1), {.threads = 2, .most_s = 0.01});
+  REQUIRE(report);
+  REQUIRE_FALSE(report->errors.empty());
+  CHECK(report->errors[0].message.find("stopped after 0.01 s") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecs::commissioning

@@ -1,0 +1,78 @@
+// A hidden case on disc: readable by others, sealed against accident, whole or not there at all.
+#include <filesystem>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "base/sealed.hpp"
+#include "laser/measurement_set.hpp"
+#include "modules/hidden_cases/tests/hidden_cases.hpp"
+#include "tests/support/folder.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+namespace fs = std::filesystem;
+
+TEST_CASE("a case is a folder of files that others can read, and the truth is not read by accident") {
+  const Folder folder;
+  HiddenCaseRequest request = request_for(7, CaseKind::single, "map_gain");
+  const auto written = write_hidden_cases(request, 1, folder.path / "case");
+  REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
+  const HiddenCase c = case_of(request);
+  const auto data = laser::read_measurement_set(folder.path / "case/data.csv");
+  REQUIRE_MESSAGE(data.has_value(), (data ? "" : to_text(data.error())));
+  CHECK(data->readings.size() == c.readings.size());
+  const auto machine = params::read_machine(folder.path / "case/machine.toml");
+  REQUIRE_MESSAGE(machine.has_value(), (machine ? "" : to_text(machine.error())));
+  CHECK(machine->warnings.empty());
+  CHECK(fs::exists(folder.path / "case/map.csv"));
+  const std::string sealed = *read_file(folder.path / "case/truth.sealed");
+  for (const char* secret : {"map_gain", "single", "snr", "Hidden"}) CHECK(sealed.find(secret) == std::string::npos);
+  for (const char* secret : {"map_gain", "single"}) CHECK(written->at(0).find(secret) == std::string::npos);
+  const auto opened = unsealed(sealed, "truth.sealed");
+  REQUIRE(opened.has_value());
+  const auto truth = nlohmann::json::parse(*opened);
+  CHECK(truth["kind"] == "single");
+  CHECK(truth["effects"][0]["name"] == name_of(c.hidden[0].effect));
+  CHECK(truth["effects"][0]["parameters"].contains("gain"));
+  CHECK(truth["true_model_rms_um"] > 0.0);
+}
+
+TEST_CASE("many cases are written to numbered folders, with seeds that count up") {
+  const Folder folder;
+  HiddenCaseRequest request = request_for(20, CaseKind::blank);
+  REQUIRE(write_hidden_cases(request, 3, folder.path / "many").has_value());
+  request.seed = 22;
+  CHECK(*read_file(folder.path / "many/0003/data.csv") == files_of(case_of(request)).at("data.csv"));
+}
+
+TEST_CASE("a folder with something in it is not touched") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "mine.txt", "mine").has_value());
+  const auto written = write_hidden_cases(request_for(1, CaseKind::blank), 1, folder.path);
+  REQUIRE(!written.has_value());
+  CHECK(written.error().kind == ProblemKind::usage);
+  CHECK(*read_file(folder.path / "mine.txt") == "mine");
+  CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("what cannot be hidden is refused and leaves nothing behind") {
+  const Folder folder;
+  const auto refusal = [&](const HiddenCaseRequest& request) {
+    const auto written = write_hidden_cases(request, 2, folder.path / "case");
+    REQUIRE(!written.has_value());
+    CHECK(written.error().kind == ProblemKind::usage);
+    CHECK(fs::is_empty(folder.path));
+    return written.error().message;
+  };
+  CHECK(refusal(request_for(1, CaseKind::blank, "step")).find("effect") == 0);
+  CHECK(refusal(request_for(1, CaseKind::confounded, "cyclic")).find("effect") == 0);
+  HiddenCaseRequest few = request_for(1, CaseKind::single);
+  few.readings = 12;
+  CHECK(refusal(few) == "readings: expected 100 to 20000, got 12");
+  HiddenCaseRequest silent = request_for(1, CaseKind::single);
+  silent.snr = 0.0;
+  CHECK(refusal(silent) == "snr: expected above 0 and up to 1000, got 0");
+}

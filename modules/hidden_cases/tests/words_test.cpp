@@ -1,0 +1,239 @@
+// Sentences about a diagnosis: what the first line says, and that no sentence contradicts its own numbers; the remark
+// on targets at equal steps.
+
+#include "model/diagnosis/words.hpp"
+
+#include <chrono>
+#include <regex>
+#include <set>
+
+#include "base/moved_targets.hpp"
+#include "modules/hidden_cases/tests/hidden_cases.hpp"
+#include "tests/model/support/measured_lines.hpp"
+#include "tests/support/folder.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+bool contains_text(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+ParameterEstimate estimate(std::string name, std::string unit, double value) {
+  return {std::move(name), std::move(unit), value, {}, false, false};
+}
+
+EffectInstance screw_wave(double period_mm) {
+  EffectInstance one = effect(effects::cyclic, Axis::X, Sense::EX);
+  one.fitted["period_mm"] = period_mm;
+  return one;
+}
+
+/// Every pair of numbers that a sentence calls a fall.
+void check_falls(const std::string& because) {
+  static const std::regex fall(R"((?:falls|fitted to|residual) from (\S+) to (\S+) um)");
+  for (std::sregex_iterator one(because.begin(), because.end(), fall), end; one != end; ++one)
+    CHECK_MESSAGE(std::stod((*one)[1]) > std::stod((*one)[2]), because);
+}
+
+void check_sentences(const Diagnosis& found) {
+  CHECK(!found.headline.empty());
+  std::set<std::string> named;
+  for (const Candidate& candidate : found.candidates) {
+    const std::string& because = candidate.because;
+    const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
+    check_falls(because);
+    if (contains_text(because, "in none of")) CHECK_MESSAGE(1.0 - after * after / (before * before) >= 0.01, because);
+    if (contains_text(because, "Together with")) CHECK(candidate.named);
+    if (!candidate.named) continue;
+    const std::string place = place_text(candidate.effect);
+    CHECK_MESSAGE(contains_text(found.headline, "(" + place), found.headline);
+    const auto period = candidate.effect.fitted.find("period_mm");
+    const double value = period == candidate.effect.fitted.end() ? 0.0 : period->second;
+    CHECK_MESSAGE(named.insert(place + std::to_string(value)).second, found.headline);
+    for (const EffectInstance& rival : candidate.rivals) CHECK_FALSE(same_candidate(rival, candidate.effect));
+  }
+  if (found.verdict == Verdict::adequate && !found.reservation.empty())
+    CHECK_FALSE(contains_text(found.headline, "The model is adequate"));
+}
+
+Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
+  const Folder folder;
+  for (const auto& [name, content] : files_of(hidden)) (void)folder.with(name, content);
+  const auto model = read_model(folder / "model.toml");
+  const auto set = laser::read_measurement_set(folder / "data.csv");
+  const auto machine = params::read_machine(folder / "machine.toml");
+  REQUIRE(model);
+  REQUIRE(set);
+  REQUIRE(machine);
+  DiagnoseOptions options{.noise_replicates = 50};
+  const auto found = diagnose(*model, observations_of(*set, *model, machine->machine), options);
+  REQUIRE(found);
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("a finding says cause, size and place; a period that is a pitch of the machine says so") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  EffectInstance wave = screw_wave(10.003);
+  wave.approach = ApproachMode::forward;
+  const std::vector<ParameterEstimate> parameters{estimate("period_mm", "mm", 10.003),
+                                                  estimate("amplitude_um", "um", 6.83)};
+  CHECK(finding_text(wave, parameters, data) ==
+        "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward");
+  const std::vector<ParameterEstimate> mostly_second{
+      estimate("period_mm", "mm", 20.0), estimate("amplitude_um", "um", 0.6), estimate("amplitude2_um", "um", 4.1)};
+  const std::string finding = finding_text(screw_wave(20.0), mostly_second, data);
+  CHECK_MESSAGE(contains_text(finding, "+-4.1 um, 10.00 mm"), finding);
+  CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate("um", "um", -5.17)}, data) ==
+        "X positions with a lost motion of -5.2 um at reversal");
+}
+
+TEST_CASE("every effect of the library has a finding without holes") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  for (const EffectDefinition& definition : effect_library()) {
+    EffectInstance one = effect(&definition, Axis::X, Sense::EX);
+    one.name = "spindle";
+    one.sensor = "t_spindle_degC";
+    one.sensor2 = "t_bed_degC";
+    if (definition.has_lever()) one.code = definition.place == Place::squareness ? Component::C0Y : Component::ECX;
+    std::vector<ParameterEstimate> parameters;
+    for (const ParameterDefinition& parameter : definition.parameters)
+      parameters.push_back(estimate(std::string(parameter.name), std::string(parameter.unit), 12.34));
+    const std::string text = finding_text(one, parameters, data);
+    CAPTURE(text);
+    CHECK(text.size() > 15);
+    for (const char* hole : {"unknown amount", "  ", "{", "}", "nan"}) CHECK_FALSE(contains_text(text, hole));
+  }
+}
+
+TEST_CASE("a size that the data do not determine is not told as a number") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  ParameterEstimate lost = estimate("um_per_m", "um/m", 39.0);
+  lost.undetermined = true;
+  CHECK(finding_text(effect(effects::scale, Axis::X, Sense::EX), {lost}, data) ==
+        "X positions with a scale error of an undetermined amount");
+  ParameterEstimate square = estimate("k2", "um/m2", 12.0), cube = estimate("k3", "um/m3", -3.0);
+  cube.sigma = 5.0;
+  CHECK(finding_text(effect(effects::sag, Axis::X, Sense::EX), {square, cube}, data) ==
+        "X positions with a bow that grows with the extension as droop does, 12 um/m2");
+  ParameterEstimate wave = estimate("amplitude_um", "um", 3.0);
+  wave.undetermined = true;
+  CHECK(finding_text(screw_wave(10.0), {estimate("period_mm", "mm", 10.0), wave}, data)
+            .starts_with("X positions with a periodic error of an undetermined amount, 10.00 mm"));
+}
+
+TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
+  const auto bow = [](const laser::Reading& r) { return 12.0 * std::sin(3.14159265358979 * p(r) / 1000.0); };
+  const Diagnosis found = diagnosed(straight(Axis::X, Sense::EA), measured({.sense = Sense::EA}, kNoise_um, bow));
+  REQUIRE_FALSE(found.candidates.empty());
+  for (const Candidate& candidate : found.candidates)
+    for (const ParameterEstimate& parameter : candidate.parameters)
+      if (parameter.name == "rms_um" || parameter.name == "um" || parameter.name == "height_um")
+        CHECK_MESSAGE(parameter.unit == "um/m", to_text(candidate.effect));
+  CHECK_MESSAGE(!contains_text(found.headline, " um "), found.headline);
+  for (const Dependence& one : found.where) CHECK_MESSAGE(!contains_text(one.looks_like, " um "), one.looks_like);
+}
+
+TEST_CASE("a bad run is the first thing that is said") {
+  const Diagnosis found =
+      diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) { return r.run == 2 ? 3.0 : 0.0; }));
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  CHECK_MESSAGE(found.headline.starts_with("Run 2 "), found.headline);
+}
+
+TEST_CASE("too few readings, or even targets without a pitch, are said in place of adequate") {
+  Plan few{.targets = 2, .runs = 1};
+  CHECK(contains_text(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
+
+  laser::MeasurementSet set = measured({}, kNoise_um, nothing);
+  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const auto found = diagnose(straight(), observations_of(set, straight(), std::nullopt));
+  REQUIRE(found);
+  CHECK(found->verdict == Verdict::adequate);
+  CHECK_MESSAGE(found->headline.starts_with("Periods below 50 mm along X cannot be told"), found->headline);
+}
+
+TEST_CASE("two causes of which each needs the other are proved together") {
+  const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) {
+                                      return 1.5 * d(r) + 4.0 * std::sin(2.0 * 3.14159265358979 * p(r) / 90.0);
+                                    }));
+  REQUIRE(found.verdict == Verdict::missing_effect);
+  check_sentences(found);
+}
+
+TEST_CASE("no sentence contradicts its own numbers in the answers of hidden cases") {
+  using ecs::emulator::CaseKind;
+  constexpr std::uint64_t kFirstSeed = 770'001;
+  constexpr int kFewest = 10, kMost = 400;
+  constexpr std::chrono::seconds kLongest{20};
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kMost && (i < kFewest || std::chrono::steady_clock::now() - begin < kLongest); ++i) {
+    const auto kind = static_cast<CaseKind>(i % 5);
+    auto request = ecs::emulator::test::request_for(kFirstSeed + static_cast<std::uint64_t>(i), kind);
+    CAPTURE(request.seed);
+    check_sentences(answer_for(ecs::emulator::test::case_of(request)));
+  }
+}
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+laser::MeasurementSet line_at(const std::vector<double>& targets_mm, Axis axis = Axis::X) {
+  laser::MeasurementSet set;
+  for (const double target_mm : targets_mm) {
+    laser::Reading r;
+    r.row = static_cast<int>(set.readings.size()) + 1;
+    r.axis = axis;
+    r.position_mm[index_of(axis)] = target_mm;
+    set.readings.push_back(r);
+  }
+  return set;
+}
+
+const std::vector<double> kEven{0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0};
+
+}  // namespace
+
+TEST_CASE("even targets call for a remark with the periods that they do not show") {
+  const auto note = even_targets_note(observations_of(line_at(kEven), Model{}, std::nullopt));
+  REQUIRE(note);
+  CHECK(note->find("targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones") ==
+        0);
+  CHECK(note->find("pitch") == std::string::npos);
+}
+
+TEST_CASE("a pitch of the machine that even targets do not show is named") {
+  params::Machine machine = mill();
+  REQUIRE(machine.axes[0]);
+  machine.axes[0]->screw_pitch_mm = 10.0;
+  machine.axes[0]->scale_pitch_mm.reset();
+  const auto note = even_targets_note(observations_of(line_at(kEven), Model{}, machine));
+  REQUIRE(note);
+  CHECK(note->find("longer ones, the screw pitch of 10 mm among them") != std::string::npos);
+}
+
+TEST_CASE("moved targets call for no remark, nor even ones that another run moved") {
+  CHECK(!even_targets_note(observations_of(line_at(moved_targets(kEven)), Model{}, std::nullopt)));
+  auto two_runs = line_at(kEven);
+  for (const auto& r : line_at({17.3, 64.9, 121.1}).readings) two_runs.readings.push_back(r);
+  CHECK(!even_targets_note(observations_of(two_runs, Model{}, std::nullopt)));
+}
+
+TEST_CASE("each axis whose targets are even is named once") {
+  auto set = line_at(kEven);
+  for (laser::Reading r : line_at({0.0, 20.0, 40.0, 60.0}, Axis::Y).readings)
+    for (const Sense sense : {Sense::EX, Sense::EY}) {
+      r.sense = sense;
+      set.readings.push_back(r);
+    }
+  const auto note = even_targets_note(observations_of(set, Model{}, std::nullopt));
+  REQUIRE(note);
+  CHECK(note->find("even at 50 mm along X (EX)") != std::string::npos);
+  CHECK(note->find("; targets are even at 20 mm along Y (EX, EY): periods below 40 mm") != std::string::npos);
+}

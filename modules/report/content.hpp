@@ -1,0 +1,177 @@
+// The content of a report: which files, named on the command line or found by their usual names in folders; what they
+// say, read and computed before any of it is laid out; what the unit would leave of the errors measured before, by the
+// core that it runs. Does not live here: what follows from it (judgement.hpp), pages (page.hpp), pictures (svg.hpp).
+// Only for .cpp files (heavy headers).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/cli/verb.hpp"
+#include "app/names/commissioning.hpp"
+#include "base/result.hpp"
+#include "commissioning/measurements/table.hpp"
+#include "commissioning/models/what_if.hpp"
+#include "commissioning/unit/status.hpp"
+#include "commissioning/volume/work.hpp"
+#include "laser/map/error_map.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "modules/report/diagnosis.hpp"
+#include "modules/standards/circle_work.hpp"
+#include "params/check.hpp"
+#include "params/machine.hpp"
+#include "params/parameters_toml.hpp"
+#include "protocol/registers/unit_data.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct ReportArguments {
+  std::vector<std::string> places, data, circle, header;
+  std::string output, before, after, machine, map, params, model, diagnosis, status, date;
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
+  static Fields<ReportArguments> fields() {
+    using R = ReportArguments;
+    return {{"PLACE", &R::places,
+             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+             "model.toml, diagnosis.json, status.json, circles/"},
+            {"-o,--output", &R::output, "the page", Is::output, Need::required},
+            {"--before", &R::before, "folder of NAME.csv, measured without compensation"},
+            {"--after", &R::after, "folder of NAME.csv, measured with compensation"},
+            {"--machine", &R::machine, "the machine (.toml)"},
+            {"--map", &R::map, "the error map (.csv)"},
+            {"--params", &R::params, "the unit's parameters (.toml)"},
+            {"--model", &R::model, "error model (.toml): fitted, diagnosed, predicted against achieved"},
+            {"--data", &R::data, "readings for the model; without: those of its senses in --before"},
+            {"--diagnosis", &R::diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here"},
+            {"--circle", &R::circle, "circular test (.csv), as `ecs test circle` takes it"},
+            {"--status", &R::status, "state of the unit, as `ecs utility status --save` keeps it"},
+            {"--header", &R::header, "key=value of the head of the page, such as customer=…; wins over files"},
+            {"--date", &R::date, "of the report; without: the last date in the files"},
+            {"--blanks", &R::blanks, "simulated data sets of noise alone for the diagnosis", Range{50, 20'000}}};
+  }
+};
+
+/// Empty: there is none.
+struct ReportFiles {
+  std::filesystem::path plan;
+  std::filesystem::path before;  ///< folder
+  std::filesystem::path after;   ///< folder
+  std::filesystem::path machine;
+  std::filesystem::path map;
+  std::filesystem::path params;
+  std::filesystem::path model;
+  std::filesystem::path diagnosis;
+  std::filesystem::path status;
+  std::vector<std::filesystem::path> circles;
+};
+
+/// In a folder: plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, model.toml, diagnosis.json,
+/// status.json, circles/ with *.csv; of several folders the last that has the file. An option wins over what is found.
+/// A `bad_input` problem for a place that is neither a plan nor a folder, and if there is no folder of measurements at
+/// all.
+[[nodiscard]] Result<ReportFiles> report_files(const ReportArguments& arguments);
+
+/// The measurement files of a folder, NAME of each NAME.csv that is a plain file, sorted.
+[[nodiscard]] std::vector<std::string> measurement_names_in(const std::filesystem::path& folder);
+
+/// One measurement. Bands and rms of all readings, slope removed as in the table; rms about their mean. um.
+struct PredictedRow {
+  std::optional<double> band;  ///< predicted; absent for rotations, squares and rows without readings before
+  std::optional<double> rms;
+  std::optional<double> rms_after;  ///< measured
+};
+
+struct Predicted {
+  std::vector<PredictedRow> rows;      ///< as many as the table has
+  std::optional<std::uint32_t> check;  ///< CRC-32 of the image as that unit holds it, which it reports as block check;
+                                       ///< absent where neither map nor `unit` says the unit's serial number
+};
+
+/// Every reading taken before plus the compensation at its place and approach; standing axes as if moved forward last.
+/// Refused with the reasons of laser::image_of(), or where the map is not for the parameters.
+/// @param unit  that holds the map; nullptr: not known
+[[nodiscard]] Result<Predicted> predicted_rows(const std::vector<TableRow>& rows, const laser::ErrorMap& map,
+                                               const UnitParameters& parameters, const protocol::Identity* unit);
+
+/// A file that went into the report, as it was then.
+struct ReportedFile {
+  std::string role;  ///< "plan", "before", "map", …
+  std::string name;
+  std::string sha256;
+};
+
+struct ReportedMap {
+  laser::ErrorMap map;
+  std::string sha256;  ///< of the file
+  std::optional<std::uint32_t>
+      check;  ///< CRC-32 that the unit reports for it; needs parameters and the unit's serial number
+  std::vector<std::string> objections;  ///< why it cannot be sent with these parameters
+  std::vector<std::string> remarks;
+};
+
+struct ReportedParameters {
+  params::ParametersFile file;
+  std::vector<params::Finding> findings;
+};
+
+/// The error model beside the measurements.
+struct ReportedModel {
+  model::Model model;   ///< as its file has it
+  model::Model fitted;  ///< the same with the values of the fit to these readings
+  std::string data;     ///< which readings, in words
+  std::size_t readings = 0;
+  std::vector<model::EffectFit> effects;
+  model::WhatIf what_if;
+  std::vector<AfterDirection> directions;
+};
+
+/// The error vector over the travels, predicted before and after compensation. Nothing was measured across the volume.
+struct ReportedVolume {
+  PreparedVolume prepared;
+  volume::VolumeAnswer answer;
+  volume::VolumeUncertainty uncertainty;
+  std::vector<Component> declared_zero;  ///< not measured: each as uncertain as UncertaintySettings says
+  std::size_t components = 0;            ///< in the map, or declared zero
+  [[nodiscard]] bool from_map() const { return prepared.errors_from == "the map"; }
+};
+
+struct ReportContent {
+  std::vector<std::pair<std::string, std::string>> header;  ///< "customer", "Huddersfield …"; what is not empty
+  std::string date;                                         ///< of the report; empty: not given
+  std::vector<TableRow> rows;
+  bool has_before = false;  ///< a folder was given
+  bool has_after = false;
+  bool planned = false;           ///< a plan was given
+  std::vector<Problem> problems;  ///< files that fit no row; those of rows are in the rows
+  std::optional<params::Machine> machine;
+  std::optional<ReportedMap> map;
+  std::optional<ReportedParameters> parameters;
+  std::vector<PredictedRow> predicted;  ///< one for each row; empty without map and parameters
+  std::string no_prediction;            ///< why not
+  std::optional<ReportedVolume> volume;
+  std::string no_volume;  ///< why not
+  std::vector<CircleWork> circles;
+  std::optional<ReportedModel> model;
+  std::optional<ReportedDiagnosis> diagnosis;
+  std::optional<StatusSnapshot> status;
+  std::vector<ReportedFile> files;
+};
+
+/// Reads everything. Files that are missing or unfit among the measurements leave their rows; any other unreadable file
+/// is a problem, and files of different machines are refused, with every one that differs.
+[[nodiscard]] Result<ReportContent> report_content(VerbContext& context, const ReportArguments& arguments);
+
+/// The value of a header entry; empty if there is none.
+[[nodiscard]] std::string header_value(const ReportContent& content, std::string_view key);
+
+/// Adds model and diagnosis to the content, where a model or a diagnosis was given. Without --data the readings are
+/// those before compensation of the senses and axes on which the model's effects act; of all, if these are none.
+[[nodiscard]] Result<void> add_model(VerbContext& context, const ReportArguments& arguments, const ReportFiles& files,
+                                     ReportContent& content);
+
+}  // namespace ecs::app

@@ -1,0 +1,193 @@
+#include "modules/report/judgement.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "commissioning/unit/status.hpp"
+#include "modules/report/markup.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr double kMostlyScatter = 0.7;  ///< of the band
+constexpr double kWorse = 0.9;          ///< ratio before over after
+constexpr double kSurprise = 2.0;       ///< achieved over predicted rms; repeatability after over before
+
+double band_after(const TableRow& row) { return row.after->readings.band; }
+
+std::string quantity(const TableRow& row, double value) {
+  return quantity_text(value, decimals_of(row), laser::unit_of(row.planned.sense));
+}
+
+const TableRow* worst_of(const std::vector<TableRow>& rows, bool by_limit) {
+  const TableRow* worst = nullptr;
+  const auto badness = [by_limit](const TableRow& row) {
+    return by_limit ? band_after(row) / *row.planned.published_after : band_after(row);
+  };
+  for (const TableRow& row : rows) {
+    if (!row.after || (by_limit ? !row.planned.published_after.has_value() : is_rotation(row.planned.sense))) continue;
+    if (worst == nullptr || badness(row) > badness(*worst)) worst = &row;
+  }
+  return worst;
+}
+
+std::string named(const TableRow& row) { return fmt::format("{} ({})", row.planned.name, row.planned.title); }
+
+/// What is left after compensation is scatter for the most part.
+bool is_scatter(const TableRow& row) {
+  return row.after->iso.R && *row.after->iso.R >= kMostlyScatter * band_after(row);
+}
+
+/// The repeatability is worse than before compensation: something changed.
+bool scatters_more(const TableRow& row) {
+  return row.before && row.before->iso.R && row.after->iso.R && *row.after->iso.R > kSurprise * *row.before->iso.R;
+}
+
+std::string scatter_sentence(const TableRow& row) {
+  const auto& iso = row.after->iso;
+  if (!iso.R || !iso.E) return "";
+  if (is_scatter(row) && scatters_more(row))
+    return fmt::format(" It is scatter for the most part: repeatability R = {}, before compensation {}.",
+                       quantity(row, *iso.R), quantity(row, *row.before->iso.R));
+  if (is_scatter(row))
+    return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map removes.",
+                       quantity(row, *iso.R));
+  return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
+                     quantity(row, *iso.R));
+}
+
+std::string worst_sentence_of(const TableRow& row) {
+  const auto& limit = row.planned.published_after;
+  return fmt::format(
+      "Largest {}: {}, {} after compensation{}.{}", limit ? "share of its limit" : "band left", named(row),
+      quantity(row, band_after(row)),
+      limit ? fmt::format(", {:.0f} % of {}", 100.0 * band_after(row) / *limit, quantity(row, *limit)) : "",
+      scatter_sentence(row));
+}
+
+std::string sentence_of(const ReportContent& content, const Judgement& j) {
+  if (j.after == 0) return "Measured before compensation only: what compensation achieves is not known yet.";
+  if (j.judged == 0)
+    return fmt::format("{} measured after compensation; no limits were given to judge them by.",
+                       counted(j.after, "component was", "components were"));
+  if (j.within == j.judged)
+    return j.judged == 1 ? "The one measurement with a limit is within it."
+                         : fmt::format("All {} measurements with a limit are within it.", j.judged);
+  std::vector<std::string> above;
+  for (const TableRow& row : content.rows)
+    if (verdict_of(row) == RowVerdict::above || (row.after && row.exceeds_published()))
+      above.push_back(row.planned.name);
+  return fmt::format("{} of {} measurements {} above the limit: {}.", j.judged - j.within, j.judged,
+                     j.judged - j.within == 1 ? "is" : "are", fmt::join(above, ", "));
+}
+
+void rows_to_do(const ReportContent& content, std::vector<std::string>& next) {
+  for (const TableRow& row : content.rows) {
+    for (const Problem& problem : row.problems) next.push_back(fmt::format("{}: {}", named(row), to_text(problem)));
+    if (!row.after) continue;
+    if (row.exceeds_published())
+      next.push_back(fmt::format("{}: {} against a limit of {}.{}", named(row), quantity(row, band_after(row)),
+                                 quantity(row, *row.planned.published_after), scatter_sentence(row)));
+    const auto ratio = row.ratio();
+    if (ratio && *ratio < kWorse)
+      next.push_back(
+          fmt::format("{}: larger after compensation than before ({} from {}); check polarity and output "
+                      "scale of the axis, and that the map belongs to this set-up.",
+                      named(row), quantity(row, band_after(row)), quantity(row, row.before->readings.band)));
+  }
+}
+
+void predictions_to_do(const ReportContent& content, std::vector<std::string>& next) {
+  for (std::size_t i = 0; i < content.predicted.size(); ++i) {
+    const PredictedRow& one = content.predicted[i];
+    if (verdict_of(content.rows[i]) == RowVerdict::within) continue;
+    // Scatter is no change; scatter that was less before is.
+    if (content.rows[i].after && is_scatter(content.rows[i]) && !scatters_more(content.rows[i])) continue;
+    if (one.rms && one.rms_after && *one.rms > 0.0 && *one.rms_after > kSurprise * *one.rms)
+      next.push_back(fmt::format(
+          "{}: rms {} is left where the map should leave {}; something changed between the two "
+          "measurements (temperature, set-up, machine): find it, or measure again.",
+          named(content.rows[i]), quantity(content.rows[i], *one.rms_after), quantity(content.rows[i], *one.rms)));
+  }
+}
+
+void others_to_do(const ReportContent& content, std::vector<std::string>& next) {
+  if (content.status && content.status->status.fault != Fault::none)
+    next.push_back(fmt::format("Unit: {}", fault_sentence(content.status->status)));
+  for (const Problem& problem : content.problems) next.push_back(to_text(problem));
+  if (content.map)
+    for (const std::string& objection : content.map->objections) next.push_back(fmt::format("Map: {}", objection));
+  if (content.parameters)
+    for (const params::Finding& finding : content.parameters->findings)
+      if (finding.severity == params::Severity::error)
+        next.push_back(fmt::format("Parameters: {}: {}", fmt::join(finding.keys, ", "), finding.message));
+}
+
+void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
+  if (!content.diagnosis || content.diagnosis->verdict == "adequate") return;
+  if (content.diagnosis->verdict == "cannot_tell") return next.push_back("Error model: " + content.diagnosis->headline);
+  if (content.diagnosis->verdict == "unexplained_structure" || content.diagnosis->verdict == "partly_explained")
+    next.push_back("Error model: the measurements hold structure that nothing proved explains. See there.");
+  for (const ReportedEffect& effect : content.diagnosis->effects)
+    if (effect.named && !effect.next_measurement.empty())
+      next.push_back(fmt::format("Error model: {} ({}) is {}missing from it. {}", effect.title, effect.place,
+                                 effect.but.empty() ? "" : "probably ", effect.next_measurement));
+}
+
+}  // namespace
+
+RowVerdict verdict_of(const TableRow& row) {
+  if (!row.problems.empty()) return RowVerdict::missing;
+  if (!row.after) return RowVerdict::before_only;
+  if (!row.planned.published_after) return RowVerdict::no_limit;
+  return row.exceeds_published() ? RowVerdict::above : RowVerdict::within;
+}
+
+std::string_view word_for(RowVerdict verdict) {
+  switch (verdict) {
+    case RowVerdict::within:
+      return "within";
+    case RowVerdict::above:
+      return "above";
+    case RowVerdict::no_limit:
+      return "no limit";
+    case RowVerdict::before_only:
+      return "before only";
+    default:
+      return "missing";
+  }
+}
+
+int decimals_of(const TableRow& row) {
+  double least = row.before ? row.before->readings.band : row.after ? row.after->readings.band : 0.0;
+  if (row.after) least = std::min(least, row.after->readings.band);
+  return decimals_for(least);
+}
+
+Judgement judgement_of(const ReportContent& content) {
+  Judgement j;
+  for (const TableRow& row : content.rows) {
+    if (!row.problems.empty()) ++j.missing;
+    if (!row.after) continue;
+    ++j.after;
+    if (!row.planned.published_after) continue;
+    ++j.judged;
+    if (!row.exceeds_published()) ++j.within;
+  }
+  j.worst = worst_of(content.rows, j.judged > 0);
+  j.sentence = sentence_of(content, j);
+  if (j.missing > 0)
+    j.sentence += fmt::format(" {} incomplete: a file is missing or does not fit.",
+                              counted(j.missing, "planned measurement is", "planned measurements are"));
+  if (j.worst != nullptr) j.worst_sentence = worst_sentence_of(*j.worst);
+  rows_to_do(content, j.next);
+  if (j.after == 0 && j.missing == 0) j.next.push_back("Measure the same again with the unit compensating.");
+  others_to_do(content, j.next);
+  predictions_to_do(content, j.next);
+  model_to_do(content, j.next);
+  return j;
+}
+
+}  // namespace ecs::app

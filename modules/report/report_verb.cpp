@@ -1,0 +1,185 @@
+// `ecs report`: one self-contained HTML page of a commissioning.
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "modules/report/page.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr int kUnfitFile = 3;
+
+Json band_of(const std::optional<MeasuredPhase>& phase) {
+  return phase ? number_or_null(phase->readings.band) : Json(nullptr);
+}
+
+Json row_json(const ReportContent& content, std::size_t i) {
+  const TableRow& row = content.rows[i];
+  Json problems = Json::array();
+  for (const Problem& one : row.problems) problems.push_back(problem_json(one));
+  return {{"name", row.planned.name},
+          {"title", row.planned.title},
+          {"unit", laser::unit_of(row.planned.sense)},
+          {"before", band_of(row.before)},
+          {"after", band_of(row.after)},
+          {"predicted", content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)},
+          {"ratio", number_or_null(row.ratio())},
+          {"limit", number_or_null(row.planned.published_after)},
+          {"verdict", word_for(verdict_of(row))},
+          {"problems", std::move(problems)}};
+}
+
+/// What a report may hold and this one was not given.
+Json absent_from(const ReportContent& content) {
+  Json absent = Json::array();
+  for (const auto& [there, what] : {std::pair{content.planned, "plan"},
+                                    {content.has_before, "before"},
+                                    {content.has_after, "after"},
+                                    {content.machine.has_value(), "machine"},
+                                    {content.map.has_value(), "map"},
+                                    {content.parameters.has_value(), "parameters"},
+                                    {content.model.has_value(), "model"},
+                                    {content.diagnosis.has_value(), "diagnosis"},
+                                    {content.status.has_value(), "status"},
+                                    {!content.circles.empty(), "circles"}})
+    if (!there) absent.push_back(what);
+  return absent;
+}
+
+std::optional<Problem> unfit_files(const ReportContent& content) {
+  std::vector<Problem> all = content.problems;
+  for (const TableRow& row : content.rows) all.insert(all.end(), row.problems.begin(), row.problems.end());
+  if (all.empty()) return std::nullopt;
+  return folded(std::move(all));
+}
+
+/// By direction and for the vector; null: not predicted.
+Json volume_json(const std::optional<ReportedVolume>& volume) {
+  if (!volume) return nullptr;
+  Json before = Json::object(), after = Json::object();
+  const auto put = [](Json& into, const std::string& name, double largest_um, double rms_um) {
+    into[name] = {{"largest_um", number_or_null(largest_um)}, {"rms_um", number_or_null(rms_um)}};
+  };
+  for (auto& [size, into] : {std::pair<const volume::ErrorSize&, Json&>{volume->answer.before.all, before},
+                             {volume->answer.after.all, after}}) {
+    for (const Axis axis : kAllAxes)
+      if (volume->answer.grid.exists[index_of(axis)])
+        put(into, std::string(1, letter_of(axis)), size.largest_along_um[index_of(axis)],
+            size.rms_along_um[index_of(axis)]);
+    put(into, "length", size.largest_um, size.rms_um);
+  }
+  return {{"from", volume->prepared.errors_from},
+          {"places", volume->answer.grid.places()},
+          {"uncertainty_95_um",
+           {{"largest", number_or_null(volume->uncertainty.largest_95_um)},
+            {"rms", number_or_null(volume->uncertainty.rms_95_um)}}},
+          {"predicted_before", std::move(before)},
+          {"predicted_after", std::move(after)}};
+}
+
+Json circles_json(const ReportContent& content) {
+  Json circles = Json::array();
+  for (const CircleWork& circle : content.circles) {
+    double worst_um = 0.0;
+    for (const laser::CirclePass& pass : circle.values.passes) worst_um = std::max(worst_um, pass.G_um);
+    Json causes = Json::array();
+    for (const model::CircleFaultFound& fault : circle.diagnosis.faults)
+      causes.push_back({{"name", fault.name}, {"share", number_or_null(fault.share)}});
+    circles.push_back({{"file", circle.file.string()},
+                       {"plane", laser::plane_name(circle.test.plane)},
+                       {"G_um", number_or_null(worst_um)},
+                       {"causes", std::move(causes)}});
+  }
+  return circles;
+}
+
+struct Page {
+  std::string html;
+  bool replaced = false;  ///< another file of that name was there
+};
+
+Json report_json(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(row_json(content, i));
+  Json object{{"report", output},
+              {"bytes", page.html.size()},
+              {"sha256", sha256_hex(page.html)},
+              {"replaced", page.replaced},
+              {"machine", text_or_null(header_value(content, "machine"))},
+              {"serial_number", text_or_null(header_value(content, "serial_number"))},
+              {"date", text_or_null(content.date)},
+              {"map_sha256", content.map ? Json(content.map->sha256) : Json(nullptr)},
+              {"block_check",
+               content.map && content.map->check ? Json(fmt::format("{:08X}", *content.map->check)) : Json(nullptr)},
+              {"verdict", j.sentence},
+              {"measured_after", j.after},
+              {"judged", j.judged},
+              {"within", j.within},
+              {"missing", j.missing},
+              {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
+              {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
+              {"volume", volume_json(content.volume)},
+              {"circles", circles_json(content)},
+              {"next", j.next},
+              {"absent", absent_from(content)},
+              {"rows", std::move(rows)}};
+  if (const auto unfit = unfit_files(content)) object["error"] = problem_json(*unfit);
+  return object;
+}
+
+std::string report_text(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+  std::string text = fmt::format("{}\n", j.sentence);
+  if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
+  if (content.volume) text += volume_sentence(*content.volume) + "\n";
+  for (const std::string& open : j.next) text += fmt::format("- {}\n", open);
+  return text + fmt::format("report written to {} ({} kB{})\n", output, (page.html.size() + 500) / 1000,
+                            page.replaced ? ", replaced" : "");
+}
+
+Result<void> check_page_not_source(const ReportArguments& request, const ReportFiles& files,
+                                   const ReportContent& content) {
+  std::vector<std::string> inputs = request.data;
+  for (const auto* path :
+       {&files.plan, &files.machine, &files.map, &files.params, &files.model, &files.diagnosis, &files.status})
+    if (!path->empty()) inputs.push_back(path->string());
+  for (const TableRow& row : content.rows)
+    for (const auto* phase : {&row.before, &row.after})
+      if (*phase) inputs.push_back((*phase)->file.string());
+  for (const auto& file : files.circles) inputs.push_back(file.string());
+  return check_output_not_input(request.output, inputs);
+}
+
+Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(request.output, ignored))
+    return problem(ProblemKind::usage,
+                   fmt::format("-o {} is a folder: name the page in it, as in {}", request.output,
+                               (std::filesystem::path(request.output) / "report.html").lexically_normal().string()));
+  ECS_TRY(files, report_files(request));
+  if (!request.data.empty() && files.model.empty())
+    return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
+  ECS_TRY(content, report_content(context, request));
+  ECS_DO(check_page_not_source(request, files, content));
+  const Judgement judgement = judgement_of(content);
+  const Page page{report_page(content, judgement), std::filesystem::exists(request.output, ignored)};
+  ECS_DO(write_file(request.output, page.html));
+  return Outcome{report_text(content, judgement, request.output, page),
+                 one_line(report_json(content, judgement, request.output, page)),
+                 unfit_files(content) ? kUnfitFile : kDone};
+}
+
+}  // namespace
+
+extern const std::vector<Action> kReport{
+    action("report", "one self-contained HTML page of a commissioning, to read, print and keep",
+           "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
+           "-o report.html\n  ecs report commissioning/ -o report.html",
+           report, {.logged = Logged::when_written, .kind = "report"})};
+
+}  // namespace ecs::app
