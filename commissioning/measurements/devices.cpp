@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "base/clock.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "commissioning/unit/monitor_record.hpp"
 #include "devices/description.hpp"
 #include "devices/learn.hpp"
 #include "devices/port.hpp"
@@ -108,33 +111,45 @@ std::pair<const char*, const char*> words_of(devices::Quantity quantity) {
   }
 }
 
-}  // namespace
-
-EnvironmentWatch::EnvironmentWatch(std::string device, double every_s) {
-  thread_ = std::jthread(
-      [this, device = std::move(device), every_s](const std::stop_token& stop) { run(stop, device, every_s); });
+/// The values by their names, and in words.
+Surroundings surroundings_of(const std::string& device, const devices::Values& values) {
+  Surroundings now{device, {}, {}, values.empty() ? device + ": no value yet" : ""};
+  for (const auto& [quantity, value] : values) {
+    const auto [what, unit] = words_of(quantity);
+    now.values.emplace_back(devices::name_of(quantity), value);
+    now.text += fmt::format("{}{} {:.2f} {}", now.text.empty() ? "" : ", ", what, value, unit);
+  }
+  return now;
 }
 
-EnvironmentWatch::~EnvironmentWatch() {
-  thread_.request_stop();
-  thread_.join();
-}
+class EnvironmentWatch final : public SurroundingsWatch {
+ public:
+  EnvironmentWatch(const std::string& device, double every_s)
+      : thread_([this, device, every_s](const std::stop_token& stop) { run(stop, device, every_s); }) {}
 
-Surroundings EnvironmentWatch::now() const {
-  const std::lock_guard lock(mutex_);
-  return now_;
-}
+  [[nodiscard]] Surroundings now() const override {
+    const std::lock_guard lock(mutex_);
+    return now_;
+  }
 
-void EnvironmentWatch::tell(Surroundings now) {
-  const std::lock_guard lock(mutex_);
-  now_ = std::move(now);
-}
+ private:
+  void run(const std::stop_token& stop, const std::string& device, double every_s);
+  void tell(Surroundings now) {
+    const std::lock_guard lock(mutex_);
+    now_ = std::move(now);
+  }
+
+  mutable std::mutex mutex_;
+  Surroundings now_{"", {}, {}, "looking for the sensor"};
+  std::jthread thread_;  ///< its end stops it and waits for it
+};
 
 void EnvironmentWatch::run(const std::stop_token& stop, const std::string& device, double every_s) {
+  const auto tell_problem = [this](const std::string& name, const std::string& why) { tell({name, {}, why, why}); };
   while (!stop.stop_requested()) {
     auto port = opened_device(device, devices::DeviceKind::environment);
     if (!port) {
-      tell({"", {}, ecs::to_text(port.error())});
+      tell_problem("", ecs::to_text(port.error()));
       pause(stop, kBeforeNextTry);
       continue;
     }
@@ -143,24 +158,19 @@ void EnvironmentWatch::run(const std::stop_token& stop, const std::string& devic
     while (!stop.stop_requested()) {
       (void)sensor.look(steady_s());
       sensor.attend(steady_s());
-      Surroundings now{name, sensor.values(steady_s(), std::max(kOldest_s, 3.0 * every_s)), {}};
-      if (!sensor.port().present()) now = {name, {}, name + " was unplugged; it is read again once it is back"};
-      tell(std::move(now));
+      if (sensor.port().present())
+        tell(surroundings_of(name, sensor.values(steady_s(), std::max(kOldest_s, 3.0 * every_s))));
+      else
+        tell_problem(name, name + " was unplugged; it is read again once it is back");
       pause(stop, kStep);
     }
   }
 }
 
-std::string to_text(const Surroundings& surroundings) {
-  if (!surroundings.problem.empty()) return surroundings.problem;
-  if (surroundings.values.empty())
-    return surroundings.device.empty() ? "looking for the sensor" : surroundings.device + ": no value yet";
-  std::string text;
-  for (const auto& [quantity, value] : surroundings.values) {
-    const auto [what, unit] = words_of(quantity);
-    text += fmt::format("{}{} {:.2f} {}", text.empty() ? "" : ", ", what, value, unit);
-  }
-  return text;
+}  // namespace
+
+std::unique_ptr<SurroundingsWatch> watched_surroundings(const std::string& device, double every_s) {
+  return std::make_unique<EnvironmentWatch>(device, every_s);
 }
 
 namespace {

@@ -1,11 +1,9 @@
 // Devices of a measurement: named on a command line (a description's file, or one that comes with the program, and
-// which of several alike), a sensor of the surroundings watched beside a monitor, a trigger learnt while the user
-// presses it.
+// which of several alike), a trigger learnt while the user presses it; and the sensor of the surroundings that is
+// watched beside a monitor (commissioning/unit/monitor_record.hpp).
 #pragma once
 
-#include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/result.hpp"
@@ -23,36 +21,6 @@ namespace ecs::commissioning {
 
 /// "foot switch (16c0:27db Maker Pedal, serial 7)"
 [[nodiscard]] std::string name_of(const devices::DevicePort& port);
-
-/// What is known of the surroundings at one moment.
-struct Surroundings {
-  std::string device;      ///< empty: not open yet
-  devices::Values values;  ///< at most some seconds old; empty: none
-  std::string problem;     ///< why there are none; empty: there are, or the first are awaited
-};
-
-class EnvironmentWatch {
- public:
-  /// @param device  as --environment takes it: "temper", "room.toml@SERIAL"
-  /// @param every_s  between two readings
-  EnvironmentWatch(std::string device, double every_s);
-  ~EnvironmentWatch();
-  EnvironmentWatch(const EnvironmentWatch&) = delete;
-  EnvironmentWatch& operator=(const EnvironmentWatch&) = delete;
-
-  [[nodiscard]] Surroundings now() const;
-
- private:
-  void run(const std::stop_token& stop, const std::string& device, double every_s);
-  void tell(Surroundings now);
-
-  mutable std::mutex mutex_;
-  Surroundings now_;
-  std::jthread thread_;
-};
-
-/// "air 20.50 degC, material 19.25 degC", or why there is nothing to say.
-[[nodiscard]] std::string to_text(const Surroundings& surroundings);
 
 struct LearnChoice {
   std::string device;  ///< path, serial or "16c0:27db"; empty: whichever is pressed

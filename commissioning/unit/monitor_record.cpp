@@ -25,16 +25,20 @@ tl::unexpected<Problem> output_problem(const std::string& file, std::string why)
   return tl::unexpected(Problem{ProblemKind::output, std::move(why), file, 0, 0, {}});
 }
 
-std::string field_of(const devices::Values& surroundings, devices::Quantity quantity) {
-  const auto found = surroundings.find(quantity);
-  return found == surroundings.end() ? std::string() : fmt::format("{}", found->second);
+/// The header row, with its line end.
+constexpr std::string_view kMonitorColumns =
+    "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,output_counts,"
+    "relay_closed,t_air_degC,t_material_degC\n";
+
+std::string field_of(const Surroundings& surroundings, std::string_view name) {
+  for (const auto& [quantity, value] : surroundings.values)
+    if (quantity == name) return fmt::format("{}", value);
+  return {};
 }
 
-}  // namespace
-
-std::string monitor_rows(const protocol::MonitorSample& sample, const devices::Values& surroundings) {
-  const std::string temperatures = fmt::format("{},{}", field_of(surroundings, devices::Quantity::air_degC),
-                                               field_of(surroundings, devices::Quantity::material_degC));
+std::string monitor_rows(const protocol::MonitorSample& sample, const Surroundings& surroundings) {
+  const std::string temperatures =
+      fmt::format("{},{}", field_of(surroundings, "air_degC"), field_of(surroundings, "material_degC"));
   std::string rows;
   for (const Axis axis : kAllAxes) {
     const protocol::AxisSample& a = sample.axes[index_of(axis)];
@@ -47,6 +51,8 @@ std::string monitor_rows(const protocol::MonitorSample& sample, const devices::V
   }
   return rows;
 }
+
+}  // namespace
 
 Result<MonitorRecording> MonitorRecording::begun(const std::string& file) {
   MonitorRecording made;
@@ -98,7 +104,7 @@ Result<void> MonitorRecording::write(std::string_view text) {
   return {};
 }
 
-Result<void> MonitorRecording::add(const protocol::MonitorSample& sample, const devices::Values& surroundings) {
+Result<void> MonitorRecording::add(const protocol::MonitorSample& sample, const Surroundings& surroundings) {
   if (const auto written = write(monitor_rows(sample, surroundings)); !written) return written;
   ++samples_;
   const auto now = std::chrono::steady_clock::now();

@@ -1,25 +1,39 @@
-// Monitor samples as CSV, one row for each axis and sample, on disc as they come.
+// Monitor samples as CSV, one row for each axis and sample, on disc as they come; and what a sensor of the surroundings
+// says beside them. Does not live here: the sensors.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/result.hpp"
-#include "devices/description.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::commissioning {
 
-/// The header row, with its line end.
-inline constexpr std::string_view kMonitorColumns =
-    "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,output_counts,"
-    "relay_closed,t_air_degC,t_material_degC\n";
+/// What is known of the surroundings at one moment.
+struct Surroundings {
+  std::string device;                                    ///< empty: not open yet
+  std::vector<std::pair<std::string, double>> values{};  ///< "air_degC" 20.5; at most some seconds old; empty: none
+  std::string problem{};  ///< why there are none; empty: there are, or the first are awaited
+  std::string text{};     ///< "air 20.50 degC, material 19.25 degC", or why there is nothing to say
+};
 
-/// @param surroundings  as a sensor gave them last; a temperature that is not among them leaves its field empty
-[[nodiscard]] std::string monitor_rows(const protocol::MonitorSample& sample, const devices::Values& surroundings = {});
+/// A sensor that is read as long as this lives.
+class SurroundingsWatch {
+ public:
+  virtual ~SurroundingsWatch() = default;
+  [[nodiscard]] virtual Surroundings now() const = 0;
+};
+
+/// @param device  as --environment takes it: "temper", "room.toml@SERIAL"
+/// @param every_s  between two readings
+[[nodiscard]] std::unique_ptr<SurroundingsWatch> watched_surroundings(const std::string& device, double every_s);
 
 /// A recording under way. Samples go into FILE.part as they come and are on disc within a second; at the end FILE.part
 /// becomes FILE, and only then is a former FILE gone. After a crash FILE.part holds what was recorded. A device or FIFO
@@ -36,7 +50,8 @@ class MonitorRecording {
   MonitorRecording& operator=(MonitorRecording&&) = delete;
   ~MonitorRecording();  ///< ends it
 
-  [[nodiscard]] Result<void> add(const protocol::MonitorSample& sample, const devices::Values& surroundings);
+  /// @param surroundings  a temperature that is not among them leaves its field empty
+  [[nodiscard]] Result<void> add(const protocol::MonitorSample& sample, const Surroundings& surroundings);
   /// FILE.part becomes FILE; without a sample it is removed, and FILE stays as it was.
   [[nodiscard]] Result<void> end();
 

@@ -15,7 +15,6 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/measurements/devices.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/unit/monitor_record.hpp"
@@ -155,7 +154,7 @@ class MonitorScreen final : public Screen {
     }
     if (is_letter(key, U'f')) frozen_ = !frozen_;
     if (is_letter(key, U'r')) toggle_recording();
-    if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
+    if (is_letter(key, U't')) toggle_thermometer();
     if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
     if (is_letter(key, U'e'))
       export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
@@ -190,7 +189,7 @@ class MonitorScreen final : public Screen {
 
   [[nodiscard]] bool advance() override {
     const bool moves = driver_.advance();
-    const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
+    const std::string surroundings = environment_ ? environment_->now().text : "";
     const bool weather = surroundings != surroundings_;
     surroundings_ = surroundings;
     const std::uint64_t changes = connection_->changes();
@@ -217,7 +216,7 @@ class MonitorScreen final : public Screen {
   Message message_;
   Prompt prompt_;
   MachineDriver driver_;
-  std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
+  std::unique_ptr<SurroundingsWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
   TaskRunner drawing_;
   std::optional<MonitorRecording> recording_;
@@ -226,6 +225,12 @@ class MonitorScreen final : public Screen {
   std::uint64_t received_ = 0;     ///< samples that the connection had when it was looked at last
   mutable PlotPanel strip_panel_;  ///< as drawn last
   mutable std::chrono::steady_clock::time_point strip_at_{};
+
+  void toggle_thermometer() {
+    const bool wanted = environment_ == nullptr;
+    environment_ = wanted ? watched_surroundings("temper", 1.0) : nullptr;
+    if (wanted && !environment_) message_.say("this program has nothing that reads a thermometer", Tone::warning);
+  }
 
   void toggle_recording() {
     if (recording_) {
@@ -270,7 +275,7 @@ class MonitorScreen final : public Screen {
     const std::uint64_t missed = unit.received - std::min(unit.received, received_);
     received_ = unit.received;
     if (!recording_) return;
-    const devices::Values surroundings = environment_ ? environment_->now().values : devices::Values();
+    const Surroundings surroundings = environment_ ? environment_->now() : Surroundings();
     const auto kept = unit.samples.size();
     for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
       if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {

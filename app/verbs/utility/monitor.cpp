@@ -1,5 +1,6 @@
 // `ecs monitor`: what the unit sees of the axes, sample by sample.
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -7,7 +8,6 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/measurements/devices.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
@@ -67,8 +67,7 @@ Cell axes_cell(const MonitorSample& sample) {
 
 Json surroundings_json(const Surroundings& surroundings) {
   Json object{{"device", text_or_null(surroundings.device)}, {"problem", text_or_null(surroundings.problem)}};
-  for (const auto& [quantity, value] : surroundings.values)
-    object[std::string(devices::name_of(quantity))] = number_or_null(value);
+  for (const auto& [quantity, value] : surroundings.values) object[quantity] = number_or_null(value);
   return object;
 }
 
@@ -88,8 +87,11 @@ std::string sample_text(const MonitorSample& sample) {
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
 Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& request,
                    std::optional<MonitorRecording>& recording) {
-  std::optional<EnvironmentWatch> environment;
-  if (!request.environment.empty()) environment.emplace(request.environment, kEnvironment_s);
+  std::unique_ptr<SurroundingsWatch> environment;
+  if (!request.environment.empty()) {
+    environment = watched_surroundings(request.environment, kEnvironment_s);
+    if (!environment) return problem(ProblemKind::usage, "--environment: this program has nothing that reads devices");
+  }
   for (int i = 0; request.count == 0 || i < request.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
     ECS_TRY(sample, unit.client().monitor());
@@ -98,12 +100,12 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& r
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
       object["environment"] = surroundings_json(surroundings);
-      text += to_text(surroundings) + "\n";
+      text += surroundings.text + "\n";
     }
     context.console.print(text);
     context.console.print_json(one_line(object));
     if (recording)
-      if (auto added = recording->add(sample, surroundings.values); !added) return added;
+      if (auto added = recording->add(sample, surroundings); !added) return added;
     if (!context.console.output_is_whole()) return {};  // whoever ends the verb says why
   }
   return {};
