@@ -62,8 +62,8 @@ ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/mach
 ecs_folder(commissioning/certificate base commissioning/logbook laser/analysis laser/writers fmt::fmt)
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
 ecs_folder(commissioning/investigation base commissioning/link commissioning/logbook commissioning/maps
-           commissioning/measurements commissioning/models commissioning/session commissioning/unit laser
-           laser/writers model/data model/diagnosis model/effects model/fit model/planning params protocol/client
+           commissioning/measurements commissioning/model_session commissioning/models commissioning/session
+           commissioning/unit laser laser/writers model/data model/diagnosis model/effects model/fit model/planning params protocol/client
            fmt::fmt)
 ecs_folder(commissioning/laser_session base commissioning/link commissioning/logbook commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/unit core laser
@@ -78,7 +78,7 @@ ecs_folder(commissioning/measurements base base/cli commissioning/link commissio
            tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/memory base commissioning/link commissioning/logbook commissioning/session commissioning/unit
            core laser/map params protocol/client protocol/registers fmt::fmt)
-ecs_folder(commissioning/model_session base commissioning/investigation commissioning/laser_session commissioning/link
+ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link
            commissioning/logbook commissioning/maps commissioning/models commissioning/plot commissioning/session
            model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser

@@ -308,6 +308,11 @@ bool answers(Asking& asking, const Key& key) {
   return true;
 }
 
+void draw_bar(Canvas& canvas, const Area& area, int row, double value, double most, Tone tone) {
+  const int length = most > 0.0 ? static_cast<int>(std::lround(value / most * area.columns)) : 0;
+  for (int c = 0; c < std::clamp(length, 0, area.columns); ++c) canvas.put(area.row + row, area.column + c, U'█', tone);
+}
+
 void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,
                    double seconds_left) {
   const std::string left = seconds_left < 0.0 ? "" : fmt::format("  {:.0f} s left", std::ceil(seconds_left));

@@ -97,6 +97,9 @@ void draw_question(Canvas& canvas, const Area& area, const Asking& asking);
 /// @return whether the key was for the question: while one waits, all are
 bool answers(Asking& asking, const Key& key);
 
+/// A bar of `value` on a scale that ends at `most`; the scale is as long as the area.
+void draw_bar(Canvas& canvas, const Area& area, int row, double value, double most, Tone tone);
+
 /// "sending the map  [=======>      ]  62 %  8 s left"; a negative `seconds_left` is not shown.
 void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,
                    double seconds_left = -1.0);

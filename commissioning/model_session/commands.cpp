@@ -1,7 +1,5 @@
 #include "commissioning/model_session/commands.hpp"
 
-#include <filesystem>
-
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
@@ -20,16 +18,6 @@ using Words = ModelCommands::Words;
 
 void add_option(Words& words, const char* name, const std::string& value) {
   if (!value.empty()) words.insert(words.end(), {name, value});
-}
-
-Words investigation_words(const InvestigationRequest& request, const std::string& file) {
-  Words words{"ecs", "model", "investigate", path_word(request.model), "--machine", path_word(request.machine)};
-  std::error_code error;
-  const bool watches = std::filesystem::is_directory(request.place, error);
-  words.insert(words.end(), {watches ? "--watch" : "--workshop", watches ? path_word(request.place) : request.place,
-                             "--minutes", shortest(request.minutes)});
-  add_option(words, "-o", path_word(file));
-  return words;
 }
 
 }  // namespace
@@ -144,21 +132,6 @@ void ModelCommands::note_map(const FromModelArguments& arguments, const std::str
   add_option(words, "-o", path_word(arguments.output));
   add_option(words, "--params-out", path_word(arguments.params_out));
   note_command(std::move(words));
-}
-
-void ModelCommands::investigated(const InvestigationRequest& request) {
-  NotedCommand command;
-  command.words = investigation_words(request, {});
-  investigation_ = note(std::move(command));
-}
-
-void ModelCommands::wrote_investigated(const InvestigationRequest& request, const std::string& file) {
-  NotedCommand command;
-  command.words = investigation_words(request, file);
-  if (investigation_)
-    amend(*investigation_, std::move(command));
-  else
-    investigation_ = note(std::move(command));
 }
 
 void log_saved_model(const ModelArguments& files, const model::Model& model) {

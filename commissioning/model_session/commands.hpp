@@ -2,12 +2,9 @@
 // changes the model in memory and writes it once, so the commands since then are noted when it is written.
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "commissioning/investigation/controller.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/work.hpp"
 #include "model/diagnosis/diagnose.hpp"
@@ -45,19 +42,14 @@ class ModelCommands {
   void looked_after(bool changed, const std::vector<std::string>& measured_again) const;
   void drawn(bool changed, const std::string& picture) const;
   void note_map(const FromModelArguments& arguments, const std::string& params) const;
-  /// An investigation came to its end.
-  void investigated(const InvestigationRequest& request);
-  /// Its model was written there.
-  void wrote_investigated(const InvestigationRequest& request, const std::string& file);
 
  private:
   /// {"model", verb}, model, data, machine and import options.
   [[nodiscard]] Words on_data(const std::string& verb) const;
   [[nodiscard]] Words undo() const;
   ModelArguments files_;
-  std::vector<Words> steps_;                  ///< since the file was written
-  bool lost_ = false;                         ///< what was done since then is more than commands do
-  std::optional<std::size_t> investigation_;  ///< noted at this place
+  std::vector<Words> steps_;  ///< since the file was written
+  bool lost_ = false;         ///< what was done since then is more than commands do
 };
 
 void log_saved_model(const ModelArguments& files, const model::Model& model);

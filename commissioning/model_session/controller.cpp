@@ -286,58 +286,8 @@ void ModelController::export_picture(FigureWriter write) {
       [commands = commands_, changed = changed_](const std::string& picture) { commands.drawn(changed, picture); });
 }
 
-bool ModelController::may_investigate() {
-  if (busy()) return false;
-  if (files_.machine.empty())
-    message_.say("open the model with its machine file: an investigation needs travels and lever arms", Tone::bad);
-  else if (changed_)
-    message_.say("save the model first (s): the investigation begins with its file", Tone::warning);
-  else
-    return true;
-  return false;
-}
-
-std::string ModelController::emulated_workshop() const {
-  const WatchedUnit seen = unit_ ? unit_->snapshot() : WatchedUnit{};
-  return seen.emulator ? seen.workshop : "";
-}
-
-std::optional<std::string> ModelController::investigation_place(const std::string& typed) {
-  if (!typed.empty()) return typed;
-  const std::string workshop = emulated_workshop();
-  if (workshop.empty()) {
-    message_.say("this link has no emulated machine: give the socket of a workshop, or a folder", Tone::bad);
-    return std::nullopt;
-  }
-  const std::string link = unit_->snapshot().link;  // emulator:MACHINE
-  const auto emulated = params::read_machine(link.substr(std::min(link.size(), link.find(':') + 1)));
-  if (emulated && work_->machine && emulated->machine.name != work_->machine->name) {
-    message_.say(fmt::format("the emulated machine of this link is {}, the machine file of the model is of {}: set the "
-                             "link to emulator:{} in LINK (F3) first",
-                             emulated->machine.name, work_->machine->name, files_.machine),
-                 Tone::bad);
-    return std::nullopt;
-  }
-  return workshop;
-}
-
-void ModelController::start_investigation(const std::string& place, const std::string& minutes) {
-  if (!may_investigate()) return;
-  const auto number = number_in(minutes);
-  if (!number || !(*number > 0.0))
-    return message_.say(fmt::format("expected minutes that the runs may take, found \"{}\"", minutes), Tone::bad);
-  message_.clear();
-  investigation_.start({files_.model, files_.machine, place, *number}, unit_);
-}
-
-void ModelController::write_investigated(const std::string& file) {
-  if (const auto written = investigation_.write_model(file); !written) return message_.say(written.error());
-  commands_.wrote_investigated(*investigation_.request(), file);
-  message_.say("written to " + file);
-}
-
 void ModelController::cancel() {
-  if (investigation_.busy()) return investigation_.stop();
+  if (added_work_.running()) return added_work_.cancel();
   if (!busy()) return;
   task_.cancel();
   message_.say("given up", Tone::warning);
@@ -384,13 +334,8 @@ void ModelController::take(const model::DecidedTies& ties) {
 
 bool ModelController::advance() {
   const bool drawn = drawing_.advance();
-  const bool investigating = investigation_.busy();
-  const bool changed = investigation_.advance();
-  if (investigating && !investigation_.busy()) {
-    message_ = investigation_.message();
-    if (investigation_.found()) commands_.investigated(*investigation_.request());
-  }
-  return task_.advance() || drawn || changed || busy();
+  const bool added = added_work_.advance();
+  return task_.advance() || drawn || added || busy();
 }
 
 std::string ModelController::params_beside(const std::string& machine_file) {

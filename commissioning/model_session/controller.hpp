@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/investigation/controller.hpp"
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/model_session/commands.hpp"
@@ -53,6 +52,9 @@ class ModelController {
   /// What compensation would leave, and what it left; empty: not asked yet.
   [[nodiscard]] const std::vector<std::string>& after() const { return after_; }
   [[nodiscard]] const std::string& model_file() const { return files_.model; }
+  [[nodiscard]] const ModelArguments& files() const { return files_; }
+  [[nodiscard]] const std::optional<params::Machine>& machine() const { return work_->machine; }
+  [[nodiscard]] const std::shared_ptr<UnitConnection>& unit() const { return unit_; }  ///< null: none
   [[nodiscard]] bool changed() const { return changed_; }
   /// Counts up with every fit: curves are made anew only then.
   [[nodiscard]] int generation() const { return generation_; }
@@ -109,27 +111,18 @@ class ModelController {
   /// The picture of the figure that `ecs model fit --plot` draws.
   void export_picture(FigureWriter write);
   void cancel();
-  /// Whether an investigation can begin; says why not.
-  [[nodiscard]] bool may_investigate();
-  /// Socket of the workshop around the emulated machine of the link; empty: none.
-  [[nodiscard]] std::string emulated_workshop() const;
-  /// Where it works: as typed, the socket of a workshop or a folder for readings; empty: the emulated machine of the
-  /// link. Nothing: there is none, or it is another machine than the model's; the message says so.
-  [[nodiscard]] std::optional<std::string> investigation_place(const std::string& typed);
-  /// Asks a workshop for one run after the other; goes on where it was stopped. @param minutes  that the runs may take
-  void start_investigation(const std::string& place, const std::string& minutes);
-  /// The model of the investigation, with its causes.
-  void write_investigated(const std::string& file);
-  [[nodiscard]] const InvestigationController& investigation() const { return investigation_; }
 
   /// Takes what has been finished meanwhile. @return whether anything changed
   [[nodiscard]] bool advance();
-  [[nodiscard]] bool busy() const { return task_.running() || investigation_.busy(); }
-  [[nodiscard]] std::string working_on() const { return task_.running() ? task_.label() : "investigating"; }
-  [[nodiscard]] double seconds_working() const {
-    return task_.running() ? task_.seconds() : investigation_.seconds_working();
-  }
+  [[nodiscard]] bool busy() const { return running().running(); }
+  [[nodiscard]] std::string working_on() const { return running().label(); }
+  [[nodiscard]] double seconds_working() const { return running().seconds(); }
   [[nodiscard]] const Message& message() const { return message_; }
+
+  // for what a module adds to the screen
+  [[nodiscard]] Message& message() { return message_; }
+  /// Its work: nothing else begins meanwhile, and cancel() stops it; what is said of that it says itself.
+  [[nodiscard]] TaskRunner& added_work() { return added_work_; }
 
  private:
   struct Fitted {
@@ -151,6 +144,7 @@ class ModelController {
   };
   using Lines = std::vector<std::string>;
   ModelController() = default;
+  [[nodiscard]] const TaskRunner& running() const { return added_work_.running() ? added_work_ : task_; }
   /// What was done here, as the command `words` does it.
   void did(const std::string& what, const std::vector<std::string>& words);
   void keep();
@@ -192,7 +186,7 @@ class ModelController {
   int generation_ = 0;
   Message message_;
   ModelCommands commands_;
-  InvestigationController investigation_;
+  TaskRunner added_work_;
   TaskRunner drawing_;
   TaskRunner task_;
 };

@@ -32,7 +32,14 @@ std::string completed_effect(const std::string& typed) {
 }  // namespace
 
 ModelScreen::ModelScreen(std::unique_ptr<ModelController> controller)
-    : controller_(std::move(controller)), draft_(controller_->draft()) {}
+    : controller_(std::move(controller)), draft_(controller_->draft()) {
+  auto at = keys_.begin() + 1;
+  for (const NextPart& part : parts_)
+    for (KeyRow row : part.keys) {
+      row.when = [this, when = row.when] { return page_ == Page::next && (!when || when()); };
+      at = keys_.insert(at, std::move(row)) + 1;
+    }
+}
 
 /// Means, one run after the other, all readings.
 void ModelScreen::next_run() {
@@ -96,25 +103,6 @@ void ModelScreen::ask_effect() {
              controller_->start_adding(effect);
            })
       .completed_by(completed_effect);
-}
-
-/// The place, then the minutes.
-void ModelScreen::ask_investigation() {
-  if (!controller_->may_investigate()) return;
-  const auto& request = controller_->investigation().request();
-  const std::string emulated = controller_->emulated_workshop();
-  const std::string before = request ? request->place : "";
-  const std::string minutes = request ? fmt::format("{:g}", request->minutes) : "240";
-  const auto take = [this, minutes](const std::string& typed) {
-    const auto place = controller_->investigation_place(typed);
-    if (place)
-      prompt_.ask("minutes that the runs may take:", Prompt::Kind::number, minutes,
-                  [this, place = *place](const std::string& most) { controller_->start_investigation(place, most); });
-  };
-  prompt_
-      .ask("workshop socket, or folder for readings:", Prompt::Kind::path, before == emulated ? "" : before, take,
-           emulated.empty() ? "" : "empty: the emulated machine of this link")
-      .or_nothing();
 }
 
 std::size_t ModelScreen::chosen_cause() const {
@@ -297,11 +285,6 @@ std::vector<KeyRow> ModelScreen::key_table() {
     prompt_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
                    [this](const std::vector<std::string>& paths) { controller_->start_after(paths); });
   };
-  const auto write_found = [this] {
-    prompt_.ask("write the model to:", Prompt::Kind::path,
-                std::filesystem::path(controller_->model_file()).replace_extension(".found.toml").string(),
-                [this](const std::string& file) { controller_->write_investigated(file); });
-  };
   const auto candidates = [this] {
     return page_ != Page::after && controller_->diagnosis() && !controller_->diagnosis()->candidates.empty();
   };
@@ -310,9 +293,6 @@ std::vector<KeyRow> ModelScreen::key_table() {
              if (controller_->diagnosis()) add_chosen();
            },
            candidates, true},
-          {"f", "write what was found", write_found,
-           [this] { return page_ == Page::next && controller_->investigation().found(); }},
-          {"i", "investigate", [this] { ask_investigation(); }, on(Page::next)},
           {"Enter", "details", {}, causes(Opened::list)},
           {"Enter", "evidence", {}, causes(Opened::details)},
           {"Enter", "details", {}, causes(Opened::evidence)},
@@ -374,6 +354,12 @@ std::vector<KeyHelp> ModelScreen::keys() const {
   return prompt_.active() ? prompt_.keys() : helps_of(keys_);
 }
 
+std::string ModelScreen::said_by_parts(std::string NextPart::*what) const {
+  std::string said;
+  for (const NextPart& part : parts_) said += " " + part.*what;
+  return said;
+}
+
 std::string ModelScreen::help() const {
   return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
@@ -386,10 +372,8 @@ std::string ModelScreen::help() const {
          "compensation (c) and shows what it left when measured again (o). r "
          "shows the means of the targets, one run after the other, then all readings; v shows what is left over each "
          "period of the model, by run and against the sensors. The scale of what is left stays when an effect is "
-         "added, 0 lets it go. On the page Next i investigates: a workshop is asked for one run after the "
-         "other (with the bundled emulator it is the emulated machine of the link) until one cause is left; the ledger "
-         "shows minutes, error and the causes still possible. Esc stops it, i goes "
-         "on where it was, f writes the model with what was found.";
+         "added, 0 lets it go." +
+         said_by_parts(&NextPart::help);
 }
 
 std::string ModelScreen::unsaved() const {

@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "app/screens/files/prompt.hpp"
 #include "app/ui/chart.hpp"
@@ -13,6 +15,17 @@
 #include "commissioning/models/plots.hpp"
 
 namespace ecs::app {
+
+/// What a module adds to the page Next.
+struct NextPart {
+  std::vector<KeyRow> keys;  ///< there only
+  /// In place of the next measurement. False: it has nothing to show yet.
+  std::function<bool(Canvas& canvas, const Area& area, const ScrollPlace& scroll)> draw;
+  std::string hint;  ///< what can be done there before there is a diagnosis
+  std::string help;  ///< sentences for `?`
+};
+/// Of the modules that are there. @param controller, prompt  those of the screen; they outlive the parts
+[[nodiscard]] std::vector<NextPart> next_parts(ModelController& controller, Prompt& prompt);
 
 class ModelScreen final : public Screen {
  public:
@@ -47,9 +60,8 @@ class ModelScreen final : public Screen {
   void draw_curves(Canvas& canvas, const Area& area) const;
   void draw_causes(Canvas& canvas, const Area& area) const;
   void draw_ladder(Canvas& canvas, const Area& area) const;
-  void draw_ledger(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] bool was_investigated() const { return controller_->investigation().request().has_value(); }
   [[nodiscard]] std::vector<std::string> lines_of_page(int columns) const;
+  [[nodiscard]] std::string said_by_parts(std::string NextPart::*what) const;
   [[nodiscard]] bool on_curve_key(const Key& key);
   void turn_page(int by);
   [[nodiscard]] const Curves& curves() const;
@@ -57,7 +69,6 @@ class ModelScreen final : public Screen {
   [[nodiscard]] Step on_question(const Key& key);
   [[nodiscard]] std::vector<KeyRow> key_table();
   void ask_effect();
-  void ask_investigation();
   void on_page_key(const Key& key);
   [[nodiscard]] bool on_ladder_key(const Key& key);
   [[nodiscard]] bool on_causes_key(const Key& key);
@@ -86,6 +97,7 @@ class ModelScreen final : public Screen {
   Prompt prompt_;
   Asking asking_;     ///< before the model is saved, files are overwritten, the map is sent
   ListPlace effect_;  ///< in the list of the page Ladder
+  std::vector<NextPart> parts_ = next_parts(*controller_, prompt_);
   std::vector<KeyRow> keys_ = key_table();
 };
 

@@ -9,7 +9,6 @@
 #include "app/screens/model/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "base/text.hpp"
-#include "commissioning/investigation/ledger.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
@@ -55,12 +54,6 @@ std::vector<std::string> fact_lines(const std::vector<EffectFact>& facts, int co
   return lines;
 }
 
-/// A bar of `value` on a scale that ends at `most`.
-void draw_bar(Canvas& canvas, const Area& area, int row, double value, double most, Tone tone) {
-  const int length = most > 0.0 ? static_cast<int>(std::lround(value / most * area.columns)) : 0;
-  for (int c = 0; c < std::clamp(length, 0, area.columns); ++c) canvas.put(area.row + row, area.column + c, U'█', tone);
-}
-
 }  // namespace
 
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
@@ -79,10 +72,7 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
       draw_ladder(canvas, body);
       break;
     case Page::next:
-      if (was_investigated()) {
-        draw_ledger(canvas, body);
-        break;
-      }
+      if (std::ranges::any_of(parts_, [&](const NextPart& part) { return part.draw(canvas, body, scroll_); })) break;
       [[fallthrough]];
     default:
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
@@ -290,39 +280,6 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   if (value_rows > 0) canvas.paragraph(list.below(list.rows - value_rows), 0, whole, Tone::strong);
 }
 
-/// A row a run, a bar as long as causes are still possible; below it the set, the run under way, what was said.
-void ModelScreen::draw_ledger(Canvas& canvas, const Area& area) const {
-  constexpr int kBar = 8;
-  const InvestigationController& investigation = controller_->investigation();
-  const commissioning::LedgerView view = investigation.view();
-  const Area text = area.between_margins();
-  const int numbers = width_of(commissioning::ledger_numbers_head()) + 2;
-  canvas.text(text, 0, 0, commissioning::ledger_numbers_head(), Tone::faint);
-  canvas.text(text, 0, numbers + kBar + 1, "measured", Tone::faint);
-  std::vector<std::string> below;
-  const auto add = [&](const std::string& paragraph) {
-    for (std::string& line : wrapped(paragraph, text.columns)) below.push_back(std::move(line));
-  };
-  if (!view.set.empty()) add(view.set);
-  if (!view.doing.empty()) add(view.doing);
-  if (investigation.found())
-    for (std::string& line :
-         sentences_wrapped(owned_lines_of(commissioning::summary_text(*investigation.found())), text.columns))
-      below.push_back(std::move(line));
-  for (auto said = view.said.rbegin(); said != view.said.rend(); ++said) add(*said);  // newest first
-  const auto least = static_cast<std::size_t>(std::max(1, area.rows / 3));  // the newest rows of a long ledger
-  const auto room = static_cast<std::size_t>(std::max(2, area.rows - 2)) - std::min(below.size(), least);
-  int row = 1;
-  for (std::size_t k = view.rows.size() > room ? view.rows.size() - room : 0; k < view.rows.size(); ++k, ++row) {
-    const commissioning::LedgerRow& step = view.rows[k];
-    canvas.text(text, row, 0, step.numbers);
-    draw_bar(canvas, {text.row, text.column + numbers, text.rows, kBar}, row, static_cast<double>(step.members), kBar,
-             step.settled ? Tone::good : Tone::forward);
-    canvas.text(text, row, numbers + kBar + 1, step.measured, step.settled ? Tone::good : Tone::plain);
-  }
-  draw_scrolled(canvas, text.below(row + 1), below, scroll_);
-}
-
 std::vector<std::string> ModelScreen::after_lines(int columns) const {
   if (const auto& planned = controller_->planned_map(); planned && !planned->missing.empty()) {
     std::vector<std::string> lines =
@@ -347,11 +304,8 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   if (page_ == Page::fails) return sentences_wrapped(controller_->comparison(), columns + 1);
   if (page_ == Page::after) return after_lines(columns);
   if (!controller_->next())
-    return wrapped(
-        "Press d first: the next measurement depends on what is in doubt. Or i: measure, diagnose and take the next "
-        "run, "
-        "one after the other, until one cause is left; in the workshop of an emulator, or with files that you bring.",
-        columns);
+    return wrapped("Press d first: the next measurement depends on what is in doubt." + said_by_parts(&NextPart::hint),
+                   columns);
   std::vector<std::string> lines;
   const auto add = [&](const std::string& text) {
     for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));
