@@ -1,4 +1,4 @@
-// A capture on the screen with a foot switch, a gauge and a thermometer: run under umockdev-wrapper.
+// A capture on the screen, typed, and with a foot switch, a gauge and a thermometer: run under umockdev-wrapper.
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -11,6 +11,7 @@
 #include "app/verbs/registry.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/screen_driver.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -92,6 +93,48 @@ TEST_CASE(
     CHECK(set->readings[k].sensors_degC.at("t_air_degC") == 20.5);
     CHECK(set->readings[k].sensors_degC.at("t_material_degC") == 19.25);
   }
+}
+
+/// At the second of two targets, without devices.
+std::unique_ptr<Screen> typed_capture(const StateFolder& folder) {
+  auto screen = form_screen({.verb = "laser capture", .talks = true}, capture_verb(), no_link(),
+                            {{"--axis", "X"},
+                             {"--sense", "EX"},
+                             {"--from", "0"},
+                             {"--to", "50"},
+                             {"--step", "50"},
+                             {"--runs", "1"},
+                             {"--min-interval", "0"},
+                             {"--output", (folder.path / "x.csv").string()}},
+                            true);
+  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
+  enter(*screen, "0.5");
+  REQUIRE(shows(*screen, "next: X forward to 50 mm (2 of 2"));
+  return screen;
+}
+
+TEST_CASE("a capture leads through its targets on the screen and ends with its file") {
+  const StateFolder folder;
+  const auto screen = typed_capture(folder);
+  CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
+  enter(*screen, "u");
+  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
+  for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
+  REQUIRE(shows(*screen, "4 readings of 4 targets written"));
+  CHECK(std::filesystem::exists(folder.path / "x.csv"));
+  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("escape leaves a capture with what was read in its part file, and so does closing the screen") {
+  const StateFolder folder;
+  SUBCASE("escape") {
+    const auto screen = typed_capture(folder);
+    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
+    REQUIRE(shows(*screen, "not finished: see below"));
+  }
+  SUBCASE("closed") { (void)typed_capture(folder); }
+  CHECK(std::filesystem::exists(folder.path / "x.csv.part"));
 }
 
 }  // namespace

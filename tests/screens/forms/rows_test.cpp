@@ -174,47 +174,5 @@ TEST_CASE("VOLUME shows the sizes, then the body diagonals, also of a machine wi
   CHECK(contains(picture(*absent), "none.csv"));
 }
 
-// --- a verb that talks
-std::unique_ptr<Screen> capture(const StateFolder& folder) {
-  auto screen = form_screen({.verb = "laser capture", .talks = true}, verb_of("laser capture"), no_link(),
-                            {{"--axis", "X"},
-                             {"--sense", "EX"},
-                             {"--from", "0"},
-                             {"--to", "50"},
-                             {"--step", "50"},
-                             {"--runs", "1"},
-                             {"--min-interval", "0"},
-                             {"--output", (folder.path / "x.csv").string()}},
-                            true);
-  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
-  enter(*screen, "0.5");
-  REQUIRE(shows(*screen, "next: X forward to 50 mm (2 of 2"));
-  return screen;
-}
-
-TEST_CASE("a capture leads through its targets on the screen and ends with its file") {
-  const StateFolder folder;
-  const auto screen = capture(folder);
-  CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
-  enter(*screen, "u");
-  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
-  for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
-  REQUIRE(shows(*screen, "4 readings of 4 targets written"));
-  CHECK(std::filesystem::exists(folder.path / "x.csv"));
-  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
-  CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
-}
-
-TEST_CASE("escape leaves a capture with what was read in its part file, and so does closing the screen") {
-  const StateFolder folder;
-  SUBCASE("escape") {
-    const auto screen = capture(folder);
-    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
-    REQUIRE(shows(*screen, "not finished: see below"));
-  }
-  SUBCASE("closed") { (void)capture(folder); }
-  CHECK(std::filesystem::exists(folder.path / "x.csv.part"));
-}
-
 }  // namespace
 }  // namespace ecs::app

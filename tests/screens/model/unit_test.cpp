@@ -1,31 +1,13 @@
 // From a model to the unit on the MODEL screen: the map with what is missing, the question, sent; and the map opened
 // on the laser screen.
-#include "app/screens/model/screen.hpp"
 #include "base/file.hpp"
 #include "tests/screens/support/laser_unit.hpp"
-#include "tests/support/screen_driver.hpp"
+#include "tests/screens/support/mill_model.hpp"
 
 namespace ecs::app {
 namespace {
 
 using namespace screen_test;
-
-constexpr const char* kScaleOfX = "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n";
-
-/// A line of X of the mill, and a model of it.
-struct MillModel {
-  explicit MillModel(const StateFolder& folder)
-      : files{folder.with("model.toml", kScaleOfX),
-              {folder.with("EXX.csv", measured_csv(kPositioning, [](double p) { return 0.02 * p; }))},
-              "samples/mill/machine.toml",
-              {}} {}
-  [[nodiscard]] ModelScreen screen(const std::string& link) const {
-    auto controller = ModelController::open(files, std::make_shared<UnitConnection>(link));
-    REQUIRE(controller);
-    return ModelScreen(std::move(*controller));
-  }
-  ModelArguments files;
-};
 
 /// Through all questions but the last, with the proposed answers.
 void build_map(ModelScreen& screen, const std::string& map) {
@@ -168,51 +150,7 @@ TEST_CASE("what these data cannot tell apart stays open in the model file until 
   CHECK_FALSE(contains(ecs::read_file(mill.files.model).value(), "servo_lag"));
 }
 
-TEST_CASE("an empty place investigates on the emulated machine of the link, over the link that is open") {
-  const StateFolder folder;
-  const MillModel mill(folder);
-  ModelScreen screen = mill.screen("emulator");
-  (void)letter(screen, '5');
-  REQUIRE(until(screen, [&] {
-    (void)letter(screen, 'i');
-    const bool offered = reads(picture(screen), "empty: the emulated machine of this link");
-    if (!offered) (void)press(screen, Key::Name::escape);
-    return offered;
-  }));
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(contains(picture(screen), "minutes that the runs may take"));
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "first look: "));
-  (void)press(screen, Key::Name::escape);
-  REQUIRE(shows(screen, "stopped; what was measured is kept"));
-  (void)letter(screen, 'i');
-  CHECK_FALSE(contains(picture(screen), ".workshop"));
-}
-
-TEST_CASE("an empty place is refused where the link has no emulated machine, or that of another model") {
-  const StateFolder folder;
-  const MillModel mill(folder);
-  SUBCASE("a real unit") {
-    ModelScreen screen = mill.screen(kNoUnit);
-    (void)letter(screen, '5');
-    (void)letter(screen, 'i');
-    CHECK(contains(picture(screen), "workshop socket, or folder for readings:"));
-    (void)press(screen, Key::Name::enter);
-    CHECK(reads(picture(screen), "this link has no emulated machine: give the socket of a workshop, or a folder"));
-  }
-  SUBCASE("another machine") {
-    ModelScreen screen = mill.screen("emulator:samples/lathe/machine.toml");
-    (void)letter(screen, '5');
-    REQUIRE(until(screen, [&] {
-      (void)letter(screen, 'i');
-      (void)press(screen, Key::Name::enter);
-      return reads(picture(screen), "set the link to emulator:samples/mill/machine.toml in LINK (F3) first");
-    }));
-    CHECK(reads(picture(screen), "the machine file of the model is of moving column mill"));
-  }
-}
-
-TEST_CASE("without a machine file neither an investigation nor a map asks anything before it is refused") {
+TEST_CASE("without a machine file a map asks nothing before it is refused") {
   const StateFolder folder;
   MillModel mill(folder);
   mill.files.machine.clear();
@@ -221,10 +159,6 @@ TEST_CASE("without a machine file neither an investigation nor a map asks anythi
   CHECK(reads(picture(screen), "open the model with its machine file: the map needs the travels"));
   CHECK_FALSE(screen.typing());
   CHECK_FALSE(contains(picture(screen), "Save the model first?"));
-  (void)letter(screen, '5');
-  (void)letter(screen, 'i');
-  CHECK(reads(picture(screen), "open the model with its machine file: an investigation needs"));
-  CHECK_FALSE(screen.typing());
 }
 
 TEST_CASE("compensation is not asked about before a map was sent") {
