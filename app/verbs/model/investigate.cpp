@@ -90,7 +90,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& requ
   const auto investigation = commissioning::investigate(*model, *machine, workshop, options);
   ledger.end(followed.progress());
   if (!investigation) return tl::unexpected(in_file(investigation.error(), request.model));
-  Cell answer = commissioning::investigation_cell(*investigation);
+  ecs::Cell answer = commissioning::investigation_cell(*investigation);
   if (!request.output.empty()) ECS_DO(model::write_model(request.output, investigation->model, request.model));
   answer.text += written_cell("model", request.output).text;
   return outcome_of(answer);
