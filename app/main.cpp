@@ -4,11 +4,10 @@
 #include "app/screens/start.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
-#include "commissioning/logbook/recorder.hpp"
 
 int main(int argc, char** argv) {
   ecs::catch_signals();
-  ecs::commissioning::keep_logbook();
+  ecs::app::begin_records();
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words == std::vector<std::string>{"--linear"})
     return ecs::app::run_linear_program(std::cin, std::cout, std::cerr);

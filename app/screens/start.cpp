@@ -23,8 +23,8 @@
 #include "base/shown.hpp"
 #include "commissioning/files/known_files.hpp"
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/records.hpp"
 #include "commissioning/session/remembered.hpp"
 #include "core/fault.hpp"
 
@@ -87,7 +87,7 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
 
 namespace {
 
-constexpr std::chrono::seconds kLogbookRests{2};  ///< without an entry: then it is closed, and one file again
+constexpr std::chrono::seconds kRecordsRest{2};  ///< without a new one: then they are one file again
 
 struct Asked {
   bool ascii = false;
@@ -159,12 +159,12 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
     auto connection = std::make_shared<UnitConnection>(asked->link);
     const int code = run_screens(**terminal, main_menu(connection),
                                  {[connection] {
-                                    close_logbooks(kLogbookRests);
+                                    let_records_rest(kRecordsRest);
                                     return status_line_of(connection->snapshot(), connection->newest());
                                   },
                                   opening(asked->files, connection), [connection] { return finder(connection); },
                                   [] { return commands_screen(); }});
-    close_logbooks();
+    let_records_rest();
     terminal->reset();  // the screens are gone: what matters still is said to the shell
     for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", shown(word));
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;

@@ -9,9 +9,8 @@
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/investigation/socket_workshop.hpp"
-#include "commissioning/logbook/observed.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/models/work.hpp"
+#include "commissioning/session/records.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::commissioning {
@@ -30,7 +29,7 @@ Result<Investigation> investigated(const ModelArguments& files, const std::strin
                                    FollowedInvestigation& followed, const std::shared_ptr<UnitConnection>& unit,
                                    JobControl& control) {
   const std::atomic<bool>& cancelled = control.cancelled;
-  const ObservedFiles seen;
+  const auto watch = watch_for_records();
   const auto model = model::read_model(files.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(followed, files.machine));
@@ -50,15 +49,11 @@ Result<Investigation> investigated(const ModelArguments& files, const std::strin
   if (!choice.socket.empty()) options.times = workshop_times();
   options.cancelled = &cancelled;
   auto found = investigate(*model, *machine, workshop, options);
-  if (found && logbook_is_kept()) {
-    const Cell answer = investigation_cell(*found);
-    LogRecord made;
-    made.kind = "investigation";
-    made.summary = fmt::format("MODEL: {} steps; {}", found->steps.size(),
-                               found->verdict ? model::name_of(*found->verdict) : "nothing was measured");
-    made.content = one_line(Json{{"screen", "MODEL"}, {"answer", answer.json}});
-    record(std::move(made));
-  }
+  if (found)
+    record({.kind = "investigation",
+            .summary = fmt::format("MODEL: {} steps; {}", found->steps.size(),
+                                   found->verdict ? model::name_of(*found->verdict) : "nothing was measured"),
+            .content = one_line(Json{{"screen", "MODEL"}, {"answer", investigation_cell(*found).json}})});
   return found;
 }
 

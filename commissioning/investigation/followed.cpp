@@ -6,29 +6,24 @@
 #include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
-#include "commissioning/logbook/recorder.hpp"
+#include "commissioning/session/records.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
-void log_readings(const laser::MeasurementSet& set, int run) {
-  if (!logbook_is_kept()) return;
-  LogRecord made;
-  made.kind = "measurement";
-  made.summary = fmt::format("run {} of an investigation: {} readings", run, set.readings.size());
-  const std::string name = fmt::format("investigation run {}.csv", run);
-  made.files.push_back({"output", name, std::make_shared<const std::string>(laser::to_csv(set))});
-  record(std::move(made));
+void record_readings(const laser::MeasurementSet& set, int run) {
+  if (!records_are_kept()) return;
+  record({.kind = "measurement",
+          .summary = fmt::format("run {} of an investigation: {} readings", run, set.readings.size()),
+          .files = {{"output", fmt::format("investigation run {}.csv", run),
+                     std::make_shared<const std::string>(laser::to_csv(set))}}});
 }
 
-void log_step(const InvestigationStep& step, std::size_t number) {
-  if (!logbook_is_kept()) return;
-  LogRecord made;
-  made.kind = "investigation step";
-  made.summary = fmt::format("step {}: {}; {}", number, step.measured, model::name_of(step.verdict));
-  made.content = one_line(Json{{"step", step_cell(step).json}, {"number", number}});
-  record(std::move(made));
+void record_step(const InvestigationStep& step, std::size_t number) {
+  record({.kind = "investigation step",
+          .summary = fmt::format("step {}: {}; {}", number, step.measured, model::name_of(step.verdict)),
+          .content = one_line(Json{{"step", step_cell(step).json}, {"number", number}})});
 }
 
 }  // namespace
@@ -68,7 +63,7 @@ Result<RunReadings> FollowedWorkshop::measure(const RequestedRun& run) {
   say_doing(fmt::format("run {}{}: {}", run.number, run.with_new_map ? ", with the new map active" : "",
                         run.proposal.sentence));
   auto readings = workshop_.measure(run);
-  if (readings) log_readings(readings->set, run.number);
+  if (readings) record_readings(readings->set, run.number);
   if (readings) {
     const std::lock_guard lock(followed_.mutex_);
     followed_.given_[key] = *readings;
@@ -97,7 +92,7 @@ void FollowedWorkshop::keep(const InvestigationStep& step) {
       steps[kept_] = step;
     ++kept_;
   }
-  if (is_new) log_step(step, kept_);
+  if (is_new) record_step(step, kept_);
   say_doing("");
 }
 

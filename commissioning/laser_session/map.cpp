@@ -14,10 +14,9 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
-#include "commissioning/logbook/observed.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/session/commands.hpp"
+#include "commissioning/session/records.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/writers/measurement_writer.hpp"
@@ -369,7 +368,7 @@ Result<laser::MapRecipe> recipe_to_keep(laser::MapRecipe recipe, const fs::path&
 
 /// As the verb would log it that makes the same map of the recipe; of a map that was opened there is none.
 void log_map(const MapFiles& files, const laser::MapRecipe& recipe, const LaserChoices& choices) {
-  if (!logbook_is_kept()) return;
+  if (!records_are_kept()) return;
   const bool by_recipe = choices.opened_map.empty();
   std::vector<std::string> inputs{choices.params_file};
   if (by_recipe) {
@@ -394,13 +393,10 @@ void log_map(const MapFiles& files, const laser::MapRecipe& recipe, const LaserC
                         whole(files.map),
                         "--params-out",
                         whole(files.parameters)};
-  LogRecord made;
-  made.kind = "map";
-  made.summary = fmt::format("{} saved on the screen", fs::path(files.map).filename().string());
-  made.content = one_line(content);
-  made.files = seen_files("input", inputs);
-  for (SeenFile& file : seen_files("output", {files.map, files.parameters})) made.files.push_back(std::move(file));
-  record(std::move(made));
+  record({.kind = "map",
+          .summary = fmt::format("{} saved on the screen", fs::path(files.map).filename().string()),
+          .content = one_line(content),
+          .files = seen_files(inputs, {files.map, files.parameters})});
 }
 
 }  // namespace

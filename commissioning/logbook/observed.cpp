@@ -67,17 +67,6 @@ std::vector<SeenFile> ObservedFiles::files() const {
   return all;
 }
 
-std::vector<SeenFile> seen_files(const std::string& role, const std::vector<std::string>& names) {
-  const Unwatched not_twice;
-  std::vector<SeenFile> files;
-  for (const std::string& name : names) {
-    auto content = name.empty() ? problem(ProblemKind::usage, "") : read_file(name);
-    if (content)
-      files.push_back({role, whole(name).string(), std::make_shared<const std::string>(std::move(*content))});
-  }
-  return files;
-}
-
 bool is_measurement_set(std::string_view content) {
   std::size_t begin = 0;
   while (begin < content.size()) {

@@ -21,7 +21,6 @@ class ObservedFiles final : public FileWatch {
 
   /// Inputs as they were first read, outputs as they were last written, in that order.
   [[nodiscard]] std::vector<SeenFile> files() const;
-  [[nodiscard]] const std::vector<SeenFile>& inputs() const { return inputs_; }
   [[nodiscard]] const std::vector<SeenFile>& outputs() const { return outputs_; }
 
   /// The one of this thread; null: none.
@@ -32,9 +31,6 @@ class ObservedFiles final : public FileWatch {
   std::vector<std::filesystem::path> left_out_;
   const ObservedFiles* before_;
 };
-
-/// Files as they are on the disc now, to be logged; one that cannot be read stays out.
-[[nodiscard]] std::vector<SeenFile> seen_files(const std::string& role, const std::vector<std::string>& names);
 
 /// A measurement set in our CSV form, by its header row.
 [[nodiscard]] bool is_measurement_set(std::string_view content);

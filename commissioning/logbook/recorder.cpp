@@ -1,7 +1,6 @@
 #include "commissioning/logbook/recorder.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <map>
 #include <mutex>
 #include <set>
@@ -18,13 +17,12 @@
 #include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/place.hpp"
 #include "commissioning/logbook/store.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
 
 namespace ecs::commissioning {
 namespace {
-
-std::atomic<bool> keeping{false};
 
 /// What is to be said, and what was said before.
 struct Words {
@@ -56,6 +54,12 @@ void complete(LogRecord& record) {
                  std::make_move_iterator(record.files.end()));
     record.files = std::move(files);
   }
+  const Unwatched not_twice;
+  for (SeenFile& file : record.files) {
+    if (file.content) continue;
+    if (auto content = read_file(file.name)) file.content = std::make_shared<const std::string>(std::move(*content));
+  }
+  std::erase_if(record.files, [](const SeenFile& file) { return !file.content; });
   if (record.machine.empty()) {
     const LogOwner owner = owner_of(record.files);
     record.machine = owner.machine;
@@ -108,9 +112,9 @@ OpenBooks& open_books() {
   return all;
 }
 
-Result<std::optional<std::filesystem::path>> place_of(const LogRecord& record) {
+Result<std::optional<std::filesystem::path>> place_of(const LogOwner& owner) {
   ECS_TRY(setting, logbook_setting());
-  return logbook_of(setting, {record.machine, record.serial_number});
+  return logbook_of(setting, owner);
 }
 
 /// The same, looked for once as long as that logbook is open.
@@ -120,7 +124,7 @@ Result<std::optional<std::filesystem::path>> place_to_write(const LogRecord& rec
   std::error_code error;
   if (known != open.places.end() && open.books.contains(known->second) && std::filesystem::exists(known->second, error))
     return std::optional(known->second);
-  auto place = place_of(record);
+  auto place = place_of({record.machine, record.serial_number});
   if (place && *place) open.places[{record.machine, record.serial_number}] = **place;
   return place;
 }
@@ -150,15 +154,14 @@ void say_what_cannot_be_read() {
       say_once(true, fmt::format("nothing is added to a logbook that cannot be read: {}", to_text(book.error())));
 }
 
-Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
+Result<void> write(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
   ECS_TRY(book, book_at(path));
   std::vector<LogRecord> records;
   for (LogRecord& record : wanted) {
     add_new_measurements(records, *book, record);
     records.push_back(std::move(record));
   }
-  auto entries = book->append_all(records);
-  if (!entries) {
+  if (auto entries = book->append_all(records); !entries) {
     open_books().books.erase(path);
     return tl::unexpected(entries.error());
   }
@@ -166,44 +169,20 @@ Result<LogbookEntry> written(const std::filesystem::path& path, std::vector<LogR
   if (book->is_new())
     say_once(false, fmt::format("a logbook of {} was begun: {} (docs/logbook.md; ECS_LOGBOOK=off keeps none)",
                                 in_words({records.back().machine, records.back().serial_number}), path.string()));
-  return std::move(entries->back());
-}
-
-std::optional<LogbookEntry> said_if_failed(Result<LogbookEntry> entry) {
-  if (entry) return std::move(*entry);
-  say_once(true, fmt::format("not in the logbook: {}", to_text(entry.error())));
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace
 
-void keep_logbook(bool keep) {
-  close_logbooks();
-  const auto setting = logbook_setting();
-  keeping = keep && (!setting || !setting->off);
-  watch_sent_images(keeping ? record_transfer : std::function<void(const SentImage&)>());
-}
-
-bool logbook_is_kept() { return keeping; }
-
-std::optional<LogbookEntry> record(LogRecord one) { return record_all({std::move(one)}); }
-
-std::optional<LogbookEntry> record_all(std::vector<LogRecord> records) {
-  if (!keeping || records.empty()) return std::nullopt;
+void record_all(std::vector<LogRecord> records, const std::filesystem::path& into) {
+  if (!records_are_kept() || records.empty()) return;
   const std::lock_guard lock(writing());
   for (LogRecord& one : records) complete(one);
   const Unwatched own_files;
-  const auto path = place_to_write(records.back());
-  if (path && !*path) return std::nullopt;
-  return said_if_failed(path ? written(**path, std::move(records)) : tl::unexpected(path.error()));
-}
-
-std::optional<LogbookEntry> record_in(const std::filesystem::path& path, LogRecord record) {
-  if (!keeping) return std::nullopt;
-  const std::lock_guard lock(writing());
-  complete(record);
-  const Unwatched own_files;
-  return said_if_failed(written(path, {std::move(record)}));
+  const auto path = into.empty() ? place_to_write(records.back()) : std::optional(into);
+  if (path && !*path) return;
+  const auto done = path ? write(**path, std::move(records)) : tl::unexpected(path.error());
+  if (!done) say_once(true, fmt::format("not in the logbook: {}", to_text(done.error())));
 }
 
 void close_logbooks(std::chrono::milliseconds idle) {
@@ -217,23 +196,6 @@ void close_logbooks(std::chrono::milliseconds idle) {
   if (open_books().books.empty()) open_books().places.clear();
 }
 
-std::optional<LogbookEnd> logbook_end() {
-  const ObservedFiles* seen = ObservedFiles::current();
-  if (!keeping || seen == nullptr) return std::nullopt;
-  LogRecord about;
-  const LogOwner owner = owner_of(seen->files());
-  about.machine = owner.machine;
-  about.serial_number = owner.serial_number;
-  const Unwatched own_files;
-  const auto path = place_of(about);
-  if (!path || !*path) return std::nullopt;
-  const auto book = Logbook::open_to_read(**path);
-  const auto count = book ? book->count() : tl::unexpected(book.error());
-  auto hash = book ? book->last_hash() : tl::unexpected(book.error());
-  if (!count || !hash || *count == 0) return std::nullopt;
-  return LogbookEnd{**path, *count, std::move(*hash)};
-}
-
 std::vector<LogbookWord> logbook_words() {
   const std::lock_guard lock(words().mutex);
   return std::exchange(words().waiting, {});
@@ -241,24 +203,18 @@ std::vector<LogbookWord> logbook_words() {
 
 namespace {
 
-struct TransferToUnit {
-  LogOwner owner;
-  std::span<const std::uint8_t> image;
-  std::uint32_t check = 0;          ///< its block check
-  protocol::UploadReport report{};  ///< where it did not fail
-  std::string problem{};            ///< why it failed; empty: it did not
-};
-
-TransferToUnit in_log(const SentImage& one) {
-  const laser::StatedIdentity stated = laser::stated_identity(one.image);
-  TransferToUnit transfer{{stated.machine.empty() ? one.unit.machine : stated.machine, one.unit.serial_number},
-                          one.image,
-                          ImageView(one.image).check()};
-  if (one.sent)
-    transfer.report = *one.sent;
-  else
-    transfer.problem = to_text(one.sent.error());
-  return transfer;
+std::optional<RecordsEnd> logbook_end() {
+  const ObservedFiles* seen = ObservedFiles::current();
+  if (seen == nullptr) return std::nullopt;
+  const LogOwner owner = owner_of(seen->files());
+  const Unwatched own_files;
+  const auto path = place_of(owner);
+  if (!path || !*path) return std::nullopt;
+  const auto book = Logbook::open_to_read(**path);
+  const auto count = book ? book->count() : tl::unexpected(book.error());
+  auto hash = book ? book->last_hash() : tl::unexpected(book.error());
+  if (!count || !hash || *count == 0) return std::nullopt;
+  return RecordsEnd{**path, *count, std::move(*hash)};
 }
 
 constexpr const char* kImage = "image_sha256";
@@ -285,65 +241,56 @@ bool is_rollback(const LogOwner& owner, const std::string& sha256) {
          std::find(images.begin(), images.end(), sha256) != images.end();
 }
 
-LogRecord begun(const TransferToUnit& one, std::string kind, std::string summary, const Json& content) {
-  LogRecord record;
-  record.kind = std::move(kind);
-  record.machine = one.owner.machine;
-  record.serial_number = one.owner.serial_number;
-  record.summary = std::move(summary);
-  record.content = one_line(content);
-  return record;
+/// Two entries: the transfer, and the activation; `rollback` in its place where that image was active before the one
+/// that it replaces. A transfer that failed, or that found the image active, is one entry.
+void record_transfer(const SentImage& one) {
+  const laser::StatedIdentity stated = laser::stated_identity(one.image);
+  const LogOwner owner{stated.machine.empty() ? one.unit.machine : stated.machine, one.unit.serial_number};
+  const std::string bytes(one.image.begin(), one.image.end());
+  const std::string sha256 = sha256_hex(bytes);
+  const std::string check = fmt::format("{:08X}", ImageView(one.image).check());
+  Json content{{kImage, sha256}, {"block_check", check}, {"direction", "to the unit"}};
+  const auto entry = [&](std::string kind, std::string summary) {
+    return LogRecord{.kind = std::move(kind),
+                     .machine = owner.machine,
+                     .serial_number = owner.serial_number,
+                     .summary = std::move(summary),
+                     .content = one_line(content)};
+  };
+  if (!one.sent) {
+    content["problem"] = to_text(one.sent.error());
+    return record(entry("transfer", fmt::format("not done: {}", to_text(one.sent.error()))));
+  }
+  content["bytes"] = bytes.size();
+  content["bytes_sent"] = one.sent->bytes_sent;
+  content["commit_sequence"] = one.sent->commit_sequence;
+  if (one.sent->already_held)
+    return record(entry("transfer", fmt::format("nothing sent: the unit held image {} already", check)));
+  const bool rollback = is_rollback(owner, sha256);
+  LogRecord active = entry(rollback ? "rollback" : "activation",
+                           fmt::format("image {} is active, commit {}{}", check, one.sent->commit_sequence,
+                                       rollback ? ": it was active before" : ""));
+  active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
+  record_all(
+      {entry("transfer", fmt::format("{} of {} bytes sent, block check {}", one.sent->bytes_sent, bytes.size(), check)),
+       std::move(active)});
 }
+
+constexpr RecordKeeper kLogbookKeeper{
+    .record = [](LogRecord one) { record_all({std::move(one)}); },
+    .watch = []() -> std::unique_ptr<FileWatch> { return std::make_unique<ObservedFiles>(); },
+    .rest = close_logbooks,
+    .end = logbook_end,
+};
 
 }  // namespace
 
-void record_transfer(const SentImage& sent) {
-  if (!logbook_is_kept()) return;
-  const TransferToUnit one = in_log(sent);
-  const std::string bytes(one.image.begin(), one.image.end());
-  const std::string sha256 = sha256_hex(bytes);
-  const std::string check = fmt::format("{:08X}", one.check);
-  Json content{{kImage, sha256}, {"block_check", check}, {"direction", "to the unit"}};
-  if (!one.problem.empty()) {
-    content["problem"] = one.problem;
-    record(begun(one, "transfer", fmt::format("not done: {}", one.problem), content));
-    return;
-  }
-  content["bytes"] = bytes.size();
-  content["bytes_sent"] = one.report.bytes_sent;
-  content["commit_sequence"] = one.report.commit_sequence;
-  if (one.report.already_held) {
-    record(begun(one, "transfer", fmt::format("nothing sent: the unit held image {} already", check), content));
-    return;
-  }
-  const bool rollback = is_rollback(one.owner, sha256);
-  std::vector<LogRecord> both;
-  both.push_back(begun(one, "transfer",
-                       fmt::format("{} of {} bytes sent, block check {}", one.report.bytes_sent, bytes.size(), check),
-                       content));
-  LogRecord active = begun(one, rollback ? "rollback" : "activation",
-                           fmt::format("image {} is active, commit {}{}", check, one.report.commit_sequence,
-                                       rollback ? ": it was active before" : ""),
-                           content);
-  active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
-  both.push_back(std::move(active));
-  record_all(std::move(both));
-}
-
-void record_memory_write(const MemoryWritten& one) {
-  if (!logbook_is_kept()) return;
-  const std::string place = fmt::format("0x{:06X}", one.address);
-  Json content{{"direction", "to the unit"}, {"address", place}, {"bytes", one.bytes.size()}};
-  if (!one.problem.empty()) content["problem"] = one.problem;
-  LogRecord record;
-  record.kind = "memory write";
-  record.serial_number = one.serial_number;
-  record.summary = one.problem.empty()
-                       ? fmt::format("{} bytes written from {} on", one.bytes.size(), place)
-                       : fmt::format("not confirmed: {} bytes from {} on: {}", one.bytes.size(), place, one.problem);
-  record.content = one_line(content);
-  record.files.push_back({"memory", place, std::make_shared<const std::string>(one.bytes.begin(), one.bytes.end())});
-  commissioning::record(std::move(record));
+void keep_logbook(bool keep) {
+  close_logbooks();
+  const auto setting = logbook_setting();
+  const bool kept = keep && (!setting || !setting->off);
+  let_keep_records(kept ? &kLogbookKeeper : nullptr);
+  watch_sent_images(kept ? record_transfer : std::function<void(const SentImage&)>());
 }
 
 }  // namespace ecs::commissioning

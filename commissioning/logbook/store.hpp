@@ -17,6 +17,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/result.hpp"
+#include "commissioning/session/records.hpp"
 
 struct sqlite3;
 
@@ -67,26 +68,6 @@ inline constexpr const char* kLogKinds[] = {
 [[nodiscard]] std::vector<std::string> words_of(const LogbookEntry& entry);
 [[nodiscard]] std::string folder_of(const LogbookEntry& entry);
 
-/// A file with its bytes, to be logged.
-struct SeenFile {
-  std::string role;
-  std::string name;
-  std::shared_ptr<const std::string> content;
-};
-
-/// What is to be written; number, hashes and, where they are empty, time and operator are added.
-struct LogRecord {
-  std::string kind;
-  std::string machine;
-  std::string serial_number;
-  std::string summary;
-  std::string content = "{}";  ///< JSON object without `files`, which are added
-  std::vector<SeenFile> files;
-  std::string instrument;
-  std::string time;
-  std::string operator_name;
-};
-
 inline constexpr std::string_view kLogbookExtension = ".ecslog";
 
 /// Whose logbook it is: as the first entries that state them say.
@@ -121,6 +102,7 @@ class Logbook {
   /// For reading, also where nothing can be written; `bad_input` where it is missing.
   [[nodiscard]] static Result<Logbook> open_to_read(const std::filesystem::path& path);
 
+  /// Number, hashes and, where it is empty, the time are added. @pre each file of the record has its content
   /// @return the entry as it was written. Refused if the record is about another machine; `output` if it cannot be
   /// written: then the logbook is as it was.
   [[nodiscard]] Result<LogbookEntry> append(const LogRecord& record);

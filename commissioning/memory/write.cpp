@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/json.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/memory/names.hpp"
+#include "commissioning/session/records.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::commissioning {
@@ -19,6 +19,20 @@ std::string_view reason_of(const MemoryRegion& region) {
     return "parameters and maps are written whole, beside the active ones; use `params send`, `map send` or `memory "
            "load`";
   return "the host may not write there";
+}
+
+/// Of bytes in the unit's memory; where writing failed perhaps a part of them is there.
+void record_write(const std::string& serial_number, Address address, ByteView bytes, const Result<void>& written) {
+  const std::string place = hex_address(address);
+  Json content{{"direction", "to the unit"}, {"address", place}, {"bytes", bytes.size()}};
+  if (!written) content["problem"] = to_text(written.error());
+  record({.kind = "memory write",
+          .serial_number = serial_number,
+          .summary = written ? fmt::format("{} bytes written from {} on", bytes.size(), place)
+                             : fmt::format("not confirmed: {} bytes from {} on: {}", bytes.size(), place,
+                                           to_text(written.error())),
+          .content = one_line(content),
+          .files = {{"memory", place, std::make_shared<const std::string>(bytes.begin(), bytes.end())}}});
 }
 
 }  // namespace
@@ -51,8 +65,7 @@ Result<void> write_logged(protocol::UnitClient& client, const std::string& seria
                           ByteView bytes, const protocol::ProgressCallback& progress) {
   auto written = client.write_memory(address, bytes, progress);
   const bool may_be_part = written || written.error().kind == ProblemKind::link;
-  if (may_be_part)
-    record_memory_write({serial_number, address, bytes, written ? std::string() : to_text(written.error())});
+  if (may_be_part) record_write(serial_number, address, bytes, written);
   return written;
 }
 

@@ -24,7 +24,7 @@ struct ByteWrite {
 /// Refused in every mode but integration.
 [[nodiscard]] Result<void> may_write_in(UnitMode mode);
 
-/// Writes, and says so in the logbook of the unit's machine.
+/// Writes, and says so in the records of the unit's machine.
 [[nodiscard]] Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,
                                         ByteView bytes, const protocol::ProgressCallback& progress = {});
 /// Looks first: unit, mode and the bytes that are there must be those that were shown. Then writes and reads back.

@@ -6,10 +6,9 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/choices.hpp"
-#include "commissioning/logbook/observed.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/session/commands.hpp"
+#include "commissioning/session/records.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -134,34 +133,38 @@ void ModelCommands::note_map(const FromModelArguments& arguments, const std::str
   note_command(std::move(words));
 }
 
-void log_saved_model(const ModelArguments& files, const model::Model& model) {
-  if (!logbook_is_kept()) return;
+namespace {
+
+/// What was done on the screen to the model as it is now, with the files that it works on.
+void record_model(const ModelArguments& files, const model::Model& model, LogRecord done, const char* role) {
   std::vector<std::string> inputs = files.data;
   inputs.push_back(files.machine);
-  const std::string last = model.history.empty() ? "" : model.history.back().effect;
-  LogRecord made;
-  made.kind = "model";
-  made.summary = last.empty() ? "MODEL: saved" : fmt::format("MODEL: saved, the last effect added is {}", last);
-  made.content = one_line(Json{{"screen", "MODEL"}, {"model", files.model}});
-  made.files = seen_files("input", inputs);
-  made.files.push_back({"output", files.model, std::make_shared<const std::string>(to_toml(model))});
-  record(std::move(made));
+  done.files = seen_files(inputs);
+  done.files.push_back({role, files.model, std::make_shared<const std::string>(to_toml(model))});
+  record(std::move(done));
 }
 
-void log_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis) {
-  if (!logbook_is_kept()) return;
+}  // namespace
+
+void record_saved_model(const ModelArguments& files, const model::Model& model) {
+  const std::string last = model.history.empty() ? "" : model.history.back().effect;
+  record_model(files, model,
+               {.kind = "model",
+                .summary = last.empty() ? "MODEL: saved" : "MODEL: saved, the last effect added is " + last,
+                .content = one_line(Json{{"screen", "MODEL"}, {"model", files.model}})},
+               "output");
+}
+
+void record_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis) {
+  if (!records_are_kept()) return;
   const Json answer = diagnosis_cell(diagnosis).json;
-  std::vector<std::string> inputs = files.data;
-  inputs.push_back(files.machine);
-  LogRecord made;
-  made.kind = "diagnosis";
-  made.summary =
-      "MODEL: " + (answer.contains("headline") && answer["headline"].is_string() ? answer["headline"].get<std::string>()
-                                                                                 : std::string("diagnosis"));
-  made.content = one_line(Json{{"screen", "MODEL"}, {"answer", answer}});
-  made.files = seen_files("input", inputs);
-  made.files.push_back({"input", files.model, std::make_shared<const std::string>(to_toml(model))});
-  record(std::move(made));
+  const auto headline = answer.find("headline");
+  const bool has = headline != answer.end() && headline->is_string();
+  record_model(files, model,
+               {.kind = "diagnosis",
+                .summary = "MODEL: " + (has ? headline->get<std::string>() : "diagnosis"),
+                .content = one_line(Json{{"screen", "MODEL"}, {"answer", answer}})},
+               "input");
 }
 
 }  // namespace ecs::commissioning

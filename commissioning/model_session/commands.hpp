@@ -52,9 +52,9 @@ class ModelCommands {
   bool lost_ = false;         ///< what was done since then is more than commands do
 };
 
-void log_saved_model(const ModelArguments& files, const model::Model& model);
+void record_saved_model(const ModelArguments& files, const model::Model& model);
 
 /// @param model  as it was when the diagnosis began
-void log_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis);
+void record_diagnosis(const ModelArguments& files, const model::Model& model, const model::Diagnosis& diagnosis);
 
 }  // namespace ecs::commissioning

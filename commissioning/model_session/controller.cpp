@@ -253,7 +253,7 @@ void ModelController::save() {
   if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
   model_ = std::move(model);
   commands_.saved(to_toml(model_));
-  log_saved_model(files_, model_);
+  record_saved_model(files_, model_);
   saved_ = true;
   changed_ = false;
   values_kept_ = true;
@@ -316,7 +316,7 @@ void ModelController::show(Fitted fitted) {
 void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
-  log_diagnosis(files_, model_, *diagnosis_);
+  record_diagnosis(files_, model_, *diagnosis_);
   commands_.diagnosed(changed_);
   next_ = std::move(found.next);
   if (found.ties && !found.ties->notes.empty()) take(*found.ties);

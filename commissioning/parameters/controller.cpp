@@ -6,10 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "commissioning/logbook/observed.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/session/commands.hpp"
+#include "commissioning/session/records.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -270,11 +269,9 @@ Result<void> ParametersController::save(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
   std::string text = params::parameters_toml(set_.parameters, set_.identity);
   if (auto written = write_file(path, text); !written) return written;
-  LogRecord saved;
-  saved.kind = "parameters";
-  saved.summary = "parameters saved to " + std::filesystem::path(path).filename().string();
-  saved.files = seen_files("output", {path});
-  record(std::move(saved));
+  record({.kind = "parameters",
+          .summary = "parameters saved to " + std::filesystem::path(path).filename().string(),
+          .files = seen_files({}, {path})});
   note_written(path, set_);
   file_text_ = std::move(text);
   file_findings_.clear();

@@ -10,8 +10,8 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "commissioning/logbook/recorder.hpp"
 #include "commissioning/maps/findings.hpp"
+#include "commissioning/session/records.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/recipe.hpp"
@@ -434,7 +434,7 @@ Result<ReportContent> report_content(VerbContext& context, const ReportArguments
   ECS_DO(add_rows(files, content));
   ECS_DO(of_one_machine(owners_in(files, content)));
   ECS_DO(note_files(files, content));
-  if (const auto end = logbook_end())
+  if (const auto end = records_end())
     content.files.push_back({"logbook",
                              fmt::format("{}: hash of entry {}, the last when this was written",
                                          end->path.filename().string(), end->entries),

@@ -129,7 +129,7 @@ void log_certificate(const Logbook& book, const ExportLogRequest& request, const
                                  {"validated", !written.schema.empty()},
                                  {"signed", written.certificate.to_be_signed}});
   record.files.push_back({"output", request.dcc, std::make_shared<const std::string>(xml)});
-  (void)record_in(book.path(), std::move(record));
+  record_all({std::move(record)}, book.path());
 }
 
 Result<WrittenCertificate> certified(VerbContext& context, const ExportLogRequest& request, const Logbook& book) {

@@ -1,0 +1,37 @@
+// What was done goes to whoever keeps records of it, and nowhere where nobody does.
+#include "commissioning/session/records.hpp"
+
+#include "tests/support/test.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+std::vector<std::string> kept_kinds;
+
+constexpr RecordKeeper kListOfKinds{
+    .record = [](LogRecord one) { kept_kinds.push_back(one.kind); },
+    .watch = []() -> std::unique_ptr<FileWatch> { return nullptr; },
+    .rest = [](std::chrono::milliseconds) { kept_kinds.emplace_back("rest"); },
+    .end = []() -> std::optional<RecordsEnd> {
+      return RecordsEnd{"list", kept_kinds.size(), "none"};
+    },
+};
+
+TEST_CASE("what was done is told to the keeper, as long as there is one") {
+  REQUIRE_FALSE(records_are_kept());
+  record({.kind = "map"});
+  let_records_rest();
+  CHECK(kept_kinds.empty());
+  CHECK(watch_for_records() == nullptr);
+  CHECK_FALSE(records_end());
+  let_keep_records(&kListOfKinds);
+  record({.kind = "parameters"});
+  let_records_rest();
+  CHECK(records_end()->entries == 2);
+  let_keep_records(nullptr);
+  record({.kind = "report"});
+  CHECK(kept_kinds == std::vector<std::string>{"parameters", "rest"});
+}
+
+}  // namespace
+}  // namespace ecs::commissioning
