@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "base/json.hpp"
-#include "commissioning/logbook/instrument.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 #include "commissioning/unit/status.hpp"
@@ -39,15 +38,14 @@
 #include "modules/report/diagnosis.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
-#include "tests/fuzz/fuzzed_bytes.hpp"
+#include "tests/fuzz/parsers.hpp"
 #include "volume/rotary_errors.hpp"
 
 namespace {
 
 using namespace ecs;
-using fuzz::check;
+using namespace ecs::fuzz;
 
-constexpr const char* kFile = "fuzzed";
 const std::filesystem::path kFolder = "/nowhere";  // no file that a text names is found
 
 void finite(double value) { check(std::isfinite(value)); }
@@ -55,20 +53,6 @@ void finite(const std::optional<double>& value) { check(!value || std::isfinite(
 template <class Numbers>
 void all_finite(const Numbers& numbers) {
   for (const auto& number : numbers) finite(number);
-}
-
-bool has_words(const Problem& problem, bool of_file) {
-  return !problem.message.empty() && problem.line >= 0 && problem.column >= 0 && (!of_file || !problem.file.empty()) &&
-         std::all_of(problem.also.begin(), problem.also.end(),
-                     [&](const Problem& one) { return has_words(one, of_file); });
-}
-
-/// Whether something was read; what was not has its reason in words.
-template <class Value>
-bool was_read(const Result<Value>& result, bool of_file = true) {
-  if (result) return true;
-  check(has_words(result.error(), of_file) && !to_text(result.error()).empty());
-  return false;
 }
 
 void circle_test(std::string_view text) {
@@ -315,14 +299,6 @@ void batch_plan(std::string_view text) {
   for (const commissioning::PlannedUnit& unit : *read) check(!to_text(unit.link).empty());
 }
 
-void instrument(std::string_view text) {
-  const auto read = commissioning::parse_instrument(text, kFile);
-  if (!was_read(read)) return;
-  const auto again = commissioning::parse_instrument(commissioning::to_toml(*read), kFile);
-  check(again && *again == *read);
-  static_cast<void>(commissioning::calibrated_on(*read, "2026-01-31"));
-}
-
 void diagnosis(std::string_view text) {
   const auto read = app::parse_diagnosis(text, kFile);
   if (!was_read(read)) return;
@@ -334,12 +310,7 @@ void diagnosis(std::string_view text) {
   for (const app::ReportedDependence& one : read->where) finite(one.strength);
 }
 
-/// Each by the name of its function without parse_ (tests/base/fuzzed_parsers_test.cpp).
-struct Parser {
-  std::string_view id;
-  void (*run)(std::string_view text);
-};
-constexpr Parser kParsers[] = {
+const AddedParsers kTexts{{
     {"circle_test", circle_test},
     {"diagonals", diagonals},
     {"map_recipe", map_recipe},
@@ -359,9 +330,8 @@ constexpr Parser kParsers[] = {
     {"recording", recording},
     {"plan", plan},
     {"batch_plan", batch_plan},
-    {"instrument", instrument},
     {"diagnosis", diagnosis},
-};
+}};
 
 /// Numbers, words and texts in quotes.
 std::vector<std::pair<std::size_t, std::size_t>> words_of(const std::string& text) {
@@ -423,9 +393,9 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const char* const given = std::getenv("ECS_FUZZ_READER");
-  static const auto* const parser = std::find_if(std::begin(kParsers), std::end(kParsers),
-                                                 [](const Parser& one) { return given != nullptr && one.id == given; });
-  check(parser != std::end(kParsers));
+  static const auto parser = std::find_if(parsers().begin(), parsers().end(),
+                                          [](const Parser& one) { return given != nullptr && one.id == given; });
+  check(parser != parsers().end());
   parser->run(std::string_view(reinterpret_cast<const char*>(data), size));
   return 0;
 }

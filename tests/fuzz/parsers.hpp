@@ -1,0 +1,44 @@
+// The parsers of texts that are fuzzed; each source of fuzzers adds its own.
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "tests/fuzz/fuzzed_bytes.hpp"
+
+namespace ecs::fuzz {
+
+inline constexpr const char* kFile = "fuzzed";
+
+inline bool has_words(const Problem& problem, bool of_file) {
+  return !problem.message.empty() && problem.line >= 0 && problem.column >= 0 && (!of_file || !problem.file.empty()) &&
+         std::all_of(problem.also.begin(), problem.also.end(),
+                     [&](const Problem& one) { return has_words(one, of_file); });
+}
+
+/// Whether something was read; what was not has its reason in words.
+template <class Value>
+bool was_read(const Result<Value>& result, bool of_file = true) {
+  if (result) return true;
+  check(has_words(result.error(), of_file) && !to_text(result.error()).empty());
+  return false;
+}
+
+/// Each by the name of its function without parse_ (tests/base/fuzzed_parsers_test.cpp).
+struct Parser {
+  std::string_view id;
+  void (*run)(std::string_view text);
+};
+inline std::vector<Parser>& parsers() {
+  static std::vector<Parser> all;
+  return all;
+}
+struct AddedParsers {
+  explicit AddedParsers(const std::vector<Parser>& more) {
+    parsers().insert(parsers().end(), more.begin(), more.end());
+  }
+};
+
+}  // namespace ecs::fuzz
