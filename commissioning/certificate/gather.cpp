@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "commissioning/certificate/certificate.hpp"
-#include "commissioning/logbook/observed.hpp"
+#include "commissioning/logbook/recorder.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/writers/measurement_writer.hpp"
 

@@ -11,10 +11,11 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/file_watch.hpp"
 #include "base/json.hpp"
+#include "base/settings.hpp"
+#include "base/text.hpp"
 #include "base/version.hpp"
-#include "commissioning/logbook/observed.hpp"
+#include "commissioning/logbook/instrument.hpp"
 #include "commissioning/logbook/place.hpp"
 #include "commissioning/logbook/store.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -22,6 +23,67 @@
 #include "laser/map/image.hpp"
 
 namespace ecs::commissioning {
+namespace {
+
+thread_local const ObservedFiles* observed_by_thread = nullptr;
+
+std::filesystem::path whole(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto absolute = std::filesystem::absolute(path, error);
+  return error ? path : absolute.lexically_normal();
+}
+
+bool is_within(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  return !folder.empty() && end == folder.end();
+}
+
+}  // namespace
+
+ObservedFiles::ObservedFiles() : before_(std::exchange(observed_by_thread, this)) {
+  left_out_.push_back(whole(settings_file()).parent_path());
+  if (const auto state = state_folder()) left_out_.push_back(whole(*state));
+}
+
+ObservedFiles::~ObservedFiles() { observed_by_thread = before_; }
+
+bool ObservedFiles::is_left_out(const std::filesystem::path& path) const {
+  return std::any_of(left_out_.begin(), left_out_.end(),
+                     [at = whole(path)](const auto& folder) { return is_within(at, folder); });
+}
+
+void ObservedFiles::was_read(const std::filesystem::path& path, std::string_view content) {
+  const auto same = [&](const SeenFile& seen) { return seen.name == path.string(); };
+  if (is_left_out(path) || std::any_of(inputs_.begin(), inputs_.end(), same)) return;
+  if (std::any_of(outputs_.begin(), outputs_.end(), same)) return;  // its own, read again
+  inputs_.push_back({"input", path.string(), std::make_shared<const std::string>(content)});
+}
+
+void ObservedFiles::was_written(const std::filesystem::path& path, std::string_view content) {
+  if (is_left_out(path)) return;
+  std::erase_if(outputs_, [&](const SeenFile& seen) { return seen.name == path.string(); });
+  outputs_.push_back({"output", path.string(), std::make_shared<const std::string>(content)});
+}
+
+std::vector<SeenFile> ObservedFiles::files() const {
+  std::vector<SeenFile> all = inputs_;
+  all.insert(all.end(), outputs_.begin(), outputs_.end());
+  return all;
+}
+
+bool is_measurement_set(std::string_view content) {
+  std::size_t begin = 0;
+  while (begin < content.size()) {
+    const std::size_t end = std::min(content.find('\n', begin), content.size());
+    const std::string_view line = trimmed(content.substr(begin, end - begin));
+    begin = end + 1;
+    if (line.empty() || line.starts_with('#')) continue;
+    const std::string names = fmt::format(",{},", lower(line));
+    return names.find(",sense,") != std::string::npos && names.find(",reading,") != std::string::npos;
+  }
+  return false;
+}
+
 namespace {
 
 /// What is to be said, and what was said before.
@@ -47,8 +109,37 @@ std::mutex& writing() {
   return one;
 }
 
+void take(LogOwner& owner, const LogOwner& found) {
+  const bool other = !owner.machine.empty() && !found.machine.empty() && owner.machine != found.machine;
+  if (other) return;
+  if (owner.machine.empty()) owner.machine = found.machine;
+  if (owner.serial_number.empty()) owner.serial_number = found.serial_number;
+}
+
+/// What the files say, the first that says it; else a machine.toml or parameters.toml beside them.
+LogOwner owner_by(const std::vector<SeenFile>& files) {
+  LogOwner owner;
+  for (const SeenFile& file : files) take(owner, owner_in(*file.content));
+  if (!owner.machine.empty()) return owner;
+  const Unwatched not_an_input;
+  for (const SeenFile& file : files)
+    for (const char* beside : {"parameters.toml", "machine.toml"})
+      if (const auto content = read_file(std::filesystem::path(file.name).parent_path() / beside))
+        take(owner, owner_in(*content));
+  return owner;
+}
+
+/// The first instrument that a measured file names, else the one in use.
+Instrument instrument_by(const std::vector<SeenFile>& files) {
+  for (const SeenFile& file : files)
+    if (const Instrument found = instrument_in_header(*file.content); is_known(found)) return found;
+  const Unwatched not_an_input;
+  const auto in_use = instrument_in_use();
+  return in_use ? in_use->value_or(Instrument{}) : Instrument{};
+}
+
 void complete(LogRecord& record) {
-  if (const ObservedFiles* seen = ObservedFiles::current()) {
+  if (const ObservedFiles* seen = observed_by_thread) {
     std::vector<SeenFile> files = seen->files();
     files.insert(files.end(), std::make_move_iterator(record.files.begin()),
                  std::make_move_iterator(record.files.end()));
@@ -61,12 +152,12 @@ void complete(LogRecord& record) {
   }
   std::erase_if(record.files, [](const SeenFile& file) { return !file.content; });
   if (record.machine.empty()) {
-    const LogOwner owner = owner_of(record.files);
+    const LogOwner owner = owner_by(record.files);
     record.machine = owner.machine;
     if (record.serial_number.empty()) record.serial_number = owner.serial_number;
   }
   if (record.time.empty()) record.time = now_utc();
-  if (record.instrument.empty()) record.instrument = instrument_json(instrument_of(record.files), record.time);
+  if (record.instrument.empty()) record.instrument = instrument_json(instrument_by(record.files), record.time);
   if (record.operator_name.empty()) record.operator_name = operator_name();
   Json content = Json::parse(record.content, nullptr, false);
   if (!content.is_object()) content = Json::object();
@@ -82,17 +173,15 @@ void add_new_measurements(std::vector<LogRecord>& records, const Logbook& book, 
     if (file.role != "input" || !is_measurement_set(*file.content)) continue;
     const std::string sha256 = sha256_hex(*file.content);
     if (book.holds(sha256) || !brought.insert(sha256).second) continue;
-    LogRecord record;
-    record.kind = "measurement";
-    record.machine = by.machine;
-    record.serial_number = by.serial_number;
-    record.time = by.time;
-    record.operator_name = by.operator_name;
-    record.instrument = instrument_json(instrument_of({file}), by.time);
-    record.summary = fmt::format("{}, read for the next entry", std::filesystem::path(file.name).filename().string());
-    record.content = one_line(Json{{"program", program_version_and_commit()}});
-    record.files = {file};
-    records.push_back(std::move(record));
+    records.push_back({.kind = "measurement",
+                       .machine = by.machine,
+                       .serial_number = by.serial_number,
+                       .summary = std::filesystem::path(file.name).filename().string() + ", read for the next entry",
+                       .content = one_line(Json{{"program", program_version_and_commit()}}),
+                       .files = {file},
+                       .instrument = instrument_json(instrument_by({file}), by.time),
+                       .time = by.time,
+                       .operator_name = by.operator_name});
   }
 }
 
@@ -204,9 +293,9 @@ std::vector<LogbookWord> logbook_words() {
 namespace {
 
 std::optional<RecordsEnd> logbook_end() {
-  const ObservedFiles* seen = ObservedFiles::current();
+  const ObservedFiles* seen = observed_by_thread;
   if (seen == nullptr) return std::nullopt;
-  const LogOwner owner = owner_of(seen->files());
+  const LogOwner owner = owner_by(seen->files());
   const Unwatched own_files;
   const auto path = place_of(owner);
   if (!path || !*path) return std::nullopt;

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/file_watch.hpp"
 #include "commissioning/session/records.hpp"
 
 namespace ecs::commissioning {
@@ -24,6 +26,30 @@ void record_all(std::vector<LogRecord> records, const std::filesystem::path& int
 
 /// Closes the logbooks that were not written to for so long; then each is one file again.
 void close_logbooks(std::chrono::milliseconds idle = std::chrono::milliseconds(0));
+
+/// Sees the files of its thread; those of settings and state are nobody's measurement and stay out.
+class ObservedFiles final : public FileWatch {
+ public:
+  ObservedFiles();
+  ~ObservedFiles() override;
+
+  void was_read(const std::filesystem::path& path, std::string_view content) override;
+  void was_written(const std::filesystem::path& path, std::string_view content) override;
+
+  /// Inputs as they were first read, outputs as they were last written, in that order.
+  [[nodiscard]] std::vector<SeenFile> files() const;
+  [[nodiscard]] const std::vector<SeenFile>& outputs() const { return outputs_; }
+
+ private:
+  [[nodiscard]] bool is_left_out(const std::filesystem::path& path) const;
+
+  std::vector<SeenFile> inputs_, outputs_;
+  std::vector<std::filesystem::path> left_out_;
+  const ObservedFiles* before_;
+};
+
+/// A measurement set in our CSV form, by its header row.
+[[nodiscard]] bool is_measurement_set(std::string_view content);
 
 /// What is to be said of the logbook since this was last asked: that one was begun, that one cannot be written.
 struct LogbookWord {

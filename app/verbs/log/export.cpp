@@ -117,19 +117,19 @@ void log_certificate(const Logbook& book, const ExportLogRequest& request, const
                      const std::string& xml) {
   const auto owner = book.owner();
   if (!owner) return;
-  LogRecord record;
-  record.kind = "certificate";
-  record.machine = owner->machine;
-  record.serial_number = owner->serial_number;
-  record.summary = fmt::format("{}, {} lines, {}", written.certificate.identifier, written.certificate.lines.size(),
-                               written.schema.empty() ? "not validated" : "validated against DCC " + written.schema);
-  record.content = one_line(Json{{"identifier", written.certificate.identifier},
-                                 {"sha256", written.sha256},
-                                 {"schema_version", written.certificate.schema_version},
-                                 {"validated", !written.schema.empty()},
-                                 {"signed", written.certificate.to_be_signed}});
-  record.files.push_back({"output", request.dcc, std::make_shared<const std::string>(xml)});
-  record_all({std::move(record)}, book.path());
+  LogRecord made{
+      .kind = "certificate",
+      .machine = owner->machine,
+      .serial_number = owner->serial_number,
+      .summary = fmt::format("{}, {} lines, {}", written.certificate.identifier, written.certificate.lines.size(),
+                             written.schema.empty() ? "not validated" : "validated against DCC " + written.schema),
+      .content = one_line(Json{{"identifier", written.certificate.identifier},
+                               {"sha256", written.sha256},
+                               {"schema_version", written.certificate.schema_version},
+                               {"validated", !written.schema.empty()},
+                               {"signed", written.certificate.to_be_signed}}),
+      .files = {{"output", request.dcc, std::make_shared<const std::string>(xml)}}};
+  record_all({std::move(made)}, book.path());
 }
 
 Result<WrittenCertificate> certified(VerbContext& context, const ExportLogRequest& request, const Logbook& book) {

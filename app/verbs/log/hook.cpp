@@ -13,7 +13,6 @@
 #include "base/file_watch.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "commissioning/logbook/observed.hpp"
 #include "commissioning/logbook/recorder.hpp"
 
 namespace ecs::app {
@@ -68,11 +67,9 @@ LogRecord record_of(const Action& action, const std::vector<std::string>& words,
   for (const SeenFile& file : seen.outputs())
     written += (written.empty() ? "" : " ") + std::filesystem::path(file.name).filename().string();
   const std::string summary = summary_of(answer, outcome.text);
-  LogRecord record;
-  record.kind = action.is.kind;
-  record.summary = fmt::format("{}: {}{}{}", name, written, written.empty() || summary.empty() ? "" : "; ", summary);
-  record.content = one_line(content);
-  return record;
+  return {.kind = action.is.kind,
+          .summary = fmt::format("{}: {}{}{}", name, written, written.empty() || summary.empty() ? "" : "; ", summary),
+          .content = one_line(content)};
 }
 
 void say_logbook_words(Console& console) {
