@@ -1,4 +1,4 @@
-// What is done to a model on the MODEL screen, as commands of `ecs model` and as entries of the logbook. The screen
+// What is done to a model on the MODEL screen, as commands of `ecs model` and as records of what was done. The screen
 // changes the model in memory and writes it once, so the commands since then are noted when it is written.
 #pragma once
 

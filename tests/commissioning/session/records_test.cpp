@@ -19,17 +19,17 @@ constexpr RecordKeeper kListOfKinds{
 
 TEST_CASE("what was done is told to the keeper, as long as there is one") {
   REQUIRE_FALSE(records_are_kept());
-  record({.kind = "map"});
+  record(LogRecord{.kind = "map"});
   let_records_rest();
   CHECK(kept_kinds.empty());
   CHECK(watch_for_records() == nullptr);
   CHECK_FALSE(records_end());
   let_keep_records(&kListOfKinds);
-  record({.kind = "parameters"});
+  record(LogRecord{.kind = "parameters"});
   let_records_rest();
   CHECK(records_end()->entries == 2);
   let_keep_records(nullptr);
-  record({.kind = "report"});
+  record(LogRecord{.kind = "report"});
   CHECK(kept_kinds == std::vector<std::string>{"parameters", "rest"});
 }
 

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using doctest::Approx;
@@ -56,4 +56,4 @@ TEST_CASE("a unit that states a period of almost nothing gives speeds all the sa
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::commissioning
