@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   ecs::catch_signals();
-  ecs::app::begin_records();
+  ecs::app::begin_modules();
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words == std::vector<std::string>{"--linear"})
     return ecs::app::run_linear_program(std::cin, std::cout, std::cerr);

@@ -20,8 +20,6 @@ ecs_folder(laser/writers base laser fmt::fmt)
 
 ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
 
-ecs_folder(devices base laser laser/writers PkgConfig::hidapi fmt::fmt)
-
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
 ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
            PkgConfig::Eigen3 fmt::fmt)
@@ -59,48 +57,40 @@ ecs_folder(ecs_emulator/verbs base base/cli ecs_emulator/instruments ecs_emulato
 ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/machine ecs_emulator/part_programs
            ecs_emulator/unit laser laser/writers protocol/line protocol/server fmt::fmt nlohmann_json::nlohmann_json)
 
-ecs_folder(commissioning/certificate base commissioning/logbook laser/analysis laser/writers fmt::fmt)
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
-ecs_folder(commissioning/investigation base commissioning/link commissioning/logbook commissioning/maps
-           commissioning/measurements commissioning/model_session commissioning/models commissioning/session
-           commissioning/unit laser laser/writers model/data model/diagnosis model/effects model/fit model/planning params protocol/client
-           fmt::fmt)
-ecs_folder(commissioning/laser_session base commissioning/link commissioning/logbook commissioning/maps
-           commissioning/measurements commissioning/plot commissioning/session commissioning/unit core laser
-           laser/analysis laser/import laser/map laser/writers params fmt::fmt)
+ecs_folder(commissioning/laser_session base commissioning/link commissioning/maps commissioning/measurements
+           commissioning/plot commissioning/session commissioning/unit core laser laser/analysis laser/import
+           laser/map laser/writers params fmt::fmt)
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
            Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
-ecs_folder(commissioning/logbook base commissioning/unit core laser/map params PkgConfig::sqlite3 ZLIB::ZLIB fmt::fmt)
 ecs_folder(commissioning/maps base base/cli commissioning/measurements commissioning/models commissioning/session
            commissioning/unit core laser/map model/diagnosis model/effects model/fit params protocol/client fmt::fmt)
-ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core devices laser
-           laser/analysis laser/import laser/map laser/writers params Threads::Threads fmt::fmt
-           tomlplusplus::tomlplusplus)
-ecs_folder(commissioning/memory base commissioning/link commissioning/logbook commissioning/session commissioning/unit
-           core laser/map params protocol/client protocol/registers fmt::fmt)
-ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link
-           commissioning/logbook commissioning/maps commissioning/models commissioning/plot commissioning/session
-           model/diagnosis model/planning fmt::fmt)
+ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core laser laser/analysis
+           laser/import laser/map Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/memory base commissioning/link commissioning/session commissioning/unit core laser/map params
+           protocol/client protocol/registers fmt::fmt)
+ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link commissioning/maps
+           commissioning/models commissioning/plot commissioning/session model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
            laser/map laser/standards model/data model/diagnosis model/drive model/effects model/fit model/regression
            params fmt::fmt)
-ecs_folder(commissioning/parameters base commissioning/link commissioning/logbook commissioning/session
-           commissioning/unit core params fmt::fmt)
+ecs_folder(commissioning/parameters base commissioning/link commissioning/session commissioning/unit core params
+           fmt::fmt)
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
-ecs_folder(commissioning/unit base core devices laser/map params protocol/client protocol/registers fmt::fmt)
+ecs_folder(commissioning/unit base core laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
            commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
 ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models
            commissioning/plot commissioning/session laser laser/map model/effects model/fit model/regression params
            volume fmt::fmt nlohmann_json::nlohmann_json)
 
-ecs_folder(app/cli app/names base base/cli commissioning/link commissioning/session core fmt::fmt)
+ecs_folder(app/cli app/names base base/cli commissioning/link commissioning/session commissioning/unit core fmt::fmt)
 ecs_folder(app/names)
 ecs_folder(app/plot app/names base commissioning/plot fmt::fmt)
 ecs_folder(app/screens app/cli app/screens/forms app/screens/laser app/screens/memory app/screens/model
            app/screens/parameters app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files
-           commissioning/link commissioning/logbook commissioning/session core fmt::fmt)
+           commissioning/link commissioning/session core fmt::fmt)
 ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commissioning/session fmt::fmt)
 ecs_folder(app/screens/forms app/cli app/plot app/screens/files app/ui app/verbs base commissioning/files
            commissioning/link commissioning/plot commissioning/session commissioning/unit commissioning/utility
@@ -109,32 +99,28 @@ ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissionin
            commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
            fmt::fmt)
 ecs_folder(app/screens/memory app/screens/files app/ui base commissioning/memory fmt::fmt)
-ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base commissioning/files
-           commissioning/investigation commissioning/link commissioning/model_session commissioning/models
-           commissioning/session laser/map model/effects fmt::fmt)
+ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base commissioning/files commissioning/link
+           commissioning/model_session commissioning/models commissioning/session laser/map model/effects fmt::fmt)
 ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/link commissioning/parameters
            commissioning/session fmt::fmt)
-ecs_folder(app/screens/unit app/plot app/screens/files app/screens/utility app/ui app/verbs base commissioning/link
-           commissioning/logbook commissioning/measurements commissioning/plot commissioning/session
-           commissioning/unit core fmt::fmt)
+ecs_folder(app/screens/unit app/cli app/plot app/screens/files app/screens/utility app/ui base commissioning/link
+           commissioning/plot commissioning/session commissioning/unit core fmt::fmt)
 ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/link
            commissioning/unit commissioning/utility core fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
-ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/logbook
-           commissioning/measurements commissioning/volume fmt::fmt)
+ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/volume
+           fmt::fmt)
 ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session commissioning/measurements
-           commissioning/plot commissioning/session devices laser/analysis laser/import laser/map laser/standards
+           commissioning/plot commissioning/session laser/analysis laser/import laser/map laser/standards
            laser/writers Threads::Threads fmt::fmt)
-ecs_folder(app/verbs/log app/cli base commissioning/certificate commissioning/logbook commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/map app/cli app/plot base commissioning/link commissioning/maps commissioning/measurements
            commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/model app/cli app/plot base commissioning/investigation commissioning/laser_session
-           commissioning/measurements commissioning/models commissioning/session commissioning/volume laser/writers
-           model/diagnosis model/effects model/planning volume fmt::fmt)
+ecs_folder(app/verbs/model app/cli app/plot base commissioning/laser_session commissioning/measurements
+           commissioning/models commissioning/session commissioning/volume laser/writers model/diagnosis model/effects
+           model/planning volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/utility app/cli base commissioning/measurements commissioning/session commissioning/unit core
-           fmt::fmt)
+ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core fmt::fmt)

@@ -32,9 +32,9 @@ function(ecs_folder folder)
     target_link_libraries(${name} PUBLIC ecs_flags ${links})
     # The sources of a folder are compiled together: most of the time of a build goes into the headers they share.
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ECS_SOURCES_A_UNIT})
-    if(name MATCHES "^(core|model|volume)")
+    if(name MATCHES "^(core|model|volume|modules_(lengths|standards))")
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
-    elseif(name MATCHES "^(app_(cli|plot|report|verbs)|base_cli|commissioning)")
+    elseif(name MATCHES "^(app_(cli|plot|verbs)|base_cli|commissioning|modules_(capture|controllers|fleet|investigation|logbook|report))")
       # What waits for a person, a file or a link; a quarter of its compile time went into optimising it.
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
     endif()

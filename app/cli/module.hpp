@@ -11,13 +11,17 @@
 #include "app/cli/program.hpp"
 
 namespace ecs::commissioning {
+class ModelController;
+class SurroundingsWatch;
 class UnitConnection;
-}
+}  // namespace ecs::commissioning
 
 namespace ecs::app {
 
+class Prompt;
 class Screen;
 struct FormEntry;
+struct NextPart;
 
 /// An entry of the first menu that opens a screen.
 struct ScreenEntry {
@@ -31,11 +35,25 @@ struct Module {
   std::vector<cli::Family<VerbContext>> verbs{};
   std::vector<FormEntry> (*forms)() = nullptr;  ///< rows of screens over its verbs
   std::vector<ScreenEntry> screens{};
-  std::vector<std::pair<const char*, const char*>>
-      synonyms{};  ///< other words by which its screens and verbs are sought
+  /// Other words by which its screens and verbs are sought.
+  std::vector<std::pair<const char*, const char*>> synonyms{};
+  /// Once, when the program begins.
+  void (*begin)() = nullptr;
+  /// Round each verb of `ecs words…`; of several modules the first is.
+  AroundVerb (*around)(const std::vector<std::string>& words) = nullptr;
+  /// What stands beside the next measurement on the MODEL screen (app/screens/model/screen.hpp).
+  NextPart (*next_part)(commissioning::ModelController&, Prompt&) = nullptr;
+  /// Sensors beside the machine (commissioning/unit/monitor_record.hpp).
+  std::unique_ptr<commissioning::SurroundingsWatch> (*surroundings)(const std::string& device,
+                                                                    double every_s) = nullptr;
 };
 
 /// In the order of their names.
 [[nodiscard]] const std::vector<const Module*>& modules();
+
+/// Null: no module knows such devices. @param device  as --environment takes it: "temper", "room.toml@SERIAL"
+/// @param every_s  between two readings
+[[nodiscard]] std::unique_ptr<commissioning::SurroundingsWatch> watched_surroundings(const std::string& device,
+                                                                                     double every_s);
 
 }  // namespace ecs::app

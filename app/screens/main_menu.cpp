@@ -45,9 +45,6 @@ constexpr Synonyms kSynonyms[] = {
     {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
     {"LOG", "history errors warnings"},
     {"COMMANDS", "history script replay record macro panel verbs done"},
-    {"LOGBOOK", "history entries certificate audit traceability who when wear"},
-    {"log compare", "wear worn year drift history"},
-    {"log export", "certificate calibration dcc audit"},
     {"MORE", "report export siemens heidenhain twincat linuxcnc"},
     {"doctor", "no answer cable connection trouble"},
     {"utility mode", "integration compensate compensation on off enable"},
@@ -62,7 +59,6 @@ constexpr Synonyms kSynonyms[] = {
     {"map receive", "read back download"},
     {"map verify", "compare check"},
     {"map build", "compensation error table"},
-    {"laser capture", "measure readings record interferometer"},
     {"laser stats", "iso 230 accuracy repeatability"},
     {"model diagnose", "cause effect missing why"},
     {"monitor", "live readout dro watch"},
@@ -193,8 +189,6 @@ Choices all_choices(const Connection& connection) {
     for (const ScreenEntry& screen : module->screens)
       choices.insert(choices.end() - 1,
                      {screen.name, screen.help, [open = screen.open, connection] { return open(connection); }});
-  choices.insert(choices.end() - 1,
-                 {"LOGBOOK", "what was done at a machine; verify, replay", [] { return logbook_screen(); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,

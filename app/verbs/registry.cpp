@@ -9,17 +9,11 @@
 #include "app/cli/module.hpp"
 #include "app/cli/program.hpp"
 
-// The logbook: it begins to keep records, and it is round every verb.
-namespace ecs::commissioning {
-void keep_logbook(bool keep);
-}
 namespace ecs::app {
-AroundVerb logged_verb(const std::vector<std::string>& words);
 
 extern const std::vector<Action> kParameters, kMonitoring, kLaserReading, kLaserStatistics, kLaserProcessing,
-    kLaserTables, kLaserCapturing, kMapBuilding, kMapOfUnit, kUtilityCommands, kUtilityDatum, kUnitAccess, kMemory,
-    kModelBeginning, kModelFitting, kModelDiagnosis, kModelInvestigation, kModelLadder, kModelJudgement, kVolume,
-    kLogReading, kLogExporting, kLogVerification, kDoctor, kDocuments;
+    kLaserTables, kMapBuilding, kMapOfUnit, kUtilityCommands, kUtilityDatum, kUnitAccess, kMemory, kModelBeginning,
+    kModelFitting, kModelDiagnosis, kModelLadder, kModelJudgement, kVolume, kDoctor, kDocuments;
 
 namespace {
 
@@ -32,14 +26,12 @@ Registry core_verbs() {
                     {"utility datum", "datum sequences: record, show, test"},
                     {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
                     {"memory", "MEMORY ACCESS"},
-                    {"model", "MODEL: the error model against measurements"},
-                    {"log", "LOGBOOK: what was done at a machine, each entry tied to the one before"}};
+                    {"model", "MODEL: the error model against measurements"}};
   for (const std::vector<Action>* family :
-       {&kParameters,     &kMonitoring,         &kLaserReading,    &kLaserStatistics, &kLaserProcessing,
-        &kLaserTables,    &kLaserCapturing,     &kMapBuilding,     &kMapOfUnit,       &kUtilityCommands,
-        &kUtilityDatum,   &kUnitAccess,         &kMemory,          &kModelBeginning,  &kModelFitting,
-        &kModelDiagnosis, &kModelInvestigation, &kModelLadder,     &kModelJudgement,  &kVolume,
-        &kLogReading,     &kLogExporting,       &kLogVerification, &kDoctor,          &kDocuments})
+       {&kParameters,  &kMonitoring,     &kLaserReading,   &kLaserStatistics, &kLaserProcessing,
+        &kLaserTables, &kMapBuilding,    &kMapOfUnit,      &kUtilityCommands, &kUtilityDatum,
+        &kUnitAccess,  &kMemory,         &kModelBeginning, &kModelFitting,    &kModelDiagnosis,
+        &kModelLadder, &kModelJudgement, &kVolume,         &kDoctor,          &kDocuments})
     for (const Action& action : *family) registry.actions.push_back(&action);
   return registry;
 }
@@ -58,11 +50,17 @@ const Registry& all_verbs() {
   return registry;
 }
 
-void begin_records() { commissioning::keep_logbook(true); }
+void begin_modules() {
+  for (const Module* module : modules())
+    if (module->begin != nullptr) module->begin();
+}
 
 int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
                 ConsoleOptions options) {
-  return run_command_line(all_verbs(), words, out, messages, std::move(options), logged_verb(words));
+  AroundVerb around;
+  for (const Module* module : modules())
+    if (!around && module->around != nullptr) around = module->around(words);
+  return run_command_line(all_verbs(), words, out, messages, std::move(options), around);
 }
 
 int run_linear_program(std::istream& in, std::ostream& out, std::ostream& messages) {

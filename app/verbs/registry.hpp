@@ -9,8 +9,9 @@ namespace ecs::app {
 /// Every menu and verb, in the order in which the help shows them.
 [[nodiscard]] const Registry& all_verbs();
 
-/// From now on whoever keeps records of what is done keeps them. A library or a test that does not call it keeps none.
-void begin_records();
+/// From now on modules work in the background: records of what is done are kept. A library or a test that does not call
+/// it has none of that.
+void begin_modules();
 
 /// Runs `ecs words…` with all verbs; as run_command_line().
 [[nodiscard]] int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,

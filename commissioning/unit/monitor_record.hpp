@@ -31,10 +31,6 @@ class SurroundingsWatch {
   [[nodiscard]] virtual Surroundings now() const = 0;
 };
 
-/// @param device  as --environment takes it: "temper", "room.toml@SERIAL"
-/// @param every_s  between two readings
-[[nodiscard]] std::unique_ptr<SurroundingsWatch> watched_surroundings(const std::string& device, double every_s);
-
 /// A recording under way. Samples go into FILE.part as they come and are on disc within a second; at the end FILE.part
 /// becomes FILE, and only then is a former FILE gone. After a crash FILE.part holds what was recorded. A device or FIFO
 /// is written into.

@@ -188,12 +188,7 @@ VerbEntry verb_named(const std::string& name) {
 }  // namespace
 
 std::vector<FormEntry> form_entries() {
-  std::vector<FormEntry> entries{volume_entry(),
-                                 run_entry(),
-                                 arm_entry(),
-                                 table_entry(),
-                                 {{}, {.verb = "laser capture", .talks = true}},
-                                 {{}, {.verb = "laser devices", .talks = true}}};
+  std::vector<FormEntry> entries{volume_entry(), run_entry(), arm_entry(), table_entry()};
   for (const Module* module : modules())
     if (module->forms != nullptr)
       for (FormEntry& entry : module->forms()) entries.push_back(std::move(entry));

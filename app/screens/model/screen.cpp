@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/catalogue.hpp"
+#include "app/cli/module.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/ui/widgets.hpp"
 #include "model/effects/definition.hpp"
@@ -30,6 +31,13 @@ std::string completed_effect(const std::string& typed) {
 }
 
 }  // namespace
+
+std::vector<NextPart> next_parts(ModelController& controller, Prompt& prompt) {
+  std::vector<NextPart> parts;
+  for (const Module* module : modules())
+    if (module->next_part != nullptr) parts.push_back(module->next_part(controller, prompt));
+  return parts;
+}
 
 ModelScreen::ModelScreen(std::unique_ptr<ModelController> controller)
     : controller_(std::move(controller)), draft_(controller_->draft()) {

@@ -24,7 +24,7 @@ struct NextPart {
   std::string hint;  ///< what can be done there before there is a diagnosis
   std::string help;  ///< sentences for `?`
 };
-/// Of the modules that are there. @param controller, prompt  those of the screen; they outlive the parts
+/// Of the modules that are there (app/cli/module.hpp). @param controller, prompt  of the screen; they outlive the parts
 [[nodiscard]] std::vector<NextPart> next_parts(ModelController& controller, Prompt& prompt);
 
 class ModelScreen final : public Screen {

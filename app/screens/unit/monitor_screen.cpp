@@ -8,6 +8,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "app/cli/module.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/parts.hpp"

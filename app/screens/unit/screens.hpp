@@ -15,7 +15,6 @@ namespace ecs::app {
 [[nodiscard]] std::unique_ptr<Screen> link_screen(std::shared_ptr<UnitConnection> connection);
 [[nodiscard]] std::unique_ptr<Screen> log_screen();
 [[nodiscard]] std::unique_ptr<Screen> commands_screen();
-[[nodiscard]] std::unique_ptr<Screen> logbook_screen();
 
 struct StatisticsRow {
   std::string name;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"

@@ -1,0 +1,153 @@
+// A capture under way, from triggers and values to the part file, with a display that exists only here.
+#include <filesystem>
+
+#include <doctest/doctest.h>
+
+#include "laser/measurement_set.hpp"
+#include "modules/capture/capture.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+/// A display that shows these values, one for each trigger, and then none any more.
+class Display final : public ReadingSource {
+ public:
+  explicit Display(std::vector<double> values) : values_(std::move(values)) {}
+  void ask(double) override { ++asked_; }
+  Shown shown(double) override {
+    if (asked_ > values_.size()) return {Shown::Kind::ended, 0.0, "the display was switched off"};
+    return {Shown::Kind::value, values_[asked_ - 1], {}};
+  }
+  [[nodiscard]] std::string name() const override { return "a display"; }
+
+ private:
+  std::vector<double> values_;
+  std::size_t asked_ = 0;
+};
+
+/// X at 0, 100 and 200 mm, forward and back: six targets, one run.
+devices::CaptureRecord record() {
+  devices::CaptureLine line;
+  line.to_mm = 200.0;
+  line.step_mm = 100.0;
+  line.runs = 1;
+  return {devices::CapturePlan{{}, devices::stops_of(line).value()}, {}};
+}
+
+CaptureSetup typed_into(const std::string& part = {}) {
+  CaptureSetup setup;
+  setup.part = part;
+  return setup;
+}
+
+CaptureSetup triggered(std::vector<double> values) {
+  CaptureSetup setup;
+  setup.trigger_kind = TriggerKind::enter;
+  setup.source = std::make_unique<Display>(std::move(values));
+  return setup;
+}
+
+void trigger(CaptureRun& run, double at_s) {
+  run.typed("", at_s);
+  run.step(std::chrono::milliseconds(0), at_s);
+}
+
+bool warned(CaptureRun& run, std::string_view part) {
+  for (const CaptureNews& news : run.take_news())
+    if (news.kind == CaptureNews::Kind::warning && news.text.find(part) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("typed values go to the targets in the order of measuring") {
+  CaptureRun run(record(), typed_into(), 0.0);
+  REQUIRE(run.record().plan().stops.size() == 6);
+  double at_s = 0.0;
+  for (const char* value : {"1", "2.5", "-3", "4", "5", "6"}) run.typed(value, at_s += 2.0);
+  CHECK(run.done());
+  const auto& taken = run.record().taken();
+  REQUIRE(taken.size() == 6);
+  CHECK(laser::target_mm(taken[1]) == 100.0);
+  CHECK(taken[1].error == 2.5);
+  CHECK(taken[1].approach == Approach::forward);
+  CHECK(laser::target_mm(taken[5]) == 0.0);
+  CHECK(taken[5].approach == Approach::reverse);
+  CHECK(taken[5].time_s.value() == doctest::Approx(12.0));
+}
+
+TEST_CASE("a trigger takes the value of the display, one sooner than half a second after the last is none") {
+  CaptureRun run(record(), triggered({1.0, 2.0, 3.0}), 0.0);
+  trigger(run, 2.0);
+  CHECK(run.record().taken().size() == 1);
+  static_cast<void>(run.take_news());
+  trigger(run, 2.2);
+  CHECK(run.record().taken().size() == 1);
+  CHECK(warned(run, "doubled trigger"));
+  trigger(run, 4.0);
+  REQUIRE(run.record().taken().size() == 2);
+  CHECK(run.record().taken().back().error == 2.0);
+}
+
+TEST_CASE("a value typed where a display gives them is refused") {
+  CaptureRun run(record(), triggered({1.0}), 0.0);
+  static_cast<void>(run.take_news());
+  run.typed("7.5", 2.0);
+  CHECK(run.record().taken().empty());
+  CHECK(warned(run, "readings come from a display"));
+}
+
+TEST_CASE("a display that ends strands the capture, and what was read is kept") {
+  CaptureRun run(record(), triggered({1.0}), 0.0);
+  trigger(run, 2.0);
+  trigger(run, 4.0);
+  CHECK(run.stuck() == "the display was switched off");
+  CHECK(run.record().taken().size() == 1);
+  CHECK_FALSE(run.done());
+}
+
+TEST_CASE("u takes the last reading back, s leaves a target without one, q leaves") {
+  CaptureRun run(record(), typed_into(), 0.0);
+  run.typed("1", 2.0);
+  run.typed("2", 4.0);
+  run.typed("u", 5.0);
+  CHECK(run.record().taken().size() == 1);
+  CHECK(laser::target_mm(*run.record().due()) == 100.0);
+  run.typed("s", 6.0);
+  CHECK(run.record().skipped() == 1);
+  CHECK(laser::target_mm(*run.record().due()) == 200.0);
+  static_cast<void>(run.take_news());
+  run.typed("nonsense", 7.0);
+  CHECK(warned(run, "no value and no command"));
+  CHECK_FALSE(run.left());
+  run.typed("q", 8.0);
+  CHECK(run.left());
+}
+
+TEST_CASE("every reading is on disc, and the capture goes on from there") {
+  const auto part = (std::filesystem::temp_directory_path() / "ecs-capture-session-test.part.csv").string();
+  {
+    CaptureRun run(record(), typed_into(part), 0.0);
+    run.typed("1", 2.0);
+    run.typed("2", 4.0);
+    CHECK(run.part_is_safe());
+  }
+  const auto set = laser::read_measurement_set(part);
+  REQUIRE(set);
+  CHECK(set->readings.size() == 2);
+  const auto again = devices::CaptureRecord::from_part(*set);
+  REQUIRE(again);
+  REQUIRE(again->due() != nullptr);
+  CHECK(laser::target_mm(*again->due()) == 200.0);
+  std::filesystem::remove(part);
+}
+
+TEST_CASE("a part file that cannot be written is said, and the readings stay in memory") {
+  CaptureRun run(record(), typed_into("/no/such/folder/part.csv"), 0.0);
+  run.typed("1", 2.0);
+  CHECK_FALSE(run.part_is_safe());
+  CHECK(warned(run, "the readings are only in memory"));
+  CHECK(run.record().taken().size() == 1);
+}
+
+}  // namespace ecs::commissioning

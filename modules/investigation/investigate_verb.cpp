@@ -1,0 +1,107 @@
+// `ecs model investigate`: measure, diagnose, measure what separates, until one cause is left; then compensate and
+// measure again.
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
+#include "base/interrupt.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/models/work.hpp"
+#include "modules/investigation/followed.hpp"
+#include "modules/investigation/investigation.hpp"
+#include "modules/investigation/socket_workshop.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr double kMostMinutes = 100'000.0;
+
+struct InvestigateRequest : commissioning::WorkshopChoice {
+  std::string output;
+  double minutes = 0.0;
+  static Fields<InvestigateRequest> fields() {
+    using R = InvestigateRequest;
+    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
+            {"--machine", &R::machine, "the machine (.toml): travels, lever arms, pitches", Need::required},
+            {"--params", &R::params,
+             "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it"},
+            {"--workshop", &R::socket,
+             "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well"},
+            {"--watch", &R::folder,
+             "folder into which a person puts the readings; what was given is kept in its ledger.json"},
+            {"--minutes", &R::minutes, "that the runs may take, set-up and waiting included", Need::required,
+             Range{0.0, kMostMinutes}},
+            {"-o,--output", &R::output, "the model with the causes found; may be MODEL itself", Is::output}};
+  }
+};
+
+/// Lines of the ledger as they come; on a terminal the whole ledger, drawn anew with every change.
+class ShownLedger {
+ public:
+  explicit ShownLedger(Console& console) : console_(console) {}
+
+  void show(const commissioning::InvestigationProgress& progress) {
+    if (console_.shows_blocks())
+      console_.show_block(commissioning::lines_of(commissioning::view_of(progress), kTerminalColumns - 1));
+    else
+      print_new(progress);
+  }
+  /// What stays when the work is done.
+  void end(const commissioning::InvestigationProgress& progress) {
+    console_.end_block();
+    print_new(progress);
+  }
+
+ private:
+  void print_new(const commissioning::InvestigationProgress& progress) {
+    for (; printed_ < progress.steps.size(); ++printed_) {
+      if (printed_ == 0) console_.print(commissioning::ledger_head());
+      minutes_ += progress.steps[printed_].minutes;
+      console_.print(commissioning::ledger_line(printed_ + 1, progress.steps[printed_], minutes_));
+    }
+  }
+
+  Console& console_;
+  std::size_t printed_ = 0;
+  double minutes_ = 0.0;
+};
+
+Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& request) {
+  if (request.socket.empty() == request.folder.empty())
+    return problem(ProblemKind::usage, "expected either --workshop SOCKET or --watch FOLDER");
+  for (const std::string& input : {request.machine, request.params})
+    ECS_DO(check_output_not_input(request.output, {input}));
+  const auto model = model::read_model(request.model);
+  if (!model) return tl::unexpected(model.error());
+  ECS_TRY(machine, machine_in(context.console, request.machine));
+  commissioning::WorkshopChoice choice = request;
+  choice.link = context.link_option;
+  choice.map_is_modelled = model->map.has_value();
+  choice.arm_code = context.arm_code;
+  ECS_TRY(opened, commissioning::open_workshop(context.console, choice, *machine, interrupted()));
+  if (!opened.link.empty()) context.link_name = opened.link;
+  commissioning::InvestigationOptions options;
+  options.minutes = request.minutes;
+  if (!request.socket.empty()) options.times = commissioning::workshop_times();
+  options.cancelled = &interrupted();
+  commissioning::FollowedInvestigation followed;
+  ShownLedger ledger(context.console);
+  commissioning::FollowedWorkshop workshop(followed, *opened.workshop, [&] { ledger.show(followed.progress()); });
+  const auto investigation = commissioning::investigate(*model, *machine, workshop, options);
+  ledger.end(followed.progress());
+  if (!investigation) return tl::unexpected(in_file(investigation.error(), request.model));
+  ecs::Cell answer = commissioning::investigation_cell(*investigation);
+  if (!request.output.empty()) ECS_DO(model::write_model(request.output, investigation->model, request.model));
+  answer.text += written_cell("model", request.output).text;
+  return outcome_of(answer);
+}
+
+}  // namespace
+
+extern const std::vector<Action> kModelInvestigation{
+    action("model investigate", "measure and diagnose until one cause is left, then compensate and measure again",
+           "ecs model investigate model.toml --machine machine.toml --workshop /tmp/shop --minutes 120 -o found.toml\n"
+           "  ecs model investigate model.toml --machine machine.toml --watch readings --minutes 240",
+           investigate, {.link = Link::may_write, .logged = Logged::always, .kind = "investigation"})};
+
+}  // namespace ecs::app

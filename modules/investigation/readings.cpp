@@ -1,0 +1,161 @@
+#include "modules/investigation/readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/fit.hpp"
+#include "model/planning/run.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::string_view kZeroName = "zero of run ";
+constexpr double kSameParked_mm = 1e-3;
+
+std::string column_of_zero(int number) { return fmt::format("zero_{}", number); }
+
+model::EffectInstance zero_effect(Sense sense, int number, bool offset, bool slope) {
+  model::EffectInstance effect;
+  effect.id = model::effect_named("user");
+  effect.name = fmt::format("{}{}", kZeroName, number);
+  const std::string column = column_of_zero(number);
+  std::string formula;
+  if (offset) formula = fmt::format("c * {}", column);
+  if (slope) formula += fmt::format("{}k * {} * p_mm / 1000", offset ? " + " : "", column);
+  effect.formulas = {{sense, formula}};
+  if (offset) effect.user.push_back({"c", "um", std::nullopt, 0.0, std::nullopt, std::nullopt});
+  if (slope) effect.user.push_back({"k", "um_per_m", std::nullopt, 0.0, std::nullopt, std::nullopt});
+  return effect;
+}
+
+/// What every measured curve has of this kind: the model takes the zero or the slope of the first run itself.
+bool has_usual(const model::Model& model, const laser::Reading& reading, bool offset) {
+  return std::any_of(model.effects.begin(), model.effects.end(), [&](const model::EffectInstance& effect) {
+    if (effect.is_user() || !effect.traits().is_usual || effect.traits().of_approach || effect.sense != reading.sense)
+      return false;
+    return effect.traits().shows_at_zero == offset && (offset || effect.axis == reading.axis);
+  });
+}
+
+bool same_line(const laser::Reading& a, const laser::Reading& b) {
+  if (a.axis != b.axis || a.sense != b.sense) return false;
+  for (const Axis other : kAllAxes)
+    if (other != a.axis && std::abs(a.position_mm[index_of(other)] - b.position_mm[index_of(other)]) > kSameParked_mm)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+bool is_zero_of_run(std::string_view effect_name) {
+  if (effect_name.starts_with("user:")) effect_name.remove_prefix(5);
+  return effect_name.starts_with(kZeroName);
+}
+
+void InvestigationReadings::add(laser::MeasurementSet run, double pause_minutes, bool against_square) {
+  if (run.readings.empty()) return;
+  const laser::Reading& first = run.readings.front();
+  const bool known_sense = std::any_of(all_.readings.begin(), all_.readings.end(),
+                                       [&](const laser::Reading& r) { return r.sense == first.sense; });
+  const bool straight_edge = !against_square && !is_rotation(first.sense) && direction_of(first.sense) != first.axis;
+  const int number = static_cast<int>(zeros_.size()) + 1;
+  zeros_.push_back({first.sense, number, known_sense || !has_usual(base_, first, true),
+                    straight_edge && (known_sense || !has_usual(base_, first, false))});
+  int last_run = 0;
+  for (const laser::Reading& reading : all_.readings)
+    if (same_line(reading, first)) last_run = std::max(last_run, reading.run);
+  const bool timed = std::all_of(run.readings.begin(), run.readings.end(), [](const auto& r) { return r.time_s; });
+  const double begins_s = timed ? *run.readings.front().time_s : 0.0;
+  const double later_s = timed && !all_.readings.empty() && begins_s <= last_s_
+                             ? last_s_ + model::kSecondsAMinute * pause_minutes - begins_s
+                             : 0.0;
+  for (laser::Reading& old : all_.readings) old.extras[column_of_zero(number)] = 0.0;
+  int row = static_cast<int>(all_.readings.size());
+  for (laser::Reading& reading : run.readings) {
+    reading.row = ++row;
+    reading.run += last_run;
+    if (reading.time_s) last_s_ = std::max(last_s_, *reading.time_s += later_s);
+    for (const Zero& zero : zeros_) reading.extras[column_of_zero(zero.number)] = zero.number == number ? 1.0 : 0.0;
+    all_.readings.push_back(std::move(reading));
+  }
+}
+
+model::Model InvestigationReadings::model_with_zeros() const {
+  model::Model model = base_;
+  for (const Zero& zero : zeros_)
+    if (zero.offset || zero.slope)
+      model.effects.push_back(zero_effect(zero.sense, zero.number, zero.offset, zero.slope));
+  return model;
+}
+
+model::Observations InvestigationReadings::observations(const params::Machine& machine) const {
+  return model::observations_of(all_, base_, machine);
+}
+
+model::Model without_zeros(model::Model model) {
+  std::erase_if(model.effects,
+                [](const model::EffectInstance& effect) { return effect.is_user() && is_zero_of_run(effect.name); });
+  return model;
+}
+
+namespace {
+
+constexpr int kPlaces = 101;
+constexpr const char* kSlope = "um_per_m";
+
+bool is_slope(const model::EffectInstance& effect) {
+  const model::EffectTraits& traits = effect.traits();
+  return !effect.is_user() && traits.is_usual && !traits.of_approach && !traits.shows_at_zero;
+}
+
+/// Places along the line from both sides, the other axes where the effects count from.
+laser::MeasurementSet places_of(const InvestigatedLine& line, const params::MachineAxis& axis) {
+  laser::MeasurementSet set;
+  for (const Approach approach : {Approach::forward, Approach::reverse})
+    for (int i = 0; i < kPlaces; ++i) {
+      laser::Reading reading;
+      reading.axis = line.axis;
+      reading.sense = line.sense;
+      for (const Axis a : kAllAxes)
+        reading.position_mm[index_of(a)] = axis.measurement_line_mm[index_of(a)].value_or(0.0);
+      reading.position_mm[index_of(line.axis)] = std::lerp(axis.travel_mm[0], axis.travel_mm[1], i / (kPlaces - 1.0));
+      reading.approach = approach;
+      reading.row = static_cast<int>(set.readings.size()) + 1;
+      set.readings.push_back(reading);
+    }
+  return set;
+}
+
+}  // namespace
+
+Result<void> make_level(model::Model& model, const InvestigatedLine& line, const params::Machine& machine) {
+  const auto& axis = machine.axes[index_of(line.axis)];
+  const auto of_line = [&](const model::EffectInstance& effect) {
+    return effect.axis == line.axis && effect.sense == line.sense && is_carried(effect, machine);
+  };
+  const auto slope = std::find_if(model.effects.begin(), model.effects.end(), [&](const model::EffectInstance& effect) {
+    return of_line(effect) && is_slope(effect) && !effect.parameters.contains(kSlope) && effect.fitted.contains(kSlope);
+  });
+  if (!axis || slope == model.effects.end()) return {};
+  model::Model curve = model;
+  std::erase_if(curve.effects, [&](const model::EffectInstance& effect) { return !of_line(effect); });
+  const laser::MeasurementSet set = places_of(line, *axis);
+  const model::Observations at = model::observations_of(set, curve, machine);
+  ECS_TRY(values, model::predicted(curve, at));
+  const double middle_mm = 0.5 * (axis->travel_mm[0] + axis->travel_mm[1]);
+  double moment = 0.0, inertia = 0.0;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double arm_mm = at.position_mm[k][index_of(line.axis)] - middle_mm;
+    moment += arm_mm * values[k];
+    inertia += arm_mm * arm_mm;
+  }
+  if (inertia > 0.0) slope->fitted[kSlope] -= moment / inertia * kMmPerM;
+  return {};
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,194 @@
+// A person brings files: right ones, wrong ones, and stops in between.
+#include "modules/investigation/watched_folder.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+#include "laser/writers/measurement_writer.hpp"
+#include "modules/investigation/tests/made_workshop.hpp"
+#include "tests/support/folder.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+class KeptMessages final : public MessageSink {
+ public:
+  void note(std::string_view text) override { all += std::string(text) + "\n"; }
+  void warn(std::string_view text) override { all += "warning: " + std::string(text) + "\n"; }
+  [[nodiscard]] bool say(const std::string& words) const { return all.find(words) != std::string::npos; }
+  std::string all;
+};
+
+double error_of_x(double x_mm, int approach) { return 0.01 * x_mm + approach; }
+
+/// A folder under watch; `deeds` are done one at a time, while it waits.
+struct Watch {
+  Folder folder;
+  KeptMessages messages;
+  std::atomic<bool> cancelled{false};
+  std::string model = folder.with("model.toml", "[[effect]]\nid = \"offset\"\naxis = \"X\"\nsense = \"EX\"\n");
+  std::vector<std::function<void()>> deeds;
+  std::size_t done = 0;
+  int idle = 0;
+
+  [[nodiscard]] std::unique_ptr<WatchedFolder> opened() {
+    WatchedFolderOptions options;
+    options.folder = folder.path / "readings";
+    options.model = model;
+    options.machine = one_axis_machine();
+    options.pause = [this](std::chrono::milliseconds) {
+      constexpr int kLooks = 3;  // between two deeds: a file is taken when two looks find it the same
+      if (++idle % kLooks != 0) return true;
+      if (done == deeds.size()) return false;
+      deeds[done++]();
+      return true;
+    };
+    auto watched = WatchedFolder::open(messages, options, cancelled);
+    REQUIRE(watched.has_value());
+    return std::move(*watched);
+  }
+  void put(const std::string& name, const std::string& text) const { (void)folder.with("readings/" + name, text); }
+};
+
+RequestedRun run_of_x(int number = 1) {
+  RequestedRun run;
+  run.number = number;
+  run.proposal = first_look({Axis::X, Sense::EX}, one_axis_machine(), workshop_times());
+  return run;
+}
+
+std::string right_file(unsigned seed = 1) {
+  return laser::to_csv(made_readings(run_of_x().proposal, error_of_x, 0.2, seed, 0.0));
+}
+
+TEST_CASE("a run is asked for in words, with its part program and its targets, and its file is taken") {
+  Watch watch;
+  watch.deeds = {[&] { watch.put("x.csv", right_file()); }};
+  const auto readings = watch.opened()->measure(run_of_x());
+  REQUIRE(readings.has_value());
+  CHECK(readings->set.readings.size() == 2 * 2 * run_of_x().proposal.targets_mm.size());
+  CHECK(watch.messages.say("Measure EX along X, first look: "));
+  CHECK(content_of(watch.folder / "readings/asked/run_01.nc").find("M08") != std::string::npos);
+  CHECK(std::filesystem::exists(watch.folder / "readings/asked/run_01_targets.csv"));
+}
+
+TEST_CASE("a file that is half written is named, stays, and is taken once it is whole") {
+  Watch watch;
+  const std::string whole = right_file();
+  watch.deeds = {[&] { watch.put("x.csv", whole.substr(0, whole.size() / 2)); }, [&] { watch.put("x.csv", whole); }};
+  const auto readings = watch.opened()->measure(run_of_x());
+  REQUIRE(readings.has_value());
+  CHECK(watch.messages.say("x.csv is not taken and stays where it is"));
+  CHECK(content_of(watch.folder / "readings/x.csv") == whole);
+}
+
+TEST_CASE("a file that grows between two looks is not touched") {
+  Watch watch;
+  const std::string whole = right_file();
+  const std::size_t line_end = whole.find('\n', whole.size() / 2) + 1;  // whole lines, but not all of them
+  auto opened = watch.opened();
+  watch.deeds = {[&] { watch.put("x.csv", whole.substr(0, line_end)); }};
+  watch.put("x.csv", whole.substr(0, line_end / 2));
+  watch.idle = 2;  // the first look finds half, the second another size
+  watch.deeds.emplace_back([&] { watch.put("x.csv", whole); });
+  CHECK(opened->measure(run_of_x()).has_value());
+}
+
+TEST_CASE("a file that ends between two lines is named, until it is whole or said to be complete") {
+  Watch watch;
+  const std::string whole = right_file();
+  const std::string lines = whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1);  // the last reading is missing
+  watch.deeds = {[&] { watch.put("x.csv", lines); }};
+  SUBCASE("whole") {
+    watch.deeds.emplace_back([&] { watch.put("x.csv", whole); });
+  }
+  SUBCASE("complete") {
+    watch.deeds.emplace_back([&] { watch.put("x.csv.complete", ""); });
+  }
+  CHECK(watch.opened()->measure(run_of_x()).has_value());
+  CHECK(watch.messages.say("it holds 51 of the 52 readings asked for"));
+}
+
+TEST_CASE("readings of another axis, sense, line or approach are named and asked for again") {
+  Watch watch;
+  model::MeasurementProposal other = run_of_x().proposal;
+  std::string words;
+  SUBCASE("axis") {
+    other.axis = Axis::Y;
+    other.sense = Sense::EY;
+    words = "it holds EY along Y; asked for was EX along X";
+  }
+  SUBCASE("sense") {
+    other.sense = Sense::EZ;
+    words = "it holds EZ along X; asked for was EX along X";
+  }
+  SUBCASE("line") {
+    other.parked_mm[1] = 250.0;
+    words = "it was measured at Y 250 mm; asked for was Y 0 mm";
+  }
+  SUBCASE("approach") {
+    other.bidirectional = false;
+    words = "it has no readings of reverse approach";
+  }
+  const std::string wrong = laser::to_csv(made_readings(other, error_of_x, 0.2, 1, 0.0));
+  watch.deeds = {[&] { watch.put("a.csv", wrong); }, [&] { watch.put("b.csv", right_file()); }};
+  CHECK(watch.opened()->measure(run_of_x()).has_value());
+  CHECK(watch.messages.say(words));
+  CHECK(watch.messages.say("Run 1 is still wanted"));
+  CHECK(content_of(watch.folder / "readings/a.csv") == wrong);
+}
+
+TEST_CASE("the same readings given twice, under whatever name, are named") {
+  Watch watch;
+  auto opened = watch.opened();
+  watch.deeds = {[&] { watch.put("x.csv", right_file(1)); }, [&] { watch.put("again.csv", right_file(1)); },
+                 [&] { watch.put("second.csv", right_file(2)); }};
+  REQUIRE(opened->measure(run_of_x(1)).has_value());
+  REQUIRE(opened->measure(run_of_x(2)).has_value());
+  CHECK(watch.messages.say("again.csv is not taken and stays where it is: the same readings were given as x.csv"));
+}
+
+TEST_CASE("while the model is another one no file is taken") {
+  Watch watch;
+  const std::string before = content_of(watch.model);
+  auto opened = watch.opened();
+  watch.deeds = {[&] { (void)watch.folder.with("model.toml", before + "\n"); },
+                 [&] { watch.put("x.csv", right_file()); },
+                 [&] {
+                   CHECK(watch.messages.say("is not the model that this investigation began with"));
+                   CHECK_FALSE(watch.messages.say("x.csv is taken"));
+                   (void)watch.folder.with("model.toml", before);
+                 }};
+  CHECK(opened->measure(run_of_x()).has_value());
+}
+
+TEST_CASE("a stop keeps the ledger, and the next start goes on after the runs that were given") {
+  Watch watch;
+  watch.deeds = {[&] { watch.put("x.csv", right_file(1)); }};
+  {
+    auto opened = watch.opened();
+    REQUIRE(opened->measure(run_of_x(1)).has_value());
+    const auto stopped = opened->measure(run_of_x(2));
+    REQUIRE_FALSE(stopped.has_value());
+    CHECK(stopped.error().message.find("ledger.json") != std::string::npos);
+  }
+  watch.deeds.emplace_back([&] { watch.put("second.csv", right_file(2)); });
+  auto opened = watch.opened();
+  CHECK(watch.messages.say("1 run was given"));
+  CHECK(opened->measure(run_of_x(1)).has_value());
+  CHECK(watch.done == 1);  // nothing was waited for
+  CHECK(opened->measure(run_of_x(2)).has_value());
+}
+
+TEST_CASE("a file of the ledger that was changed since is asked for again") {
+  Watch watch;
+  watch.deeds = {[&] { watch.put("x.csv", right_file(1)); }};
+  REQUIRE(watch.opened()->measure(run_of_x(1)).has_value());
+  watch.put("x.csv", right_file(3));
+  const auto readings = watch.opened()->measure(run_of_x(1));
+  CHECK(readings.has_value());
+  CHECK(watch.messages.say("x.csv, given for run 1: the file was changed since"));
+}
+
+}  // namespace
+}  // namespace ecs::commissioning

@@ -1,0 +1,178 @@
+// `ecs log list` and `show`: what was done at a machine, and one entry of it whole. `compare`: what has worn between
+// two days. Which logbook is meant.
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "app/cli/program.hpp"
+#include "base/answer_table.hpp"
+#include "base/clock.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "modules/logbook/compare.hpp"
+#include "modules/logbook/log_source.hpp"
+#include "modules/logbook/place.hpp"
+#include "modules/logbook/view.hpp"
+
+namespace ecs::app {
+namespace {
+
+bool is_of(const LogOwner& owner, const std::string& machine, const LogOwner& in_file) {
+  if (!in_file.machine.empty() || !in_file.serial_number.empty()) return belongs(owner, in_file);
+  return owner.machine == machine || owner.serial_number == machine;
+}
+
+tl::unexpected<Problem> none_found(const LogbookSetting& setting, const std::string& machine) {
+  const std::string where = setting.file.empty() ? setting.folder.string() : setting.file.string();
+  return tl::unexpected(Problem{ProblemKind::bad_input,
+                                machine.empty()
+                                    ? "no logbook yet: verbs and screens begin one when they work on a machine "
+                                      "(modules/logbook/README.md)"
+                                    : fmt::format("no logbook of {} there", machine),
+                                where,
+                                0,
+                                0,
+                                {}});
+}
+
+}  // namespace
+
+Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
+  LogOwner wanted;
+  if (const auto content = choice.machine.empty() ? problem(ProblemKind::usage, "") : read_file(choice.machine))
+    wanted = owner_in(*content);
+  std::vector<std::filesystem::path> files{choice.log};
+  LogbookSetting setting;
+  if (choice.log.empty()) {
+    ECS_TRY(set, logbook_setting());
+    if (set.off)
+      return problem(ProblemKind::usage,
+                     "no logbook is kept (ECS_LOGBOOK or the setting says off): name one with --log");
+    setting = set;
+    files = logbooks(setting);
+  }
+  std::vector<std::string> others;
+  std::optional<Logbook> chosen;
+  for (const auto& file : files) {
+    auto book = Logbook::open_to_read(file);
+    if (!book && files.size() == 1) return book;
+    const auto owner = book ? book->owner() : tl::unexpected(book.error());
+    if (!owner) {
+      context.console.warn(to_text(owner.error()));
+      continue;
+    }
+    if (!choice.machine.empty() && !is_of(*owner, choice.machine, wanted)) {
+      if (!choice.log.empty())
+        return tl::unexpected(Problem{ProblemKind::bad_input,
+                                      fmt::format("is the logbook of {}, not of {}", in_words(*owner), choice.machine),
+                                      choice.log,
+                                      0,
+                                      0,
+                                      {}});
+      continue;
+    }
+    if (!chosen)
+      chosen = std::move(*book);
+    else
+      others.push_back(in_words(*owner));
+  }
+  if (!chosen) return none_found(setting, choice.machine);
+  if (!others.empty() && choice.machine.empty())
+    context.console.note(fmt::format("{} is the logbook written last of {}: --machine chooses another one",
+                                     chosen->path().string(), others.size() + 1));
+  return std::move(*chosen);
+}
+
+RunVerb run_again() {
+  return [](const std::vector<std::string>& words) -> Result<std::string> {
+    std::vector<std::string> with_json = words;
+    with_json.emplace_back("--json");
+    std::ostringstream out, messages;
+    const int code = run_same_program(with_json, out, messages);
+    if (code <= kDoesNotHold) return out.str();
+    const Json answer = Json::parse(out.str(), nullptr, false);
+    const auto error = answer.is_object() ? answer.find("error") : answer.end();
+    const bool has = answer.is_object() && error != answer.end() && error->is_object() && error->contains("message");
+    return problem(ProblemKind::refused, has ? (*error)["message"].get<std::string>() : messages.str());
+  };
+}
+
+namespace {
+
+struct ListLogRequest {
+  LogChoice book;
+  std::string kind, since;
+  int last = 0;
+  static Fields<ListLogRequest> fields() {
+    using R = ListLogRequest;
+    return {&R::book,
+            {"--kind", &R::kind, "entries of one kind: measurement, map, activation, diagnosis, report …"},
+            {"--since", &R::since, "entries of this day and later: 2026-03-12"},
+            {"--last", &R::last, "that many of the last; 0: all", Range{0, 1'000'000}}};
+  }
+};
+
+Result<Outcome> list_log(VerbContext& context, const ListLogRequest& request) {
+  if (const auto wrong = wrong_date(request.since)) return problem(ProblemKind::usage, "--since: " + *wrong);
+  ECS_TRY(book, chosen_logbook(context, request.book));
+  ECS_TRY(entries, book.entries(true));
+  ECS_TRY(owner, book.owner());
+  std::erase_if(entries, [&](const LogbookEntry& entry) {
+    return (!request.kind.empty() && entry.kind != request.kind) || entry.time < request.since;
+  });
+  const std::size_t all = entries.size();
+  if (const auto last = static_cast<std::size_t>(request.last); last > 0 && all > last)
+    entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(last));
+  return outcome_of(
+      record_cell("{owner}\n{entries}",
+                  {{"log", word_cell(book.path().string())},
+                   {"machine", text_cell(owner.machine)},
+                   {"serial_number", text_cell(owner.serial_number)},
+                   {"owner", shown_cell(fmt::format("logbook of {}: {}", in_words(owner), book.path().string()))},
+                   {"entries", list_cell(entries, log_entry_cell, log_list_head())}}));
+}
+
+struct ShowLogRequest {
+  LogChoice book;
+  int number = 0;
+  static Fields<ShowLogRequest> fields() {
+    using R = ShowLogRequest;
+    return {&R::book, {"NUMBER", &R::number, "of the entry", Range{1, 1'000'000'000}, Need::required}};
+  }
+};
+
+Result<Outcome> show_log(VerbContext& context, const ShowLogRequest& request) {
+  ECS_TRY(book, chosen_logbook(context, request.book));
+  ECS_TRY(entry, book.entry(request.number));
+  return outcome_of(whole_entry_cell(entry));
+}
+
+struct CompareLogRequest {
+  LogChoice book;
+  std::string from, to;
+  static Fields<CompareLogRequest> fields() {
+    using R = CompareLogRequest;
+    return {&R::book,
+            {"FROM", &R::from, "a day: 2025-03-12", Need::required},
+            {"TO", &R::to, "a later day", Need::required}};
+  }
+};
+
+Result<Outcome> compare_log(VerbContext& context, const CompareLogRequest& request) {
+  ECS_TRY(book, chosen_logbook(context, request.book));
+  ECS_TRY(comparison, compared(book, request.from, request.to, run_again()));
+  return outcome_of(comparison_of_log_cell(comparison));
+}
+
+}  // namespace
+
+extern const std::vector<Action> kLogReading{
+    action("log list", "what was done at a machine: every entry of its logbook",
+           "ecs log list --machine machine.toml --kind activation", list_log),
+    action("log show", "one entry whole: files with their hashes, instrument, answer", "ecs log show 12", show_log),
+    action("log compare", "what has worn between two days: curves, causes and volume side by side",
+           "ecs log compare 2025-03-12 2026-03-12", compare_log)};
+
+}  // namespace ecs::app

@@ -1,0 +1,45 @@
+// A logbook that cannot be written.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "modules/logbook/tests/logbook_folder.hpp"
+#include "tests/support/ordinary_user.hpp"
+#include "tests/support/short_lathe.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// A lathe whose unit may be any: its parameters name no serial number.
+struct LoggedLathe {
+  LogbookFolder folder;
+  std::string params = folder.with("p.toml", short_lathe(""));
+  std::string data = folder.with("exx.csv", lathe_readings("# machine: short lathe\n"));
+  std::string map = folder / "map.csv";
+  [[nodiscard]] Ran build() const { return ran({"map", "build", data, "--params", params, "-o", map}); }
+  [[nodiscard]] std::string book() const { return (folder.path / "logbooks" / "short-lathe.ecslog").string(); }
+};
+
+TEST_CASE("where the logbook cannot be written the verb does its work and says so once") {
+  SKIP_UNLESS(::geteuid() == 0, "needs root, to become an ordinary user");
+  const LoggedLathe lathe;
+  REQUIRE(lathe.build().code == 0);
+  ::chmod(lathe.folder.path.c_str(), 0777);
+  ::chmod((lathe.folder / "logbooks").c_str(), 0555);
+  ::chmod(lathe.book().c_str(), 0444);
+  {
+    const OrdinaryUser somebody;
+    const Ran r = ran({"params", "set", lathe.params, "axis.X.deadband_um=3", "-o", lathe.folder / "new.toml"});
+    CHECK(r.code == 0);
+    CHECK(contains(r.messages, "not in the logbook"));
+    CHECK(std::filesystem::exists(lathe.folder / "new.toml"));
+    const Ran next = ran({"params", "set", lathe.params, "axis.X.deadband_um=4", "-o", lathe.folder / "newer.toml"});
+    CHECK(next.code == 0);
+    CHECK_FALSE(contains(next.messages, "not in the logbook"));
+    CHECK(ran({"log", "verify"}).code == 0);
+  }
+  ::chmod((lathe.folder / "logbooks").c_str(), 0755);
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,208 @@
+#include "modules/logbook/view.hpp"
+
+#include <fmt/format.h>
+
+#include "base/json_values.hpp"
+#include "base/paragraph.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::size_t kMostFilesShown = 40;
+
+Json object_in(const std::string& text) {
+  Json object = Json::parse(text, nullptr, false);
+  return object.is_object() ? object : Json();
+}
+
+std::string field_line(std::string_view name, const std::string& value) {
+  return value.empty() ? "" : fmt::format("{:<12} {}\n", name, value);
+}
+
+std::string instrument_text(const Json& instrument) {
+  if (!instrument.is_object()) return {};
+  std::string text = text_at(instrument, "name");
+  for (const auto& [key, words] :
+       {std::pair("serial_number", "serial number"), std::pair("calibration_certificate", "certificate"),
+        std::pair("valid_until", "valid until")})
+    if (const std::string value = text_at(instrument, key); !value.empty())
+      text += fmt::format(", {} {}", words, value);
+  if (instrument.contains("calibrated") && instrument["calibrated"] == false) text += " (NOT VALID THEN)";
+  return text;
+}
+
+std::string files_text(const std::vector<LogFile>& files) {
+  std::string text;
+  for (std::size_t k = 0; k < files.size() && k < kMostFilesShown; ++k)
+    text += fmt::format("  {:<7} {} {:>9} {}{}\n", files[k].role, files[k].sha256.substr(0, 16), files[k].bytes,
+                        files[k].name, files[k].kept ? "" : " (not kept)");
+  if (files.size() > kMostFilesShown) text += fmt::format("  … and {} more\n", files.size() - kMostFilesShown);
+  return text.empty() ? "" : "files        first 16 digits of the hash, bytes, name\n" + text;
+}
+
+std::string number_text(const std::optional<double>& value) { return value ? fmt::format("{:.2f}", *value) : "-"; }
+
+Cell curve_cell(const ComparedCurve& one) {
+  return record_cell(
+      "{component:<5} {unit:<5} {largest_from:>12} {largest_to:>12} {largest_change:>15} {change_rms:>12}\n",
+      {{"component", word_cell(one.component)},
+       {"unit", word_cell(one.unit)},
+       {"largest_from", {number_or_null(one.largest[0]), number_text(one.largest[0])}},
+       {"largest_to", {number_or_null(one.largest[1]), number_text(one.largest[1])}},
+       {"largest_change", {number_or_null(one.largest_change), number_text(one.largest_change)}},
+       {"change_rms", {number_or_null(one.change_rms), number_text(one.change_rms)}}});
+}
+
+Cell cause_cell(const ComparedCause& one) {
+  const auto side = [](const std::optional<std::string>& parameters) {
+    return Cell{parameters ? Json(*parameters) : Json(nullptr),
+                parameters ? (parameters->empty() ? "named" : *parameters) : "not named"};
+  };
+  return record_cell(
+      "{name}\n  then: {from}\n  now:  {to}\n",
+      {{"name", word_cell(one.name)}, {"from", side(one.parameters[0])}, {"to", side(one.parameters[1])}});
+}
+
+Json volume_json(const std::optional<ComparedVolume>& volume) {
+  if (!volume) return nullptr;
+  return {
+      {"before",
+       {{"largest_um", number_or_null(volume->before_largest_um)}, {"rms_um", number_or_null(volume->before_rms_um)}}},
+      {"after",
+       {{"largest_um", number_or_null(volume->after_largest_um)}, {"rms_um", number_or_null(volume->after_rms_um)}}}};
+}
+
+std::string volume_text(const std::array<LoggedState, 2>& states) {
+  if (!states[0].volume && !states[1].volume) return {};
+  std::string text =
+      fmt::format("\n{:<34} {:>12} {:>12}\n", "error vector in the volume [um]", states[0].date, states[1].date);
+  const auto row = [&](const char* name, std::optional<double> ComparedVolume::*member) {
+    const auto of = [&](const LoggedState& state) {
+      return number_text(state.volume ? (*state.volume).*member : std::nullopt);
+    };
+    text += fmt::format("{:<34} {:>12} {:>12}\n", name, of(states[0]), of(states[1]));
+  };
+  row("largest, not compensated", &ComparedVolume::before_largest_um);
+  row("rms, not compensated", &ComparedVolume::before_rms_um);
+  row("largest that the map leaves", &ComparedVolume::after_largest_um);
+  row("rms that the map leaves", &ComparedVolume::after_rms_um);
+  return text;
+}
+
+Json number_of(const std::optional<LogbookEntry>& entry) { return entry ? Json(entry->number) : Json(nullptr); }
+
+Json state_json(const LoggedState& state) {
+  return {{"date", state.date},
+          {"map_entry", number_of(state.map)},
+          {"diagnosis_entry", number_of(state.diagnosis)},
+          {"volume", volume_json(state.volume)}};
+}
+
+std::string state_text(const char* word, const LoggedState& state) {
+  std::string text = fmt::format("{} {}:", word, state.date);
+  text += state.map ? fmt::format(" map of entry {} ({})", state.map->number, state.map->time) : " no map";
+  if (state.diagnosis)
+    text += fmt::format(", {} of entry {} ({})", state.diagnosis->kind, state.diagnosis->number, state.diagnosis->time);
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string log_list_head() {
+  return fmt::format("{:>6}  {:<20}  {:<18}  {:<12}  {:<8}  {}\n", "number", "time", "kind", "operator", "hash",
+                     "what");
+}
+
+Cell log_entry_cell(const LogbookEntry& entry) {
+  return record_cell("{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
+                     {{"number", integer_cell(entry.number)},
+                      {"time", word_cell(entry.time)},
+                      {"kind", word_cell(entry.kind)},
+                      {"hash", {entry.hash, entry.hash.substr(0, 8)}},
+                      {"previous", {entry.previous, {}}},
+                      {"operator", word_cell(entry.operator_name)},
+                      {"summary", word_cell(entry.summary)},
+                      {"machine", {text_or_null(entry.machine), {}}},
+                      {"serial_number", {text_or_null(entry.serial_number), {}}},
+                      {"instrument", {object_in(entry.instrument), {}}}});
+}
+
+Cell whole_entry_cell(const LogbookEntry& entry) {
+  Cell cell = log_entry_cell(entry);
+  const Json content = object_in(entry.content);
+  cell.json["content"] = content;
+  std::string text = fmt::format("entry {}: {}\n", entry.number, entry.kind);
+  text += field_line("time", entry.time) + field_line("machine", in_words({entry.machine, entry.serial_number})) +
+          field_line("operator", entry.operator_name) +
+          field_line("instrument", instrument_text(object_in(entry.instrument))) + field_line("what", entry.summary);
+  std::string line;
+  for (const std::string& word : words_of(entry)) line += (line.empty() ? "ecs " : " ") + word;
+  text += field_line("command", line) + field_line("folder", folder_of(entry));
+  for (const char* key : {"program", "commit_sequence", "block_check", "image_sha256", "problem"})
+    if (content.is_object() && content.contains(key))
+      text += field_line(key, content[key].is_string() ? content[key].get<std::string>() : content[key].dump());
+  text += files_text(files_of(entry));
+  text += field_line("previous", entry.previous) + field_line("hash", entry.hash);
+  cell.text = text;
+  return cell;
+}
+
+Cell verdict_cell(const LogVerdict& verdict, const std::string& path) {
+  std::string text =
+      verdict.whole() ? fmt::format("{} entries, each fits its hash and the one before; the last hash is {}\n",
+                                    verdict.entries, verdict.last_hash)
+      : verdict.first
+          ? fmt::format("entry {} does not fit: {}; {} before it fit\n", *verdict.first, verdict.why, verdict.entries)
+          : fmt::format("{}\n", verdict.why);
+  return record_cell("{text}", {{"log", word_cell(path)},
+                                {"whole", {verdict.whole(), {}}},
+                                {"entries", count_cell(verdict.entries)},
+                                {"last_hash", {text_or_null(verdict.last_hash), {}}},
+                                {"first", {verdict.first ? Json(*verdict.first) : Json(nullptr), {}}},
+                                {"why", {text_or_null(verdict.why), {}}},
+                                {"text", shown_cell(text)}});
+}
+
+Cell replay_cell(const Replay& replay) {
+  return record_cell(
+      "active since entry {activation}\n{derived}{raw}{notes}image derived again: {map_sha256}\nimage that is active: "
+      "{active_sha256}\n{same}\n",
+      {{"map_sha256", word_cell(replay.map_sha256)},
+       {"active_sha256", word_cell(replay.active_sha256)},
+       {"same", yes_cell(replay.same, "the same, bit for bit", "NOT THE SAME")},
+       {"activation", integer_cell(replay.activation)},
+       {"derived", list_cell(replay.derived,
+                             [](const DerivedFile& one) {
+                               return record_cell("again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
+                                                  {{"entry", integer_cell(one.entry)},
+                                                   {"name", word_cell(one.name)},
+                                                   {"verb", word_cell(one.verb)},
+                                                   {"sha256", {one.sha256, {}}},
+                                                   {"same", yes_cell(one.same, "the same", "DIFFERENT")}});
+                             })},
+       {"raw",
+        list_cell(replay.raw,
+                  [](const RawFile& one) {
+                    return record_cell("from {name}\n", {{"name", word_cell(one.name)}, {"sha256", {one.sha256, {}}}});
+                  })},
+       {"notes", lines_cell(replay.notes, "note: ")}});
+}
+
+Cell comparison_of_log_cell(const LogComparison& comparison) {
+  const auto& states = comparison.states;
+  const std::string head =
+      fmt::format("\n{:<5} {:<5} {:>12} {:>12} {:>15} {:>12}\n", "curve", "unit", states[0].date.substr(0, 10),
+                  states[1].date.substr(0, 10), "largest change", "change rms");
+  Cell curves = list_cell(comparison.curves, curve_cell, comparison.curves.empty() ? "" : head);
+  Cell causes = list_cell(comparison.causes, cause_cell, comparison.causes.empty() ? "" : "\ncauses\n");
+  return record_cell("{states}{curves}{causes}{volume}{notes}",
+                     {{"from", {state_json(states[0]), {}}},
+                      {"to", {state_json(states[1]), {}}},
+                      {"curves", std::move(curves)},
+                      {"causes", std::move(causes)},
+                      {"notes", lines_cell(comparison.notes, "note: ")},
+                      {"states", shown_cell(state_text("then,", states[0]) + state_text("now, ", states[1]))},
+                      {"volume", shown_cell(volume_text(states))}});
+}
+
+}  // namespace ecs::commissioning
