@@ -1,5 +1,5 @@
 // Where an effect can sit on a given ground, and its shape there: drawn, of size one, over what it depends on.
-// Does not live here: how large effects are made (ecs_emulator/hidden_cases).
+// Does not live here: how large effects are made (modules/hidden_cases).
 #pragma once
 
 #include "ecs_emulator/effects/definition.hpp"

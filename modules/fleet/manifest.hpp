@@ -1,5 +1,5 @@
 // A manifest: a table (CSV) with one machine or unit a line, each with an id of its own.
-// Does not live here: what is done with a line (commissioning/batch, commissioning/fleet).
+// Does not live here: what is done with a line (batch.hpp, run.hpp).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // `ecs lengths fit` and `plan` without a terminal: files read, components identified, the map made; a plan as asked
-// for; both answers as text and JSON. Does not live here: the least squares and the choice (model/lengths).
+// for; both answers as text and JSON. Does not live here: the least squares and the choice (identify.hpp, plan_lengths.hpp).
 #pragma once
 
 #include <functional>

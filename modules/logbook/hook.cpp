@@ -1,5 +1,5 @@
 // One hook round all verbs writes what they do into the logbook of the machine: which makes which kind of entry says
-// its definition. Does not live here: the logbook (commissioning/logbook), transfers to units, which it sees whoever
+// its definition. Does not live here: the logbook (store.hpp), transfers to units, which it sees whoever
 // sends.
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A circular test from its file to its causes, for the verb and for the report; its polar plot as a figure (thesis
 // figure 7.22) and in characters. Does not live here: the values of ISO 230-4 (laser/standards/circle.hpp), how causes
-// are found (model/circle).
+// are found (circle_diagnosis.hpp).
 #pragma once
 
 #include <filesystem>

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "commissioning/unit/monitor_record.hpp"
+#include "modules/capture/devices.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace ecs::commissioning {
@@ -21,7 +21,7 @@ bool says(const SurroundingsWatch& watch, const std::string& text) {
 
 TEST_CASE("a thermometer is read beside the monitor, reported when unplugged, and read again when it is back") {
   fake::Bus bus;
-  const auto watch = watched_surroundings("temper", 0.1);
+  const auto watch = environment_watch("temper", 0.1);
   CHECK(says(*watch, "temper"));  // none is plugged in, and that is said
   auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
@@ -34,7 +34,7 @@ TEST_CASE("a thermometer is read beside the monitor, reported when unplugged, an
 }
 
 TEST_CASE("a device that is not an environment sensor is refused with its kind") {
-  const auto watch = watched_surroundings("samples/devices/foot_switch.toml", 0.1);
+  const auto watch = environment_watch("samples/devices/foot_switch.toml", 0.1);
   CHECK(says(*watch, "trigger"));
 }
 

@@ -93,14 +93,14 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
 
 TEST_CASE("every effect of the library has a finding without holes") {
   const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
-  for (const EffectDefinition& definition : effect_library()) {
+  for (const model::EffectDefinition& definition : effect_library()) {
     EffectInstance one = effect(&definition, Axis::X, Sense::EX);
     one.name = "spindle";
     one.sensor = "t_spindle_degC";
     one.sensor2 = "t_bed_degC";
     if (definition.has_lever()) one.code = definition.place == Place::squareness ? Component::C0Y : Component::ECX;
     std::vector<ParameterEstimate> parameters;
-    for (const ParameterDefinition& parameter : definition.parameters)
+    for (const model::ParameterDefinition& parameter : definition.parameters)
       parameters.push_back(estimate(std::string(parameter.name), std::string(parameter.unit), 12.34));
     const std::string text = finding_text(one, parameters, data);
     CAPTURE(text);

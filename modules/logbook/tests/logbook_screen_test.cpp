@@ -7,6 +7,9 @@
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
+
+std::unique_ptr<Screen> logbook_screen();
+
 namespace {
 
 using namespace screen_test;
