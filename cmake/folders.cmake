@@ -23,7 +23,6 @@ ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
 ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
            PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/drive base laser model/fit model/linear PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/fit base core laser laser/import laser/map model/data model/effects model/linear model/regression
            params PkgConfig::Eigen3 fmt::fmt)
@@ -72,8 +71,8 @@ ecs_folder(commissioning/memory base commissioning/link commissioning/session co
 ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link commissioning/maps
            commissioning/models commissioning/plot commissioning/session model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
-           laser/map laser/standards model/data model/diagnosis model/drive model/effects model/fit model/regression
-           params fmt::fmt)
+           laser/map laser/standards model/data model/diagnosis model/effects model/fit model/regression params
+           fmt::fmt)
 ecs_folder(commissioning/parameters base commissioning/link commissioning/session commissioning/unit core params
            fmt::fmt)
 ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
@@ -118,8 +117,8 @@ ecs_folder(app/verbs/map app/cli app/plot base commissioning/link commissioning/
            commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/model app/cli app/plot base commissioning/laser_session commissioning/measurements
-           commissioning/models commissioning/session commissioning/volume laser/writers model/diagnosis model/effects
-           model/planning volume fmt::fmt)
+           commissioning/models commissioning/plot commissioning/session commissioning/volume laser/writers
+           model/diagnosis model/effects model/planning volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)

@@ -11,6 +11,7 @@
 #include "app/cli/program.hpp"
 
 namespace ecs::commissioning {
+struct DrawnOutcome;
 class ModelController;
 class SurroundingsWatch;
 class UnitConnection;
@@ -43,6 +44,9 @@ struct Module {
   AroundVerb (*around)(const std::vector<std::string>& words) = nullptr;
   /// What stands beside the next measurement on the MODEL screen (app/screens/model/screen.hpp).
   NextPart (*next_part)(commissioning::ModelController&, Prompt&) = nullptr;
+  /// Whether a file holds data of a kind that `model compare` gives to the module, and what it says to them.
+  bool (*has_data_for)(const std::string& file) = nullptr;
+  Result<commissioning::DrawnOutcome> (*compare)(const std::string& model, const std::string& file) = nullptr;
   /// Sensors beside the machine (commissioning/unit/monitor_record.hpp).
   std::unique_ptr<commissioning::SurroundingsWatch> (*surroundings)(const std::string& device,
                                                                     double every_s) = nullptr;

@@ -11,9 +11,32 @@
 
 namespace ecs::app {
 
-extern const std::vector<Action> kParameters, kMonitoring, kLaserReading, kLaserStatistics, kLaserProcessing,
-    kLaserTables, kMapBuilding, kMapOfUnit, kUtilityCommands, kUtilityDatum, kUnitAccess, kMemory, kModelBeginning,
-    kModelFitting, kModelDiagnosis, kModelLadder, kModelJudgement, kVolume, kDoctor, kDocuments;
+// In the order of the help.
+#define ECS_FAMILIES(FAMILY) \
+  FAMILY(kParameters)        \
+  FAMILY(kMonitoring)        \
+  FAMILY(kLaserReading)      \
+  FAMILY(kLaserStatistics)   \
+  FAMILY(kLaserProcessing)   \
+  FAMILY(kLaserTables)       \
+  FAMILY(kMapBuilding)       \
+  FAMILY(kMapOfUnit)         \
+  FAMILY(kUtilityCommands)   \
+  FAMILY(kUtilityDatum)      \
+  FAMILY(kUnitAccess)        \
+  FAMILY(kMemory)            \
+  FAMILY(kModelBeginning)    \
+  FAMILY(kModelFitting)      \
+  FAMILY(kModelDiagnosis)    \
+  FAMILY(kModelLadder)       \
+  FAMILY(kModelJudgement)    \
+  FAMILY(kVolume)            \
+  FAMILY(kDoctor)            \
+  FAMILY(kDocuments)
+
+#define FAMILY(name) extern const std::vector<Action> name;
+ECS_FAMILIES(FAMILY)
+#undef FAMILY
 
 namespace {
 
@@ -27,12 +50,10 @@ Registry core_verbs() {
                     {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
                     {"memory", "MEMORY ACCESS"},
                     {"model", "MODEL: the error model against measurements"}};
-  for (const std::vector<Action>* family :
-       {&kParameters,  &kMonitoring,     &kLaserReading,   &kLaserStatistics, &kLaserProcessing,
-        &kLaserTables, &kMapBuilding,    &kMapOfUnit,      &kUtilityCommands, &kUtilityDatum,
-        &kUnitAccess,  &kMemory,         &kModelBeginning, &kModelFitting,    &kModelDiagnosis,
-        &kModelLadder, &kModelJudgement, &kVolume,         &kDoctor,          &kDocuments})
-    for (const Action& action : *family) registry.actions.push_back(&action);
+#define FAMILY(name) \
+  for (const Action& action : name) registry.actions.push_back(&action);
+  ECS_FAMILIES(FAMILY)
+#undef FAMILY
   return registry;
 }
 

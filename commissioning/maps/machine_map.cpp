@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/cli/action.hpp"
 #include "base/file.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"

@@ -7,12 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "base/cli/action.hpp"
 #include "base/result.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/session/message.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
+
+namespace ecs::cli {
+template <class Request>
+class Fields;
+}
 
 namespace ecs::commissioning {
 

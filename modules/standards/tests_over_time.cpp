@@ -11,8 +11,8 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "laser/standards/plate.hpp"
-#include "laser/standards/warm_up.hpp"
+#include "modules/standards/plate.hpp"
+#include "modules/standards/warm_up.hpp"
 
 namespace ecs::app {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
@@ -16,9 +17,9 @@
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/place.hpp"
 #include "commissioning/models/plots.hpp"
-#include "commissioning/models/trace.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
@@ -226,17 +227,20 @@ Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, co
   return write_plot(request.plot, fit_figure(fit, work.data, "model against measurement"));
 }
 
-bool any_trace(const std::vector<std::string>& files) {
-  return std::any_of(files.begin(), files.end(), [](const std::string& file) { return is_trace_file(file); });
+/// The module that compares such data, if one of the files holds any.
+const Module* module_for(const std::vector<std::string>& files) {
+  for (const Module* module : modules())
+    if (module->has_data_for != nullptr && std::any_of(files.begin(), files.end(), module->has_data_for)) return module;
+  return nullptr;
 }
 
 /// A recorded step has no places, no volume and no company.
-Result<Outcome> compare_step(const CompareRequest& request) {
+Result<Outcome> compare_step(const CompareRequest& request, const Module& module) {
   if (request.common.data.size() != 1)
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
   if (!request.at.empty() || request.volume != 0)
     return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
-  ECS_TRY(comparison, compare_trace(request.common.model, request.common.data.front()));
+  ECS_TRY(comparison, module.compare(request.common.model, request.common.data.front()));
   if (!request.plot.empty()) {
     ECS_DO(write_plot(request.plot, comparison.figure));
     comparison.outcome.text += "\nplot written to " + request.plot + "\n";
@@ -262,7 +266,7 @@ Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
 
 Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_DO(sound(request));
-  if (any_trace(request.common.data)) return compare_step(request);
+  if (const Module* module = module_for(request.common.data)) return compare_step(request, *module);
   ECS_TRY(work, model_work(context.console, request.common));
   ECS_TRY(fit, in_file(fit_of(work, request.refit), request.common.model));
   const model::Comparison comparison = model::compare(fit, work.data, static_cast<std::size_t>(request.worst));

@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-#include "model/drive/trace.hpp"
+#include "modules/traces/trace.hpp"
 
 namespace ecs::model {
 

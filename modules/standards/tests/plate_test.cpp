@@ -1,5 +1,5 @@
 // Flatness from the lines of a union jack, against Moody's own plate (samples/real/moody-plate).
-#include "laser/standards/plate.hpp"
+#include "modules/standards/plate.hpp"
 
 #include <cmath>
 

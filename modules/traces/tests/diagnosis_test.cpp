@@ -1,4 +1,4 @@
-#include "model/drive/diagnosis.hpp"
+#include "modules/traces/diagnosis.hpp"
 
 #include <algorithm>
 #include <random>
@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "base/random.hpp"
-#include "tests/model/support/true_drive.hpp"
+#include "modules/traces/tests/true_drive.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -1,7 +1,7 @@
 // The reader of the [drive] table, and the exact integration of the piecewise linear servo axis (thesis 3.2.1, appendix
 // A): matrix exponential by scaling and squaring (Moler and Van Loan 2003, method 3), events by the false position with
 // bisection (Dowell and Jarratt 1971). Does not live here: comparing it with a recording (fit.cpp).
-#include "model/drive/simulation.hpp"
+#include "modules/traces/simulation.hpp"
 
 #include <algorithm>
 #include <cmath>

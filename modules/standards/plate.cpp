@@ -1,6 +1,6 @@
 // The file of a union jack, and its heights by the worksheets of Moody (1955), with the corrections of B. Allen,
 // "Comments on Moody's method for surface plate calibration" (2019): the lowest height is taken off, not added.
-#include "laser/standards/plate.hpp"
+#include "modules/standards/plate.hpp"
 
 #include <algorithm>
 #include <cmath>

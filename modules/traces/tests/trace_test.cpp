@@ -1,4 +1,4 @@
-#include "model/drive/trace.hpp"
+#include "modules/traces/trace.hpp"
 
 #include <cmath>
 #include <string>
@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "model/drive/simulation.hpp"
+#include "modules/traces/simulation.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

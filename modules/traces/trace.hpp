@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "model/drive/simulation.hpp"
+#include "modules/traces/simulation.hpp"
 
 namespace ecs::model {
 

@@ -3,25 +3,16 @@
 
 #include <string>
 
-#include "base/outcome.hpp"
 #include "base/result.hpp"
 #include "commissioning/plot/figure.hpp"
-#include "model/drive/diagnosis.hpp"
 
 namespace ecs::commissioning {
 
 /// True for a file whose header row has time_s and dac_V; false for any other, also one that cannot be read.
 [[nodiscard]] bool is_trace_file(const std::string& file);
 
-struct TraceComparison {
-  Outcome outcome;
-  PlotFigure figure;  ///< recorded, simulated as given and simulated as mended
-};
-
+/// The picture: recorded, simulated as given and simulated as mended.
 /// @param model  file with a [drive] table; without the table the constants are as printed in appendix A
-[[nodiscard]] Result<TraceComparison> compare_trace(const std::string& model, const std::string& trace);
-
-/// Recorded, simulated as given and simulated as mended.
-[[nodiscard]] PlotFigure trace_figure(const model::DriveTrace& trace, const model::DriveDiagnosis& diagnosis);
+[[nodiscard]] Result<DrawnOutcome> compare_trace(const std::string& model, const std::string& trace);
 
 }  // namespace ecs::commissioning

@@ -2,7 +2,7 @@
 // 328). Drift: ranges of the curves of one set of readings; what is missing is named all at once. Warming up: separable
 // least squares: for a time constant the rest is linear (G. Golub, V. Pereyra, Inverse Problems 19 (2003) R1); the time
 // constant is the best of a logarithmic grid, then by golden sections.
-#include "laser/standards/warm_up.hpp"
+#include "modules/standards/warm_up.hpp"
 
 #include <algorithm>
 #include <cmath>

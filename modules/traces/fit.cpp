@@ -1,6 +1,6 @@
 // Levenberg-Marquardt (Levenberg 1944; Marquardt 1963) on the logarithms of drive constants, Huber's loss (Huber 1964)
 // by weights (Holland and Welsch 1977), derivatives by differences. Does not live here: the simulation.
-#include "model/drive/fit.hpp"
+#include "modules/traces/fit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "model/drive/trace.hpp"
-#include "tests/model/support/true_drive.hpp"
+#include "modules/traces/tests/true_drive.hpp"
+#include "modules/traces/trace.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

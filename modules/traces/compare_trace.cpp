@@ -1,5 +1,5 @@
 // A recorded step against the simulated servo, as text, JSON and figure.
-#include "commissioning/models/trace.hpp"
+#include "modules/traces/compare_trace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -251,13 +251,6 @@ Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trac
           laid_out("\n{shapes}\n{verdict}{candidates}{says_nothing_about}{notes}", fields)};
 }
 
-}  // namespace
-
-bool is_trace_file(const std::string& file) {
-  const auto text = read_file(file);
-  return text && model::is_drive_trace(*text);
-}
-
 PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& diagnosis) {
   const auto series = [&](const char* name, Mark mark, const std::vector<double>& value, std::size_t most_points) {
     PlotSeries line{name, mark, {}};
@@ -278,12 +271,18 @@ PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& di
           true};
 }
 
-Result<TraceComparison> compare_trace(const std::string& model, const std::string& trace) {
+}  // namespace
+
+bool is_trace_file(const std::string& file) {
+  const auto text = read_file(file);
+  return text && model::is_drive_trace(*text);
+}
+
+Result<DrawnOutcome> compare_trace(const std::string& model, const std::string& trace) {
   ECS_TRY(drive, model::read_drive(model));
   ECS_TRY(recorded, model::read_trace(trace));
   const DriveDiagnosis diagnosis = model::diagnose_drive(drive, recorded);
-  return TraceComparison{outcome_of(drive_diagnosis_cell(diagnosis, recorded, drive)),
-                         trace_figure(recorded, diagnosis)};
+  return DrawnOutcome{outcome_of(drive_diagnosis_cell(diagnosis, recorded, drive)), trace_figure(recorded, diagnosis)};
 }
 
 }  // namespace ecs::commissioning

@@ -1,7 +1,7 @@
 // The drive of the test rig with the value that its report misprints put right.
 #pragma once
 
-#include "model/drive/simulation.hpp"
+#include "modules/traces/simulation.hpp"
 
 namespace ecs::model {
 

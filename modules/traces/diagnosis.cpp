@@ -1,15 +1,15 @@
 // The search for the wrong constant of a servo axis: constants one by one, then in pairs, by least loss; constants
 // whose sensitivities are nearly collinear are one group (collinearity index: Brun, Reichert and Künsch 2001). Does not
 // live here: the fit of given constants (fit.cpp).
-#include "model/drive/diagnosis.hpp"
+#include "modules/traces/diagnosis.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "model/drive/fit.hpp"
 #include "model/fit/statistics.hpp"
+#include "modules/traces/fit.hpp"
 
 namespace ecs::model {
 namespace {

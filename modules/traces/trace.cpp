@@ -1,7 +1,7 @@
 // Reader of recorded steps; the noise of a recorder from second differences (Gasser, Sroka and Jennen-Steinmetz 1986),
 // the larger ones trimmed; its clipping. The figures that a person reads off the curve of a step: level, rise, fall,
 // end of the plateau; transition durations between 10 % and 90 % of the level (IEC 60469:2013; IEEE Std 181-2011).
-#include "model/drive/trace.hpp"
+#include "modules/traces/trace.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Drift over time and distortion by a moving axis (ISO 230-3) against curves whose ranges a hand can compute.
 
-#include "laser/standards/warm_up.hpp"
+#include "modules/standards/warm_up.hpp"
 
 #include <cmath>
 
