@@ -75,7 +75,7 @@ ecs_folder(commissioning/models base commissioning/measurements commissioning/pl
            fmt::fmt)
 ecs_folder(commissioning/parameters base commissioning/link commissioning/session commissioning/unit core params
            fmt::fmt)
-ecs_folder(commissioning/plot commissioning/session core laser laser/analysis laser/map fmt::fmt)
+ecs_folder(commissioning/plot base commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
 ecs_folder(commissioning/unit base core laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/outcome.hpp"
+
 namespace ecs::commissioning {
 
 /// How a series looks; forward and reverse differ in shape and dash, not by colour alone.
@@ -95,6 +97,12 @@ struct PlotRanges {
   void take(const PlotFigure& figure) {
     for (const PlotPanel& panel : figure.panels) take(panel);
   }
+};
+
+/// An answer with its picture.
+struct DrawnOutcome {
+  Outcome outcome;
+  PlotFigure figure;
 };
 
 }  // namespace ecs::commissioning

@@ -10,6 +10,7 @@
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
+#include "modules/traces/diagnosis.hpp"
 
 namespace ecs::commissioning {
 namespace {
