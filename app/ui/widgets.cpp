@@ -54,6 +54,15 @@ bool ListPlace::on_key(const Key& key, int count, int page) {
   return true;
 }
 
+void draw_tabs(Canvas& canvas, const Area& area, int row, std::span<const char* const> titles, int here) {
+  int column = 0;
+  for (int p = 0; p < static_cast<int>(titles.size()); ++p)
+    column += canvas.text(area, row, column,
+                          fmt::format("{}{} {}{}", p == here ? "[" : " ", p + 1, titles[static_cast<std::size_t>(p)],
+                                      p == here ? "]" : " "),
+                          p == here ? Tone::strong : Tone::faint);
+}
+
 std::optional<int> ListPlace::clicked(const Key& key) const {
   if (key.name != Key::Name::mouse || key.row < seen.row || key.row >= seen.row + seen.rows) return std::nullopt;
   return first + key.row - seen.row;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ void draw_list(Canvas& canvas, const Area& area, const std::vector<ListRow>& row
 
 /// Marks at the right edge of a list or text of `count` rows that is seen from `first` on: there is more above, below.
 void draw_scroll_marks(Canvas& canvas, const Area& area, int first, int count);
+
+/// "[1 Setting]  2 Doctor  3 Statistics": the pages of a screen with the one shown in brackets.
+void draw_tabs(Canvas& canvas, const Area& area, int row, std::span<const char* const> titles, int here);
 
 /// Text that is longer, or wider, than its area.
 struct ScrollPlace {

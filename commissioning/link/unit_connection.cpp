@@ -48,31 +48,15 @@ UnitConnection::~UnitConnection() {
   guard_.join();
 }
 
-WatchedUnit UnitConnection::now() const {
+SampledUnit UnitConnection::now() const {
   const std::lock_guard lock(mutex_);
   return state_;
 }
 
 WatchedUnit UnitConnection::snapshot() const {
   const std::lock_guard lock(mutex_);
-  WatchedUnit snapshot;
-  snapshot.link = state_.link;
-  snapshot.where = state_.where;
-  snapshot.open = state_.open;
-  snapshot.emulator = state_.emulator;
-  snapshot.workshop = state_.workshop;
-  snapshot.lent = state_.lent;
-  snapshot.wants_code = state_.wants_code;
-  snapshot.identity = state_.identity;
-  snapshot.newest_at = state_.newest_at;
-  snapshot.opened_at = state_.opened_at;
-  snapshot.received = state_.received;
-  snapshot.failed = state_.failed;
-  snapshot.times_lost = state_.times_lost;
-  snapshot.per_second = state_.per_second;
-  snapshot.statistics = state_.statistics;
-  snapshot.problem = state_.problem;
-  return snapshot;
+  const WatchedUnit& without_samples = state_;
+  return without_samples;
 }
 
 std::optional<protocol::MonitorSample> UnitConnection::newest() const {

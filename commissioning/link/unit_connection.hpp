@@ -33,7 +33,6 @@ struct WatchedUnit {
   bool lent = false;                                  ///< a verb has the link
   bool wants_code = false;                            ///< the unit has refused something: this host is not armed
   std::optional<protocol::Identity> identity;         ///< of the unit that answered last
-  std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
   std::chrono::steady_clock::time_point newest_at{};  ///< when the newest sample came
   std::chrono::steady_clock::time_point opened_at{};  ///< when the link was opened
   std::uint64_t received = 0;                         ///< samples
@@ -42,6 +41,11 @@ struct WatchedUnit {
   double per_second = 0.0;                            ///< samples, over the last two seconds
   protocol::LinkStatistics statistics;                ///< of the open link
   std::string problem;                                ///< why there is no link now; empty: there is one
+};
+
+/// With what was sampled.
+struct SampledUnit : WatchedUnit {
+  std::deque<protocol::MonitorSample> samples;  ///< oldest first, at most kKept
 };
 
 class UnitConnection {
@@ -53,7 +57,7 @@ class UnitConnection {
   UnitConnection(const UnitConnection&) = delete;
   UnitConnection& operator=(const UnitConnection&) = delete;
 
-  [[nodiscard]] WatchedUnit now() const;
+  [[nodiscard]] SampledUnit now() const;
   /// Without the samples: cheap, for every picture.
   [[nodiscard]] WatchedUnit snapshot() const;
   /// The newest sample, if one came from the link that is open.
@@ -150,7 +154,7 @@ class UnitConnection {
   void lost(const Problem& why);
 
   mutable std::mutex mutex_;  ///< of what is known
-  WatchedUnit state_;
+  SampledUnit state_;
   std::string link_;
   std::string arm_code_;  ///< as typed; empty: none
   std::deque<std::chrono::steady_clock::time_point> arrivals_;

@@ -1,6 +1,7 @@
 #include "commissioning/memory/bytes.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <string>
 
@@ -15,13 +16,6 @@ namespace {
 
 constexpr std::uint32_t kAddressSpace = 0x1000000;  ///< 24 bits
 
-std::optional<std::uint8_t> nibble(char c) {
-  if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
-  const char low = static_cast<char>(c | 0x20);
-  if (low >= 'a' && low <= 'f') return static_cast<std::uint8_t>(low - 'a' + 10);
-  return std::nullopt;
-}
-
 /// "4E75" or "0x4E75"
 Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
   const std::string_view whole = word;
@@ -29,15 +23,21 @@ Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
   if (word.size() % 2 != 0)
     return problem(ProblemKind::usage, fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
   for (std::size_t i = 0; i < word.size(); i += 2) {
-    const auto high = nibble(word[i]), low = nibble(word[i + 1]);
-    if (!high || !low)
-      return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
-    bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
+    const auto byte = hexadecimal(word.substr(i, 2));
+    if (!byte) return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
+    bytes.push_back(static_cast<std::uint8_t>(*byte));
   }
   return {};
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> hexadecimal(std::string_view digits) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return value;
+}
 
 std::uint32_t size_of(const Region& region, std::size_t modules) {
   const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;

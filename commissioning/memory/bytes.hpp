@@ -26,6 +26,9 @@ namespace ecs::commissioning {
 /// Bytes of a region in a unit with so many modules.
 [[nodiscard]] std::uint32_t size_of(const Region& region, std::size_t modules);
 
+/// Nothing but digits.
+[[nodiscard]] std::optional<std::uint32_t> hexadecimal(std::string_view digits);
+
 /// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
 [[nodiscard]] Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments);
 

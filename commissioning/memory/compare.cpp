@@ -32,10 +32,7 @@ std::string value_at(const MemoryBytes& memory, const MemoryNames& names, const 
   const auto place = names.at(memory, address);
   if (place && place->name == as.name && !place->value.empty())
     return place->value.substr(0, place->value.find(" ("));  // without the counts
-  const ByteView bytes = memory.known(as.first, std::min(as.bytes, 8u));
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{:02X}", byte);
-  return text;
+  return hex_of(memory.known(as.first, std::min(as.bytes, 8u)), "");
 }
 
 void add_missing(const MemoryBytes& a, const MemoryBytes& b, bool in_a, std::vector<DifferenceRow>& rows) {

@@ -1,7 +1,6 @@
 #include "commissioning/memory/dump.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
 #include "base/json_values.hpp"
+#include "commissioning/memory/bytes.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
@@ -53,13 +53,6 @@ std::size_t total_of(const std::vector<DumpPart>& wanted) {
 }
 
 // --- reading
-std::optional<std::uint32_t> hexadecimal(std::string_view digits) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty()) return std::nullopt;
-  return value;
-}
-
 std::optional<std::uint32_t> number_at(const Json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_unsigned()) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "commissioning/memory/decode.hpp"
 #include "core/axis.hpp"
@@ -84,13 +85,13 @@ std::string prefix_value(ByteView bytes, const PrefixField& field) {
   return fmt::format("{}", load_big<std::uint32_t>(bytes, field.at));
 }
 
-void add_prefix(const DumpRegion& region, std::vector<ByteField>& out) {
+void add_prefix(const DumpRegion& region, std::vector<NamedPlace>& out) {
   for (const PrefixField& field : kPrefixFields)
     out.push_back({region.address + field.at, field.bytes, fmt::format("prefix.{}", field.name),
                    prefix_value(region.bytes, field)});
 }
 
-void add_parameters(const DecodedImage& image, const DumpRegion& region, std::vector<ByteField>& out) {
+void add_parameters(const DecodedImage& image, const DumpRegion& region, std::vector<NamedPlace>& out) {
   const auto& all = params::fields();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const FieldPlace place = parameter_places()[i];
@@ -101,7 +102,7 @@ void add_parameters(const DecodedImage& image, const DumpRegion& region, std::ve
   }
 }
 
-void add_identity(const DecodedImage& image, const DumpRegion& region, std::vector<ByteField>& out) {
+void add_identity(const DecodedImage& image, const DumpRegion& region, std::vector<NamedPlace>& out) {
   if (!image.identity) return;
   const auto add = [&](std::uint32_t at, std::uint32_t bytes, const char* name, std::string value) {
     out.push_back({region.address + kIdentityOffset + at, bytes, fmt::format("identity.{}", name), std::move(value)});
@@ -111,7 +112,7 @@ void add_identity(const DecodedImage& image, const DumpRegion& region, std::vect
   add(identity_at::configuration, 4, "configuration", fmt::format("{:08X}", image.identity->configuration));
 }
 
-void add_table(const DecodedTable& table, std::vector<ByteField>& out) {
+void add_table(const DecodedTable& table, std::vector<NamedPlace>& out) {
   const Address at = table.entry_address;
   const TableEntry& e = table.entry;
   const auto add = [&](std::uint32_t offset, std::uint32_t bytes, const char* name, std::string value) {
@@ -137,41 +138,34 @@ const std::vector<FieldPlace>& parameter_places() {
   return places;
 }
 
-std::vector<ByteField> fields_of(const DecodedImage& image, const DumpRegion& region) {
-  std::vector<ByteField> out;
+std::vector<NamedPlace> fields_of(const DecodedImage& image, const DumpRegion& region) {
+  std::vector<NamedPlace> out;
   add_prefix(region, out);
   add_parameters(image, region, out);
   add_identity(image, region, out);
   for (const DecodedTable& table : image.tables) add_table(table, out);
-  std::stable_sort(out.begin(), out.end(),
-                   [](const ByteField& a, const ByteField& b) { return a.address < b.address; });
+  std::stable_sort(out.begin(), out.end(), [](const NamedPlace& a, const NamedPlace& b) { return a.first < b.first; });
   return out;
 }
 
-std::string hex_of(ByteView bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
-  return text;
+std::string hex_of(ByteView bytes, std::string_view between) {
+  return fmt::format("{:02X}", fmt::join(bytes, between));
 }
 
 namespace {
 
 void add_image(const DecodedImage& image, const DumpRegion& region, std::vector<NamedStretch>& out) {
-  for (ByteField& field : fields_of(image, region))
-    out.push_back({field.address, field.bytes, std::move(field.name), std::move(field.value), false, {}});
+  for (NamedPlace& field : fields_of(image, region)) out.push_back({std::move(field)});
   for (const DecodedTable& table : image.tables)
     if (table.readable && table.entry.count > 0)
-      out.push_back({table.values_address, 2 * table.entry.count, "table " + name_of(table),
-                     fmt::format("{} values from {} mm every {} mm", table.entry.count, table.entry.start_mm,
-                                 table.entry.increment_mm),
-                     true, table.entry});
+      out.push_back({{table.values_address, 2 * table.entry.count, "table " + name_of(table),
+                      fmt::format("{} values from {} mm every {} mm", table.entry.count, table.entry.start_mm,
+                                  table.entry.increment_mm)},
+                     true,
+                     table.entry});
   if (!image.header.empty() && region.bytes.size() >= kPrefixBytes)
-    out.push_back({image.address + load_big<std::uint32_t>(region.bytes, prefix_at::header),
-                   static_cast<std::uint32_t>(image.header.size()),
-                   "header",
-                   "text of the map's header",
-                   false,
-                   {}});
+    out.push_back({{image.address + load_big<std::uint32_t>(region.bytes, prefix_at::header),
+                    static_cast<std::uint32_t>(image.header.size()), "header", "text of the map's header"}});
 }
 
 std::string text_of(const DecodedImage& image, const DecodedMemory& memory) {
@@ -202,12 +196,8 @@ MemoryNames::MemoryNames(const MemoryBytes& memory) {
   const DecodedMemory meaning = decoded(dump);
   if (meaning.has_commits)
     for (std::size_t i = 0; i < meaning.commits.size(); ++i)
-      stretches_.push_back({meaning.commits[i].address,
-                            kCommitSlotBytes,
-                            fmt::format("commit record {}", i),
-                            text_of(meaning.commits[i]) + (meaning.commits[i].active ? ", active" : ""),
-                            false,
-                            {}});
+      stretches_.push_back({{meaning.commits[i].address, kCommitSlotBytes, fmt::format("commit record {}", i),
+                             text_of(meaning.commits[i]) + (meaning.commits[i].active ? ", active" : "")}});
   for (const DecodedImage& image : meaning.images) {
     const DumpRegion* region = region_at(dump, image.address);
     if (region == nullptr) continue;

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commissioning/memory/bytes.hpp"
@@ -12,16 +13,17 @@
 
 namespace ecs::commissioning {
 
-struct ByteField {
-  Address address = 0;
+/// A field, a value of a table, a commit record: "prefix.total_bytes", "axis.X.deadband_um", "EXX forward at -3500 mm".
+struct NamedPlace {
+  Address first = 0;
   std::uint32_t bytes = 0;
-  std::string name;   ///< "prefix.total_bytes", "axis.X.deadband_um", "table 3 increment_mm"
-  std::string value;  ///< with its unit
+  std::string name{};
+  std::string value{};  ///< with its unit; empty: the bytes are the value
 };
 
 /// Prefix, parameters, identity and table directory of an image, by address. Where the bytes end, the list ends.
 /// @param region  the bytes it was decoded from
-[[nodiscard]] std::vector<ByteField> fields_of(const DecodedImage& image, const DumpRegion& region);
+[[nodiscard]] std::vector<NamedPlace> fields_of(const DecodedImage& image, const DumpRegion& region);
 
 /// Offset of each parameter in the parameter block, and its length: `first` 512 where it is not stored.
 struct FieldPlace {
@@ -31,26 +33,14 @@ struct FieldPlace {
 /// In the order of params::fields(). Found by encoding: a field lies where the bytes change with it.
 [[nodiscard]] const std::vector<FieldPlace>& parameter_places();
 
-/// "45 43 53 49"
-[[nodiscard]] std::string hex_of(ByteView bytes);
+/// "45 43 53 49". @param between  the bytes
+[[nodiscard]] std::string hex_of(ByteView bytes, std::string_view between = " ");
 
-/// A stretch with a name: a field, all values of a table, the header.
-struct NamedStretch {
-  Address first = 0;
-  std::uint32_t bytes = 0;
-  std::string name;
-  std::string value;  ///< with its unit; empty: the bytes are the value
+/// A field, all values of a table, the header.
+struct NamedStretch : NamedPlace {
   bool table = false;
-  TableEntry entry;  ///< of a table
+  TableEntry entry{};  ///< of a table
   [[nodiscard]] bool contains(Address address) const { return address >= first && address - first < bytes; }
-};
-
-/// What is under the cursor.
-struct NamedPlace {
-  Address first = 0;
-  std::uint32_t bytes = 0;
-  std::string name;   ///< "EXX forward at -3500 mm"
-  std::string value;  ///< "-12.5 um, -1250 counts"
 };
 
 class MemoryNames {

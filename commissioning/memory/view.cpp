@@ -1,8 +1,12 @@
 #include "commissioning/memory/view.hpp"
 
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
 #include "commissioning/memory/names.hpp"
 #include "commissioning/unit/status.hpp"
 #include "laser/map/error_map.hpp"
@@ -86,11 +90,11 @@ std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
   const DumpRegion* region = region_at(dump, image.address);
   if (region == nullptr) return {};
   std::string text = "address   bytes                    field                                      value\n";
-  for (const ByteField& field : fields_of(image, *region)) {
-    const std::size_t at = field.address - region->address;
+  for (const NamedPlace& field : fields_of(image, *region)) {
+    const std::size_t at = field.first - region->address;
     if (at + field.bytes > region->bytes.size()) break;
     const ByteView bytes = ByteView(region->bytes).subspan(at, field.bytes);
-    text += fmt::format("{}  {:<24} {:<42} {}\n", hex_address(field.address), hex_of(bytes), field.name, field.value);
+    text += fmt::format("{}  {:<24} {:<42} {}\n", hex_address(field.first), hex_of(bytes), field.name, field.value);
   }
   return text;
 }
@@ -163,6 +167,21 @@ Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_
        {"commits", commits_cell(memory)},
        {"images", images_cell(dump, memory, with_bytes)},
        {"status", status_when_taken(dump)}});
+}
+
+Result<StatusFile> read_status_file(const std::string& path) {
+  ECS_TRY(text, read_file(path));
+  StatusFile file;
+  file.name = std::filesystem::path(path).filename().string();
+  if (const auto first = trimmed(text); !first.empty() && first.front() == '{') {
+    ECS_TRY(snapshot, parse_snapshot(text, path));
+    file.snapshot = std::move(snapshot);
+    return file;
+  }
+  ECS_TRY(dump, dump_in(text, path));
+  file.snapshot = dump.status;
+  file.memory = owned_lines_of(memory_cell(dump, decoded(dump), false).text);
+  return file;
 }
 
 }  // namespace ecs::commissioning

@@ -1,7 +1,5 @@
 #include "commissioning/session/task_runner.hpp"
 
-#include <mutex>
-
 namespace ecs::commissioning {
 namespace {
 

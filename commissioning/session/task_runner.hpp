@@ -4,8 +4,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
@@ -17,6 +19,28 @@ struct JobControl {
   std::atomic<bool> cancelled{false};
   std::atomic<double> part{0.0};           ///< done, 0 … 1
   std::atomic<double> seconds_left{-1.0};  ///< where the task knows it; negative: not known
+};
+
+/// What a task tells its owner while it runs: both hold it.
+template <class Told>
+class Reported {
+ public:
+  template <class Change>
+  void change(Change change) {
+    const std::lock_guard lock(mutex_);
+    change(told_);
+    ++changes_;
+  }
+  [[nodiscard]] Told now() const {
+    const std::lock_guard lock(mutex_);
+    return told_;
+  }
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
+ private:
+  mutable std::mutex mutex_;
+  Told told_;
+  std::atomic<std::uint64_t> changes_{0};
 };
 
 /// Its end cancels the task and waits for it; the result is then dropped.

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
@@ -13,6 +15,7 @@
 namespace ecs::commissioning {
 namespace {
 
+constexpr std::chrono::milliseconds kRecordLimit{30'000};
 constexpr double kSpeedWindow_s = 0.02;
 constexpr double kShortestPeriod_us = 0.001, kLongestPeriod_us = 1e9, kMost_um_per_count = 1e6;  ///< choices
 constexpr double kStillCounts = 2.5;  ///< fewer counts within the window are no motion
@@ -95,6 +98,16 @@ Result<DatumRecording> read_recording(protocol::UnitClient& client, Address addr
   return recording;
 }
 
+Result<DatumRecording> record_datum(protocol::UnitClient& client, Axis axis, const protocol::CommandCallback& busy,
+                                    const protocol::ProgressCallback& fetching) {
+  ECS_TRY(identity, client.identity());
+  ECS_TRY(result, client.record_datum(axis, kRecordLimit, busy));
+  ECS_TRY(recording, read_recording(client, result.value, fetching));
+  recording.taken = now_utc();
+  recording.serial_number = identity.serial_number;
+  return recording;
+}
+
 std::string to_csv(const DatumRecording& recording) {
   std::string text = fmt::format("# axis: {}\n# sample_period_us: {}\n# um_per_count: {}\n", letter_of(recording.axis),
                                  recording.sample_period_us, recording.um_per_count);
@@ -163,6 +176,14 @@ std::vector<DatumEvent> events_of(const DatumRecording& recording) {
     if (sample.marker) add("marker");
   }
   return events;
+}
+
+Cell datum_event_cell(const DatumEvent& event) {
+  return record_cell("{time_s:>8} {position_mm:>12} {speed_mm_min:>15}  {what}\n",
+                     {{"what", word_cell(event.what)},
+                      {"time_s", number_cell(event.time_s, 3)},
+                      {"position_mm", number_cell(event.position_mm, 4)},
+                      {"speed_mm_min", number_cell(event.speed_mm_min, 1)}});
 }
 
 std::string graph_of(const DatumRecording& recording) {

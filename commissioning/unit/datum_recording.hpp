@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/result.hpp"
 #include "core/datum.hpp"
 #include "protocol/client/client.hpp"
@@ -31,6 +32,10 @@ struct DatumRecording {
 /// Reads the record that the unit holds at `address`.
 [[nodiscard]] Result<DatumRecording> read_recording(protocol::UnitClient& client, Address address,
                                                     const protocol::ProgressCallback& progress = {});
+/// Ten seconds of an axis, which the control of the machine references meanwhile, and what the unit has kept of them.
+[[nodiscard]] Result<DatumRecording> record_datum(protocol::UnitClient& client, Axis axis,
+                                                  const protocol::CommandCallback& busy,
+                                                  const protocol::ProgressCallback& fetching);
 
 /// `# key: value` lines, then time_s,counts,position_mm,speed_mm_min,switch_closed,marker.
 [[nodiscard]] std::string to_csv(const DatumRecording& recording);
@@ -46,6 +51,9 @@ struct DatumEvent {
   double speed_mm_min = 0.0;
 };
 [[nodiscard]] std::vector<DatumEvent> events_of(const DatumRecording& recording);
+/// In the text a row below kEventHeading.
+[[nodiscard]] Cell datum_event_cell(const DatumEvent& event);
+inline constexpr std::string_view kEventHeading = "  time/s  position/mm  speed/(mm/min)  event";
 
 /// The velocity-time graph of thesis figure 5.5 in text, with the switch and the marker below.
 [[nodiscard]] std::string graph_of(const DatumRecording& recording);

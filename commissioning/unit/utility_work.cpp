@@ -1,5 +1,7 @@
 #include "commissioning/unit/utility_work.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
@@ -8,6 +10,12 @@
 #include "core/fault.hpp"
 
 namespace ecs::commissioning {
+namespace {
+
+constexpr double kLeastMeasured = 0.02;  ///< of what was put out; less is no movement
+constexpr double kScaleHolds = 0.02;     ///< of the scale; a dial gauge knows no better
+
+}  // namespace
 
 Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
                                const protocol::CommandCallback& busy) {
@@ -31,6 +39,32 @@ Result<void> begin_compensation(protocol::UnitClient& client) {
     if (const auto status = client.status(); status && status->fault != Fault::none)
       failure.message = "the unit cannot compensate: " + fault_sentence(*status);
   return tl::unexpected(std::move(failure));
+}
+
+std::string um_text(double um) { return um == 0.0 ? "0 um" : fmt::format("{:+g} um", um); }
+
+Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um) {
+  if (um == 0.0)
+    return problem(ProblemKind::usage, "first put a value out with the relay closed: 0 um tells nothing about a scale");
+  if (std::abs(measured_um) < kLeastMeasured * std::abs(um))
+    return problem(ProblemKind::usage,
+                   fmt::format("{} put out and {} measured: the axis does not follow. Check that the relay is closed, "
+                               "the connection to the servo, and the D/A converter",
+                               um_text(um), um_text(measured_um)));
+  ScaleProposal proposal;
+  proposal.counts_per_um = axis.output_scale_counts_per_um * std::abs(um / measured_um);
+  const bool turned = (um > 0.0) != (measured_um > 0.0);
+  proposal.polarity = turned ? -axis.compensation_polarity : axis.compensation_polarity;
+  const std::string seen = fmt::format("{} put out moved {} by {}", um_text(um), letter_of(name), um_text(measured_um));
+  if (!turned && std::abs(proposal.counts_per_um / axis.output_scale_counts_per_um - 1.0) < kScaleHolds)
+    proposal.sentence = seen + ": scale and polarity are right.";
+  else
+    proposal.sentence = fmt::format(
+        "{}: set the compensation output value scaling factor of {} to {:.4g} counts/um (it is {:.4g}){} in E.C.S. "
+        "PARAMETERS, send them, and try again.",
+        seen, letter_of(name), proposal.counts_per_um, axis.output_scale_counts_per_um,
+        turned ? fmt::format(" and its compensation polarity to {:+d}", proposal.polarity) : "");
+  return proposal;
 }
 
 Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client) {

@@ -9,6 +9,7 @@
 #include "base/json_fwd.hpp"
 #include "base/result.hpp"
 #include "core/address_map.hpp"
+#include "core/parameters.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::commissioning {
@@ -27,6 +28,19 @@ struct AxisTest {
 /// Compensation mode as far as it goes at once: `done` when the unit waits for its axes to be referenced. Where the
 /// unit cannot, its own fault in words is the problem.
 [[nodiscard]] Result<void> begin_compensation(protocol::UnitClient& client);
+
+/// "+5 um", "0 um"
+[[nodiscard]] std::string um_text(double um);
+
+/// What an output scale should be, from what was put out and what a dial gauge showed.
+struct ScaleProposal {
+  double counts_per_um = 0.0;  ///< above 0
+  int polarity = 1;            ///< compensation polarity
+  std::string sentence;        ///< for the user, with the names of the parameters
+};
+/// @param measured_um  movement of the axis when `um` were put out, signed as the axis's coordinate; a usage problem
+/// where no scale follows from them
+[[nodiscard]] Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um);
 
 /// A register as the unit keeps it after user software has ended: "D0" … "D7", "A0" … "A7", "PC", "SR".
 struct KeptRegister {

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-#include "commissioning/session/commands.hpp"
-#include "commissioning/utility/unit_view.hpp"
+#include "commissioning/session/drafts.hpp"
 #include "params/observed_datum.hpp"
 
 namespace ecs::commissioning {
@@ -100,12 +97,12 @@ PlotPanel speed_panel(const ShownRecord& first, const ShownRecord* second, doubl
 }
 
 PlotFigure datum_figure(const ShownRecord& first, const ShownRecord* second) {
-  const double from_s = std::min(first.shift_s, second == nullptr ? first.shift_s : second->shift_s);
-  const double to_s = std::max(first.end_s(), second == nullptr ? first.end_s() : second->end_s());
+  SeenTime seen;
+  seen.show_all(first, second);
   PlotFigure figure;
   figure.title = fmt::format("Datum sequence of axis {}, {}", letter_of(first.recording.axis), first.name);
   figure.same_scale = false;
-  figure.panels.push_back(speed_panel(first, second, from_s, to_s));
+  figure.panels.push_back(speed_panel(first, second, seen.least_s, seen.most_s));
   PlotPanel signals;
   signals.title = "reference switch (closed: 1) and marker (0.5)";
   signals.x_label = "s";
@@ -129,8 +126,8 @@ std::string read_out_at(const ShownRecord& record, double time_s) {
 
 namespace {
 
-constexpr const char* kDraft = "datum-sequence";
 constexpr double kLeastSeen_s = 0.05;
+constexpr double kCursorSteps = 70.0;  ///< of the cursor over what is seen: about a column each
 
 }  // namespace
 
@@ -166,205 +163,42 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
 }
 
 std::string unsaved_record_of() {
-  const auto draft = draft_of(kDraft);
+  const auto draft = draft_of(kRecordDraft);
   return draft ? draft->kept : "";
 }
 
-DatumViewController::DatumViewController() : draft_(draft_of(kDraft)) {}
-
-void DatumViewController::take(DatumRecording recording) {
-  first_ = shown(std::move(recording), "just recorded");
-  saved_ = false;
-  fresh_ = true;
-  in_file_.clear();
-  draft_.reset();
-  show_all();
-  keep_fresh_draft();
+void SeenTime::show_all(const ShownRecord& first, const ShownRecord* second) {
+  least_s = std::min(first.shift_s, second == nullptr ? first.shift_s : second->shift_s);
+  most_s = std::max(first.end_s(), second == nullptr ? first.end_s() : second->end_s());
+  see_all();
 }
 
-void DatumViewController::keep_fresh_draft() {
-  const auto keep = [recording = first_->recording](JobControl&) { return keep_draft(kDraft, to_csv(recording)); };
-  drafting_.start("keeping a draft", keep, [this](const Result<void>& kept) {
-    if (!kept) message_.say(kept.error());
-    if (saved_) drop_draft(kDraft);
-  });
+void SeenTime::see_all() {
+  from_s = least_s;
+  to_s = std::max(most_s, from_s + kLeastSeen_s);
 }
 
-void DatumViewController::take_draft() {
-  if (!draft_) return;
-  auto recording = parse_recording(draft_->text, "draft");
-  if (recording) {
-    first_ = shown(std::move(*recording), "recorded " + draft_->kept);
-    saved_ = fresh_ = false;
-    in_file_.clear();
-    show_all();
-  } else {
-    message_.say(recording.error());
-  }
-  draft_.reset();
+void SeenTime::go_to(double time_s) {
+  cursor_s = time_s;
+  if (time_s >= from_s && time_s <= to_s) return;
+  const double half = 0.5 * (to_s - from_s);
+  from_s = time_s - half;
+  to_s = time_s + half;
 }
 
-void DatumViewController::drop_earlier_draft() {
-  drop_draft(kDraft);
-  draft_.reset();
-}
-
-void DatumViewController::read(const std::string& path, bool as_overlay) {
-  if (busy()) return;
-  const auto work = [path](JobControl&) -> Result<ShownRecord> {
-    ECS_TRY(recording, read_recording_file(path));
-    return shown(std::move(recording), std::filesystem::path(path).filename().string());
-  };
-  file_task_.start("reading", work, [this, as_overlay, path](Result<ShownRecord> record) {
-    if (!record) return message_.say(record.error());
-    if (!as_overlay) {
-      fresh_ = false;
-      in_file_ = path;
-    }
-    take_read(std::move(*record), as_overlay);
-  });
-}
-
-void DatumViewController::take_read(ShownRecord record, bool as_overlay) {
-  (as_overlay ? second_ : first_) = std::move(record);
-  if (as_overlay) {
-    message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
-  } else {
-    saved_ = true;
-    cursor_s_.reset();
-    message_.say(fmt::format("{}: axis {}, {} samples", first_->name, letter_of(first_->recording.axis),
-                             first_->recording.samples.size()));
-  }
-  show_all();
-}
-
-void DatumViewController::open(const std::string& path) { read(path, false); }
-void DatumViewController::overlay(const std::string& path) { read(path, true); }
-
-void DatumViewController::drop_overlay() {
-  second_.reset();
-  show_all();
-}
-
-void DatumViewController::align() {
-  if (!first_ || !second_) return;
-  const auto a = first_switch_s(*first_), b = first_switch_s(*second_);
-  if (!a || !b) {
-    message_.say("The switch does not change in both records: nothing to lay over each other.", Tone::warning);
-    return;
-  }
-  second_->shift_s = second_->shift_s != 0.0 ? 0.0 : *a - *b;
-  message_.say(
-      second_->shift_s == 0.0
-          ? "Both begin at 0 s."
-          : fmt::format(
-                "The second is shifted by {:+.3f} s: the switches change first at the same time. a shifts it back.",
-                second_->shift_s));
-  show_all();
-}
-
-void DatumViewController::save(const std::string& path) {
-  if (!first_ || busy()) return;
-  const auto write = [recording = first_->recording, path](JobControl&) { return write_file(path, to_csv(recording)); };
-  file_task_.start("writing", write, [this, path](const Result<void>& written) {
-    if (!written) return message_.say(written.error());
-    saved_ = true;
-    note_saved(path);
-    first_->name = std::filesystem::path(path).filename().string();
-    drop_draft(kDraft);
-    message_.say("written: " + path);
-  });
-}
-
-/// The command that recorded it gets the file; a second file is a copy of the first.
-void DatumViewController::note_saved(const std::string& path) {
-  const std::string file = path_word(path);
-  std::vector<NotedCommand> noted = noted_commands();
-  const std::vector<std::string> record{"ecs", "utility", "datum", "record",
-                                        std::string(1, letter_of(first_->recording.axis))};
-  const auto found = std::find_if(noted.rbegin(), noted.rend(), [&](const NotedCommand& command) {
-    return command.words.size() >= record.size() && std::equal(record.begin(), record.end(), command.words.begin());
-  });
-  if (fresh_ && found != noted.rend() && in_file_.empty()) {
-    found->words.insert(found->words.begin() + static_cast<std::ptrdiff_t>(record.size()), {"-o", file});
-    amend(static_cast<std::size_t>(noted.rend() - found) - 1, *found);
-  } else if (in_file_.empty()) {
-    note_file(path, to_csv(first_->recording));
-  } else if (path_word(in_file_) != file) {
-    NotedCommand copy;
-    copy.words = {"cp", path_word(in_file_), file};
-    note(std::move(copy));
-  }
-  in_file_ = path;
-}
-
-void DatumViewController::export_picture(FigureWriter write) {
-  if (!first_) return;
-  message_.say("Drawing the picture ...");
-  commissioning::export_picture(drawing_, datum_figure(*first_, second()),
-                                fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)),
-                                std::move(write), message_);
-}
-
-std::string DatumViewController::proposed_name() const {
-  return first_
-             ? file_name_now(fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), ".csv")
-             : "";
-}
-
-void DatumViewController::show_all() {
-  if (!first_) return;
-  from_s_ = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
-  to_s_ = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
-  to_s_ = std::max(to_s_, from_s_ + kLeastSeen_s);
-  redraw();
-}
-
-void DatumViewController::redraw() {
-  if (first_) panel_ = speed_panel(*first_, second(), from_s_, to_s_);
-}
-
-void DatumViewController::whole() {
-  cursor_s_.reset();
-  show_all();
-}
-
-void DatumViewController::go_to(double time_s) {
-  cursor_s_ = time_s;
-  if (time_s < from_s_ || time_s > to_s_) {
-    const double half = 0.5 * (to_s_ - from_s_);
-    from_s_ = time_s - half;
-    to_s_ = time_s + half;
-    redraw();
-  }
-}
-
-void DatumViewController::move_cursor(int direction, int columns) {
-  if (!first_) return;
-  const double step_s = (to_s_ - from_s_) / std::max(1, columns);
-  const double least_s = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
-  const double most_s = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
-  const double sample_s = first_->recording.sample_period_us * 1e-6;
-  const double moved = cursor_s_ ? *cursor_s_ + direction * std::max(step_s, sample_s) : (from_s_ + to_s_) / 2.0;
+void SeenTime::move_cursor(int steps, double sample_s) {
+  const double step_s = std::max((to_s - from_s) / kCursorSteps, sample_s);
+  const double moved = cursor_s ? *cursor_s + steps * step_s : (from_s + to_s) / 2.0;
   go_to(std::clamp(std::round(moved / sample_s) * sample_s, least_s, most_s));
 }
 
-void DatumViewController::zoom(double factor) {
-  if (!first_) return;
-  const double centre = cursor_s_.value_or(0.5 * (from_s_ + to_s_));
-  const double width = std::max(kLeastSeen_s, (to_s_ - from_s_) * factor);
-  show_all();
-  const double least = from_s_, most = to_s_;
-  if (width >= most - least) return;
-  from_s_ = std::clamp(centre - 0.5 * width, least, most - width);
-  to_s_ = from_s_ + width;
-  redraw();
-}
-
-bool DatumViewController::advance() {
-  bool changed = false;
-  for (TaskRunner* task : {&drawing_, &file_task_, &drafting_}) changed = task->advance() || changed;
-  return changed;
+void SeenTime::zoom(double factor) {
+  const double centre = cursor_s.value_or(0.5 * (from_s + to_s));
+  const double width = std::max(kLeastSeen_s, (to_s - from_s) * factor);
+  see_all();
+  if (width >= to_s - from_s) return;
+  from_s = std::clamp(centre - 0.5 * width, from_s, to_s - width);
+  to_s = from_s + width;
 }
 
 }  // namespace ecs::commissioning

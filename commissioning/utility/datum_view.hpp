@@ -1,5 +1,5 @@
-// DISPLAY DATUM SEQUENCE: one or two records as figures (speed over time as in thesis figure 5.5, the switch and the
-// marker), the time that is seen, the cursor, files. A fresh record is kept on disc as a draft until it is saved.
+// One or two records of datum sequences as figures (speed over time as in thesis figure 5.5, the switch and the
+// marker), the time of them that is seen, and what a record tells.
 #pragma once
 
 #include <optional>
@@ -7,10 +7,6 @@
 #include <vector>
 
 #include "commissioning/plot/figure.hpp"
-#include "commissioning/plot/picture_export.hpp"
-#include "commissioning/session/drafts.hpp"
-#include "commissioning/session/message.hpp"
-#include "commissioning/session/task_runner.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 
 namespace ecs::commissioning {
@@ -45,69 +41,28 @@ struct ShownRecord {
 /// What a record tells about the datuming parameters, in sentences that name them.
 [[nodiscard]] std::vector<std::string> datuming_hints(const ShownRecord& record);
 
-/// When the record was made that nobody has saved yet, local time; empty: there is none.
+/// Of the draft of a record that nobody has saved yet.
+inline constexpr const char* kRecordDraft = "datum-sequence";
+/// When that was made, local time; empty: there is none.
 [[nodiscard]] std::string unsaved_record_of();
 
-class DatumViewController {
- public:
-  DatumViewController();
+/// The time of a graph that is seen, and the cursor in it.
+struct SeenTime {
+  double least_s = 0.0, most_s = 10.0;  ///< of the records
+  double from_s = 0.0, to_s = 10.0;     ///< that are seen
+  std::optional<double> cursor_s;
 
-  // --- records
-  /// A fresh record: unsaved, kept as a draft.
-  void take(DatumRecording recording);
-  void open(const std::string& path);
-  /// Laid over the first; a third takes the place of the second.
-  void overlay(const std::string& path);
-  void drop_overlay();
-  /// The second shifted so that the switches change first at the same time; again: back.
-  void align();
-  void save(const std::string& path);
-  void export_picture(FigureWriter write);
-  [[nodiscard]] const std::optional<Draft>& draft() const { return draft_; }  ///< of an earlier context, not taken up
-  void take_draft();
-  void drop_earlier_draft();
-
-  // --- the time that is seen
-  void move_cursor(int direction, int columns);
-  void zoom(double factor);
-  void whole();
-  [[nodiscard]] double from_s() const { return from_s_; }
-  [[nodiscard]] double to_s() const { return to_s_; }
-  [[nodiscard]] std::optional<double> cursor_s() const { return cursor_s_; }
+  /// All of the records. @param second  null: there is none
+  void show_all(const ShownRecord& first, const ShownRecord* second);
+  /// The cursor there, in the middle of what is seen if it was outside.
   void go_to(double time_s);
-
-  [[nodiscard]] bool advance();
-  [[nodiscard]] bool busy() const { return file_task_.running(); }
-  [[nodiscard]] const ShownRecord* first() const { return first_ ? &*first_ : nullptr; }
-  [[nodiscard]] const ShownRecord* second() const { return second_ ? &*second_ : nullptr; }
-  [[nodiscard]] const PlotPanel& panel() const { return panel_; }
-  [[nodiscard]] bool saved() const { return saved_; }
-  [[nodiscard]] std::string proposed_name() const;  ///< for a file
-  [[nodiscard]] Message& message() { return message_; }
-  [[nodiscard]] const Message& message() const { return message_; }
+  /// By so many of the steps of which 70 are seen, but by whole samples; into the middle where there was no cursor.
+  void move_cursor(int steps, double sample_s);
+  /// Around the cursor, else around the middle. @param factor  of the time that is seen
+  void zoom(double factor);
 
  private:
-  void read(const std::string& path, bool as_overlay);
-  void take_read(ShownRecord record, bool as_overlay);
-  void show_all();
-  void redraw();
-  void keep_fresh_draft();
-  void note_saved(const std::string& path);
-
-  std::optional<ShownRecord> first_;
-  std::optional<ShownRecord> second_;
-  std::optional<Draft> draft_;
-  bool saved_ = true;
-  bool fresh_ = false;   ///< recorded by a command that was noted without a file
-  std::string in_file_;  ///< where the first record lies; empty: in no file
-  double from_s_ = 0.0;
-  double to_s_ = 10.0;
-  std::optional<double> cursor_s_;
-  PlotPanel panel_;
-  Message message_;
-  TaskRunner drawing_;
-  TaskRunner file_task_;
-  TaskRunner drafting_;
+  void see_all();
 };
 
 }  // namespace ecs::commissioning

@@ -32,10 +32,6 @@ std::string refusal_in(UnitMode mode) {
                      ecs::name_of(mode));
 }
 
-double seconds_since(std::chrono::steady_clock::time_point moment) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
-}
-
 bool UnitView::look(const UnitConnection& connection) {
   const int age_before = shown_age(age_s);
   const bool fresh_before = fresh;
@@ -46,7 +42,7 @@ bool UnitView::look(const UnitConnection& connection) {
     fresh = newest.has_value();
     if (newest && watched.newest_at >= taken_at_) take(*newest, watched.newest_at);
   }
-  age_s = sample ? seconds_since(taken_at_) : 0.0;
+  age_s = sample ? std::chrono::duration<double>(Clock::now() - taken_at_).count() : 0.0;
   const bool changed = now != changes || fresh != fresh_before || shown_age(age_s) != age_before;
   changes = now;
   return changed;
@@ -96,11 +92,6 @@ std::string file_name_now(const std::string& stem, const std::string& extension)
   return fmt::format("{}-{:%Y%m%d-%H%M%S}{}", stem, fmt::localtime(std::time(nullptr)), extension);
 }
 
-bool file_is_there(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
-}
-
 namespace {
 
 constexpr const char* kHowToDrive =
@@ -126,14 +117,27 @@ bool add_coordinate(Json& request, const std::string& word) {
 }
 
 /// A request to the workshop as words of its command.
-std::vector<std::string> drive_words(const Json& request) {
-  const std::string action = request.value("action", "");
-  if (action == "run") return {"run", path_word(request.value("program", ""))};
-  if (action == "mdi") return {"mdi", request.value("block", "")};
-  std::vector<std::string> words{"jog"};
-  for (const auto& [name, option] : {std::pair{"X", "--x"}, {"Y", "--y"}, {"Z", "--z"}, {"feed", "--feed"}})
-    if (request.contains(name)) words.insert(words.end(), {option, shortest(request[name].get<double>())});
+std::vector<std::string> words_of_request(const Json& request) {
+  std::vector<std::string> words;
+  for (const auto& [key, value] : request.items()) {
+    const bool is_file = key == "plan" || key == "program";
+    if (key == "folder" || key == "output")
+      words.emplace_back("-o");
+    else if (key != "action" && key != "block" && !is_file)
+      words.push_back("--" + lower(key));
+    if (value.is_number()) words.push_back(shortest(value.get<double>()));
+    if (value.is_string())
+      words.push_back(is_file || key == "folder" ? path_word(value.get<std::string>()) : value.get<std::string>());
+    for (const Json& one : value.is_array() ? value : Json::array())
+      words.push_back(key == "output" ? path_word(one.get<std::string>()) : one.get<std::string>());
+  }
   return words;
+}
+
+Json request_to_reference(const std::vector<Axis>& axes) {
+  Json request{{"action", "reference"}};
+  for (const Axis a : axes) request["axes"].push_back(std::string(1, letter_of(a)));
+  return request;
 }
 
 std::string place_in(const Json& answer) {
@@ -147,27 +151,23 @@ std::string place_in(const Json& answer) {
 }  // namespace
 
 std::vector<std::string> reference_words(const std::string& workshop, const std::vector<Axis>& axes) {
-  std::vector<std::string> words{"ecs-emulator", "workshop", workshop, "reference"};
-  if (!axes.empty()) words.emplace_back("--axes");
-  for (const Axis a : axes) words.emplace_back(1, letter_of(a));
+  std::vector<std::string> words = words_of_request(request_to_reference(axes));
+  words.insert(words.begin(), {"ecs-emulator", "workshop", workshop});
   return words;
 }
 
-void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed,
+void reference_machine(TaskRunner& task, const std::string& workshop, const std::vector<Axis>& axes, Message& failed,
                        bool beside) {
   if (task.running()) return;
-  NotedCommand command;
-  command.words = reference_words(workshop, axes);
-  const auto work = [workshop, axes = std::move(axes)](JobControl& control) -> Result<void> {
-    Json request{{"action", "reference"}};
-    for (const Axis a : axes) request["axes"].push_back(std::string(1, letter_of(a)));
+  const Json request = request_to_reference(axes);
+  const auto work = [workshop, request](JobControl& control) -> Result<void> {
     const auto done = WorkshopClient(workshop, control.cancelled).ask(request);
     if (done || control.cancelled) return {};
     return problem(ProblemKind::link, fmt::format("the emulated machine was not referenced: {}", done.error().message));
   };
-  task.start("referencing", work, [&failed, &task, beside, command = std::move(command)](const Result<void>& done) {
+  task.start("referencing", work, [&failed, &task, beside, workshop, request](const Result<void>& done) {
     if (!done) return failed.say(done.error());
-    if (!beside && !task.cancelled()) note(command);
+    if (!beside && !task.cancelled()) note_workshop(workshop, words_of_request(request));
   });
 }
 
@@ -201,7 +201,7 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
     if (task.cancelled())
       note_remark("the emulated machine was driven and stopped on its way");
     else
-      note_workshop(workshop, drive_words(Json::parse(request)));
+      note_workshop(workshop, words_of_request(Json::parse(request)));
   });
 }
 
@@ -210,61 +210,52 @@ namespace {
 using Measured = Result<std::vector<std::string>>;
 constexpr double kSteps = 40.0;
 
-std::string file_of_axis(const EmulatedMeasurement& wanted, Axis axis) {
-  return (std::filesystem::path(wanted.folder) / fmt::format("E{0}{0}.csv", letter_of(axis))).string();
-}
-
-/// What was measured, as the commands that measure it again.
-void note_measured(const std::string& workshop, const EmulatedMeasurement& wanted) {
+/// Of a plan one, else forty steps over the travel of each axis, off equal steps as ISO 230-2 asks.
+Result<std::vector<Json>> requests_to_measure(const EmulatedMeasurement& wanted) {
   if (!wanted.plan.empty())
-    return static_cast<void>(note_workshop(
-        workshop, {"plan", path_word(wanted.plan), "--phase", wanted.phase, "-o", path_word(wanted.folder)}));
-  const auto read = params::read_machine(wanted.machine);
-  if (!read) return;
-  for (const Axis a : kAllAxes) {
-    const auto& axis = read->machine.axes[index_of(a)];
-    if (!axis) continue;
-    const std::string letter(1, letter_of(a));
-    note_workshop(workshop,
-                  {"measure", "--axis", letter, "--sense", "E" + letter, "--from", shortest(axis->travel_mm[0]), "--to",
-                   shortest(axis->travel_mm[1]), "--step", shortest((axis->travel_mm[1] - axis->travel_mm[0]) / kSteps),
-                   "--moved", "-o", path_word(file_of_axis(wanted, a))});
-  }
-}
-
-Measured measured_by_plan(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
-  const Json request{{"action", "plan"}, {"plan", wanted.plan}, {"phase", wanted.phase}, {"folder", wanted.folder}};
-  ECS_TRY(done, workshop.ask(request, [&control](double part) { control.part = part; }));
-  return done.value("output", std::vector<std::string>());
-}
-
-/// Forty steps over the travel of each axis, off equal steps as ISO 230-2 asks.
-Measured measured_positions(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
+    return std::vector<Json>{
+        {{"action", "plan"}, {"plan", wanted.plan}, {"phase", wanted.phase}, {"folder", wanted.folder}}};
   ECS_TRY(read, params::read_machine(wanted.machine));
-  std::vector<std::string> files;
   std::vector<Json> requests;
   for (const Axis a : kAllAxes) {
     const auto& axis = read.machine.axes[index_of(a)];
     if (!axis) continue;
-    const std::string letter(1, letter_of(a));
-    files.push_back(file_of_axis(wanted, a));
+    const std::filesystem::path file = std::filesystem::path(wanted.folder) / fmt::format("E{0}{0}.csv", letter_of(a));
     requests.push_back({{"action", "measure"},
-                        {"axis", letter},
-                        {"sense", "E" + letter},
+                        {"axis", std::string(1, letter_of(a))},
+                        {"sense", fmt::format("E{}", letter_of(a))},
                         {"from", axis->travel_mm[0]},
                         {"to", axis->travel_mm[1]},
                         {"step", (axis->travel_mm[1] - axis->travel_mm[0]) / kSteps},
                         {"moved", true},
-                        {"output", Json::array({files.back()})}});
+                        {"output", Json::array({file.string()})}});
   }
-  ECS_DO(none_there(files, "give another folder"));
+  return requests;
+}
+
+/// What was asked, and the files that came.
+struct MeasuredFiles {
+  std::vector<Json> requests;
+  std::vector<std::string> files;
+};
+
+Result<MeasuredFiles> measured(const WorkshopClient& workshop, const EmulatedMeasurement& wanted, JobControl& control) {
+  ECS_TRY(requests, requests_to_measure(wanted));
+  MeasuredFiles done{requests, {}};
+  if (!wanted.plan.empty()) {
+    ECS_TRY(answer, workshop.ask(requests.front(), [&control](double part) { control.part = part; }));
+    done.files = answer.value("output", std::vector<std::string>());
+    return done;
+  }
+  for (const Json& request : requests) done.files.push_back(request["output"].front());
+  ECS_DO(none_there(done.files, "give another folder"));
   std::error_code fault;
   std::filesystem::create_directories(wanted.folder, fault);
   for (std::size_t k = 0; k < requests.size(); ++k) {
     control.part = static_cast<double>(k) / static_cast<double>(requests.size());
     ECS_DO(workshop.ask(requests[k]));
   }
-  return files;
+  return done;
 }
 
 }  // namespace
@@ -276,17 +267,17 @@ void measure_by_plan(TaskRunner& task, const std::string& workshop, const Emulat
   std::error_code fault;
   whole.folder = std::filesystem::absolute(wanted.folder, fault).lexically_normal().string();
   if (!wanted.plan.empty()) whole.plan = std::filesystem::absolute(wanted.plan, fault).string();
-  const auto work = [workshop, whole](JobControl& control) -> Measured {
-    const WorkshopClient client(workshop, control.cancelled);
-    auto done =
-        whole.plan.empty() ? measured_positions(client, whole, control) : measured_by_plan(client, whole, control);
+  const auto work = [workshop, whole](JobControl& control) -> Result<MeasuredFiles> {
+    auto done = measured(WorkshopClient(workshop, control.cancelled), whole, control);
     if (!done && control.cancelled) return problem(ProblemKind::refused, "the measurement was stopped");
     return done;
   };
-  task.start("the emulated laser measures", work, [workshop, whole, taken = std::move(taken)](const Measured& files) {
-    if (files) note_measured(workshop, whole);
-    taken(files);
-  });
+  task.start("the emulated laser measures", work,
+             [workshop, taken = std::move(taken)](const Result<MeasuredFiles>& done) {
+               if (!done) return taken(tl::unexpected(done.error()));
+               for (const Json& request : done->requests) note_workshop(workshop, words_of_request(request));
+               taken(done->files);
+             });
 }
 
 }  // namespace ecs::commissioning

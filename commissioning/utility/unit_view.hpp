@@ -51,8 +51,6 @@ struct UnitView {
 [[nodiscard]] bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after,
                               std::chrono::steady_clock::duration passed);
 
-[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point moment);
-
 /// "seen 4 s ago", coarse; empty below one second.
 [[nodiscard]] std::string age_text(double age_s);
 
@@ -62,13 +60,10 @@ void say_failed(Message& message, const Problem& problem, bool given_up);
 /// A stem with the local time, "datum-x-20260504-140509.csv".
 [[nodiscard]] std::string file_name_now(const std::string& stem, const std::string& extension);
 
-/// A file or folder is there already.
-[[nodiscard]] bool file_is_there(const std::string& path);
-
 /// Nothing happens while `task` runs. @param workshop  socket of the emulator's workshop
 /// @param axes  one after the other; empty: all  @param failed  to say so when it fails; outlives the task
 /// @param beside  it belongs to a command under way, which names it (reference_words())
-void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed,
+void reference_machine(TaskRunner& task, const std::string& workshop, const std::vector<Axis>& axes, Message& failed,
                        bool beside = false);
 /// As a command line.
 [[nodiscard]] std::vector<std::string> reference_words(const std::string& workshop, const std::vector<Axis>& axes);

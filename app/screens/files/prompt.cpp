@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/screens/files/keyed_screen.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "commissioning/session/remembered.hpp"
@@ -493,6 +494,17 @@ std::vector<KeyHelp> Prompt::keys() const {
   std::vector<KeyHelp> keys;
   for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
   return keys;
+}
+
+void KeyedScreen::ask_where_to_save(const std::string& label, const std::string& proposed,
+                                    std::function<void(const std::string&)> save) {
+  prompt_.ask(label, Prompt::Kind::path, proposed, [this, save = std::move(save)](const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return save(path);
+    asking_.ask(
+        {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
+        [save, path] { save(path); });
+  });
 }
 
 }  // namespace ecs::app

@@ -1,260 +1,43 @@
 #include "app/screens/memory/screen.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <ctime>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "app/ui/widgets.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
+#include "commissioning/utility/unit_view.hpp"
 
 namespace ecs::app {
-namespace {
-
-std::optional<Address> hexadecimal(std::string_view text) {
-  text = trimmed(text);
-  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
-  Address value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-  if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-std::string dump_name() { return fmt::format("unit-{:%Y%m%d-%H%M%S}.ecsdump", fmt::localtime(std::time(nullptr))); }
-
-}  // namespace
-
-void MemoryScreen::begin_typing(Typing what, const std::string& text) {
-  typing_ = what;
-  text_.set(text);
-  target_ = {};
-  choices_.clear();
-  controller_.message().clear();
-}
-
-void MemoryScreen::choose_dump() {
-  files_.choose("Open a dump of a unit's memory, or a memory image", {{FileKind::memory}, false, "back to the unit"},
-                [this](const std::string& path) { controller_.open(path); });
-}
-
-void MemoryScreen::choose_comparison() {
-  files_.choose("Compare with a dump of a unit's memory", {{FileKind::memory}, false, "compare no more"},
-                [this](const std::string& path) {
-                  if (path.empty())
-                    controller_.end_comparison();
-                  else
-                    controller_.compare_with(path);
-                });
-}
-
-std::string MemoryScreen::prompt() const {
-  switch (typing_) {
-    case Typing::place:
-      return "go to";
-    case Typing::sought:
-      return "find";
-    case Typing::bytes:
-      return fmt::format("write at {}", hex_address(controller_.cursor()));
-    case Typing::file_to_save:
-      return scope_ == DumpScope::all ? "save all memory to" : "save the active map to";
-    default:
-      return "";
-  }
-}
-
-std::string MemoryScreen::hint() const {
-  switch (typing_) {
-    case Typing::place:
-      return "an address in hexadecimal, or a part of a name; up and down choose, Enter goes";
-    case Typing::sought:
-    case Typing::bytes:
-      return std::string(kPatternHint);
-    case Typing::file_to_save:
-      return "up and down: all memory or only the active map; Enter begins";
-    default:
-      return "";
-  }
-}
-
-std::vector<MemoryScreen::Target> MemoryScreen::targets() const {
-  const std::string part = lower(trimmed(text_.text()));
-  std::vector<Target> found;
-  const auto address = hexadecimal(part);
-  if (address && controller_.memory().region_of(*address))
-    found.push_back({*address, fmt::format("{}  the address", hex_address(*address))});
-  const auto add = [&](Address at, const std::string& name, const std::string& detail) {
-    if (lower(name).find(part) != std::string::npos)
-      found.push_back({at, fmt::format("{}  {:<34} {}", hex_address(at), name, detail)});
-  };
-  for (const MemoryRegion& region : controller_.memory().regions())
-    add(region.first, region.name, fmt::format("{} bytes{}", region.size, region.writable ? "" : ", protected"));
-  for (const NamedStretch& stretch : controller_.names().all()) add(stretch.first, stretch.name, stretch.value);
-  return found;
-}
-
-void MemoryScreen::typed() {
-  const Typing what = typing_;
-  const std::string text(trimmed(text_.text()));
-  typing_ = Typing::nothing;
-  if (what == Typing::place) {
-    const auto found = targets();
-    if (found.empty())
-      controller_.message().say(fmt::format("no memory and no name like \"{}\"", text), Tone::bad);
-    else
-      controller_.go(
-          found[static_cast<std::size_t>(std::clamp(target_.selected, 0, static_cast<int>(found.size()) - 1))].address);
-  }
-  if (what == Typing::sought) controller_.seek(text);
-  if (what == Typing::bytes) controller_.propose(text);
-  if (what == Typing::file_to_save) controller_.save(text, scope_);
-}
-
-void MemoryScreen::on_typing_key(const Key& key) {
-  const bool file = typing_ == Typing::file_to_save;
-  if (key.name == Key::Name::escape) {
-    typing_ = Typing::nothing;
-  } else if (key.name == Key::Name::enter) {
-    typed();
-  } else if (key.name == Key::Name::tab && file) {
-    const PathCompletion completion = completed_path(text_.text());
-    text_.set(completion.completed);
-    choices_.clear();
-    for (const std::string& choice : completion.choices) choices_ += (choices_.empty() ? "" : "  ") + choice;
-  } else if (typing_ == Typing::file_to_save && (key.name == Key::Name::up || key.name == Key::Name::down)) {
-    scope_ = scope_ == DumpScope::all ? DumpScope::active : DumpScope::all;
-  } else if (typing_ == Typing::place && (key.name == Key::Name::up || key.name == Key::Name::down)) {
-    (void)target_.on_key(key, static_cast<int>(targets().size()));
-  } else if (text_.on_key(key)) {
-    target_ = {};
-    choices_.clear();
-  }
-}
-
-bool MemoryScreen::on_move_key(const Key& key) {
-  const auto row = static_cast<long long>(rows_.per_row);
-  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
-  switch (key.name) {
-    case Key::Name::left:
-      controller_.move(-1);
-      return true;
-    case Key::Name::right:
-      controller_.move(1);
-      return true;
-    case Key::Name::up:
-      controller_.move(-row);
-      return true;
-    case Key::Name::down:
-      controller_.move(row);
-      return true;
-    case Key::Name::wheel_up:
-      controller_.move(-3 * row);
-      return true;
-    case Key::Name::wheel_down:
-      controller_.move(3 * row);
-      return true;
-    case Key::Name::page_up:
-      controller_.move(-row * rows_.rows);
-      return true;
-    case Key::Name::page_down:
-      controller_.move(row * rows_.rows);
-      return true;
-    case Key::Name::home:
-      if (region != nullptr) controller_.go(region->first);
-      return true;
-    case Key::Name::end:
-      if (region != nullptr) controller_.go(region->last());
-      return true;
-    case Key::Name::mouse:
-      if (region != nullptr)
-        if (const auto at = byte_at(rows_area_, rows_, *region, {key.row, key.column})) controller_.go(*at);
-      return true;
-    default:
-      return false;
-  }
-}
-
-void MemoryScreen::on_list_key(const Key& key) {
-  const auto& rows = controller_.differences();
-  const auto& written = controller_.written();
-  const bool differences = page_ == Page::differences;
-  const int count = static_cast<int>(differences ? rows.size() : written.size());
-  ListPlace& place = differences ? difference_ : write_;
-  if (const auto clicked = place.clicked(key); clicked && *clicked < count) place.selected = *clicked;
-  if (place.on_key(key, count) || key.name != Key::Name::enter || count == 0) return;
-  const auto chosen = static_cast<std::size_t>(std::clamp(place.selected, 0, count - 1));
-  controller_.go(differences ? rows[chosen].first : written[chosen].address);
-  page_ = Page::bytes;
-}
-
-void MemoryScreen::to_named(bool forward) {
-  const auto to =
-      forward ? controller_.names().next(controller_.cursor()) : controller_.names().previous(controller_.cursor());
-  if (to)
-    controller_.go(*to);
-  else
-    controller_.message().say(forward ? "no name after this place" : "no name before this place", Tone::warning);
-}
-
-std::vector<KeyRow> MemoryScreen::key_table() {
+MemoryScreen::MemoryScreen(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {
   const auto page = [this](Page to) { return [this, to] { page_ = to; }; };
-  const auto write = [this] {
-    if (controller_.lets_write()) begin_typing(Typing::bytes);
-  };
-  const auto undo = [this] { controller_.propose_undo(); };
-  return {{"g", "go to", [this] { begin_typing(Typing::place); }},
-          {"/ m", "find, next"},
-          {"/", "", [this] { begin_typing(Typing::sought); }},
-          {"m", "", [this] { controller_.seek_on(); }},
-          {"n p", "field"},
-          {"n", "", [this] { to_named(true); }},
-          {"p", "", [this] { to_named(false); }},
-          {"w u", "write, undo"},
-          {"w", "", write},
-          {"u Ctrl-Z", "", undo},
-          {"c d", "compare, next"},
-          {"c", "", [this] { choose_comparison(); }},
-          {"d", "", [this] { controller_.to_next_difference(); }},
-          {"s o", "save, open"},
-          {"s", "", [this] { begin_typing(Typing::file_to_save, dump_name()); }},
-          {"o", "", [this] { choose_dump(); }},
-          {"a r", "read the region, read again"},
-          {"a", "", [this] { controller_.read_region(); }},
-          {"r", "", [this] { controller_.read_again(rows_.shown()); }},
-          {"Tab 1 2 3", "bytes, differences, written"},
-          {"Tab", "", [this] { page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3); }},
-          {"1", "", page(Page::bytes)},
-          {"2", "", page(Page::differences)},
-          {"3", "", page(Page::written)}};
-}
-
-Step MemoryScreen::on_key(const Key& key) {
-  if (answers(controller_.asking(), key) || files_.on_key(key)) return stay();
-  if (typing()) {
-    on_typing_key(key);
-    return stay();
-  }
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (controller_.working_on().empty()) return back();
-    controller_.cancel();
-    return stay();
-  }
-  if (key.name == Key::Name::resized) return stay();
-  controller_.message().clear();
-  if (act_on(keys_, key)) return stay();
-  if (page_ != Page::bytes)
-    on_list_key(key);
-  else
-    (void)on_move_key(key);
-  return stay();
-}
-
-std::vector<KeyHelp> MemoryScreen::keys() const {
-  if (files_.active()) return files_.keys();
-  if (typing()) return {{"Enter", "done"}, {"Esc", "leave it"}};
-  return helps_of(keys_);
+  const auto undo = [this] { propose_undo(); };
+  const auto save = [this](DumpScope scope) { return [this, scope] { ask_to_save(scope); }; };
+  keys_ = {{"g", "go to", [this] { begin_placing(); }},
+           {"/ m", "find, next"},
+           {"/", "", [this] { ask_for_bytes("find:", [this](const std::string& typed) { return seek(typed); }); }},
+           {"m", "", [this] { seek_on(); }},
+           {"n p", "field"},
+           {"n", "", [this] { to_named(true); }},
+           {"p", "", [this] { to_named(false); }},
+           {"w u", "write, undo"},
+           {"w", "", [this] { ask_to_write_here(); }},
+           {"u Ctrl-Z", "", undo},
+           {"c d", "compare, next"},
+           {"c", "", [this] { choose_comparison(); }},
+           {"d", "", [this] { to_next_difference(); }},
+           {"s S o", "save all, the active map, open"},
+           {"s", "", save(DumpScope::all)},
+           {"S", "", save(DumpScope::active)},
+           {"o", "", [this] { choose_dump(); }},
+           {"a r", "read the region, read again"},
+           {"a", "", [this] { read_region(); }},
+           {"r", "", [this] { read_again(); }},
+           {"Tab 1 2 3", "bytes, differences, written"},
+           {"Tab", "", [this] { page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3); }},
+           {"1", "", page(Page::bytes)},
+           {"2", "", page(Page::differences)},
+           {"3", "", page(Page::written)}};
 }
 
 std::string MemoryScreen::help() const {
@@ -264,11 +47,132 @@ std::string MemoryScreen::help() const {
          "Writing needs integration mode, asks first, is read back, and u writes the old bytes back.";
 }
 
+Step MemoryScreen::leave() {
+  if (working_on().empty()) return back();
+  cancel();
+  return stay();
+}
+
+void MemoryScreen::on_other_key(const Key& key) {
+  if (page_ != Page::bytes)
+    on_list_key(key);
+  else
+    on_move_key(key);
+}
+
+void MemoryScreen::on_move_key(const Key& key) {
+  using Name = Key::Name;
+  const auto row = static_cast<long long>(rows_.per_row);
+  const std::pair<Name, long long> moves[] = {{Name::left, -1},
+                                              {Name::right, 1},
+                                              {Name::up, -row},
+                                              {Name::down, row},
+                                              {Name::wheel_up, -3 * row},
+                                              {Name::wheel_down, 3 * row},
+                                              {Name::page_up, -row * rows_.rows},
+                                              {Name::page_down, row * rows_.rows}};
+  for (const auto& [name, bytes] : moves)
+    if (key.name == name) return move(bytes);
+  const MemoryRegion* region = memory_.region_of(cursor_);
+  if (region == nullptr) return;
+  if (key.name == Name::home) go(region->first);
+  if (key.name == Name::end) go(region->last());
+  if (key.name == Name::mouse)
+    if (const auto at = byte_at(rows_area_, rows_, *region, {key.row, key.column})) go(*at);
+}
+
+void MemoryScreen::on_list_key(const Key& key) {
+  const bool differences = page_ == Page::differences;
+  const int count = static_cast<int>(differences ? differences_.size() : written_.size());
+  ListPlace& place = differences ? difference_ : write_;
+  if (const auto clicked = place.clicked(key); clicked && *clicked < count) place.selected = *clicked;
+  if (place.on_key(key, count) || key.name != Key::Name::enter || count == 0) return;
+  const auto chosen = static_cast<std::size_t>(std::clamp(place.selected, 0, count - 1));
+  go(differences ? differences_[chosen].first : written_[chosen].address);
+  page_ = Page::bytes;
+}
+
+void MemoryScreen::to_named(bool forward) {
+  const auto to = forward ? names_.next(cursor_) : names_.previous(cursor_);
+  if (to) return go(*to);
+  message_.say(forward ? "no name after this place" : "no name before this place", Tone::warning);
+}
+
+// --- a place typed: an address, or a part of a name
+void MemoryScreen::begin_placing() {
+  placing_ = true;
+  text_.set("");
+  target_ = {};
+}
+
+std::vector<MemoryScreen::Target> MemoryScreen::targets() const {
+  const std::string part = lower(trimmed(text_.text()));
+  std::vector<Target> found;
+  const auto address = hexadecimal(part.starts_with("0x") ? part.substr(2) : part);
+  if (address && memory_.region_of(*address))
+    found.push_back({*address, fmt::format("{}  the address", hex_address(*address))});
+  const auto add = [&](Address at, const std::string& name, const std::string& detail) {
+    if (lower(name).find(part) != std::string::npos)
+      found.push_back({at, fmt::format("{}  {:<34} {}", hex_address(at), name, detail)});
+  };
+  for (const MemoryRegion& region : memory_.regions())
+    add(region.first, region.name, fmt::format("{} bytes{}", region.size, region.writable ? "" : ", protected"));
+  for (const NamedStretch& stretch : names_.all()) add(stretch.first, stretch.name, stretch.value);
+  return found;
+}
+
+void MemoryScreen::on_edit_key(const Key& key) {
+  const auto found = targets();
+  const int count = static_cast<int>(found.size());
+  if (key.name == Key::Name::up || key.name == Key::Name::down) {
+    (void)target_.on_key(key, count);
+  } else if (key.name == Key::Name::escape) {
+    placing_ = false;
+  } else if (key.name == Key::Name::enter) {
+    placing_ = false;
+    if (!found.empty()) return go(found[static_cast<std::size_t>(std::clamp(target_.selected, 0, count - 1))].address);
+    message_.say(fmt::format("no memory and no name like \"{}\"", trimmed(text_.text())), Tone::bad);
+  } else if (text_.on_key(key)) {
+    target_ = {};
+  }
+}
+
 CellPosition MemoryScreen::cursor(const Area& area) const {
-  if (files_.active()) return files_.cursor(area.between_margins(), 0);
-  if (!typing()) return {-1, -1};
-  const int begin = width_of(prompt()) + 3;
-  return {area.row + area.rows - 2, area.column + begin + text_.cursor_column(std::max(1, area.columns - begin - 1))};
+  if (prompt_.choosing()) return prompt_.cursor(area.between_margins(), 0);
+  const Area bottom = last_rows(area.between_margins(), 2);
+  if (placing_) return {bottom.row, bottom.column + kPlaceColumn + text_.cursor_column(bottom.columns - kPlaceColumn)};
+  return prompt_.cursor(bottom, 1);
+}
+
+// --- files and bytes asked for
+void MemoryScreen::choose_dump() {
+  prompt_.choose("Open a dump of a unit's memory, or a memory image", {{FileKind::memory}, false, "back to the unit"},
+                 [this](const std::string& path) { open(path); });
+}
+
+void MemoryScreen::choose_comparison() {
+  prompt_.choose("Compare with a dump of a unit's memory", {{FileKind::memory}, false, "compare no more"},
+                 [this](const std::string& path) {
+                   if (!path.empty()) return compare_with(path);
+                   other_.reset();
+                   compare_again();
+                 });
+}
+
+void MemoryScreen::ask_for_bytes(const std::string& label, std::function<std::string(const std::string&)> take) {
+  prompt_.ask(label, Prompt::Kind::text, "", std::move(take), std::string(kPatternHint));
+}
+
+void MemoryScreen::ask_to_write_here() {
+  if (lets_write())
+    ask_for_bytes(fmt::format("write at {}:", hex_address(cursor_)),
+                  [this](const std::string& typed) { return propose(typed); });
+}
+
+void MemoryScreen::ask_to_save(DumpScope scope) {
+  if (is_file()) return message_.say("this is a file already", Tone::warning);
+  ask_where_to_save(scope == DumpScope::all ? "save all memory to:" : "save the active map to:",
+                    file_name_now("unit", ".ecsdump"), [this, scope](const std::string& path) { save(path, scope); });
 }
 
 }  // namespace ecs::app

@@ -17,27 +17,21 @@ int column_of(std::uint32_t in_row) { return kAddressColumns + static_cast<int>(
 int characters_at(std::uint32_t per_row) { return column_of(per_row - 1) + (per_row > 8 ? 4 : 3); }
 int columns_for(std::uint32_t per_row) { return characters_at(per_row) + static_cast<int>(per_row); }
 
-void draw_heading(Canvas& canvas, const Area& area, std::uint32_t per_row) {
-  for (std::uint32_t k = 0; k < per_row; ++k) canvas.text(area, 0, column_of(k), fmt::format("{:02X}", k), Tone::faint);
-}
-
 struct ByteLook {
   std::string digits = "..";
   char32_t character = U' ';
   Tone tone = Tone::faint;
 };
 
-ByteLook look_of(const MemoryController& controller, Address address, const std::optional<NamedPlace>& field) {
+/// @param field  under the cursor
+ByteLook look_of(std::optional<std::uint8_t> byte, Address address, const std::optional<NamedPlace>& field) {
   ByteLook look;
-  const auto byte = controller.memory().at(address);
   if (byte) {
     look.digits = fmt::format("{:02X}", *byte);
     look.character = *byte >= 0x20 && *byte < 0x7F ? *byte : U'.';
     look.tone = Tone::plain;
   }
   if (field && address >= field->first && address - field->first < field->bytes) look.tone = Tone::strong;
-  if (controller.differs(address)) look.tone = Tone::warning;
-  if (address == controller.cursor()) look.tone = Tone::selected;
   return look;
 }
 
@@ -60,24 +54,28 @@ MemoryRows rows_for(const MemoryRegion& region, Address cursor, int rows, int co
   return out;
 }
 
-void draw_memory(Canvas& canvas, const Area& area, const MemoryController& controller, const MemoryRows& rows) {
-  const MemoryRegion* region = controller.memory().region_of(controller.cursor());
-  if (region == nullptr || area.rows < 2) return;
-  draw_heading(canvas, area, rows.per_row);
-  const auto field = controller.names().at(controller.memory(), controller.cursor());
-  const int characters = characters_at(rows.per_row);
-  for (int r = 0; r < std::min(rows.rows, area.rows - 1); ++r) {
-    const Address row = rows.first + static_cast<Address>(r) * rows.per_row;
-    if (!region->contains(row)) break;
+/// Addresses, bytes and characters; `[45]` is under the cursor, `45*` differs, `..` is not read yet.
+void MemoryScreen::draw_rows(Canvas& canvas, const Area& area, const MemoryRegion& region) const {
+  if (area.rows < 2) return;
+  for (std::uint32_t k = 0; k < rows_.per_row; ++k)
+    canvas.text(area, 0, column_of(k), fmt::format("{:02X}", k), Tone::faint);
+  const auto field = names_.at(memory_, cursor_);
+  const int characters = characters_at(rows_.per_row);
+  for (int r = 0; r < std::min(rows_.rows, area.rows - 1); ++r) {
+    const Address row = rows_.first + static_cast<Address>(r) * rows_.per_row;
+    if (!region.contains(row)) break;
     canvas.text(area, r + 1, 1, fmt::format("{:06X}", row), Tone::faint);
-    for (std::uint32_t k = 0; k < rows.per_row && region->contains(row + k); ++k) {
-      const ByteLook look = look_of(controller, row + k, field);
+    for (std::uint32_t k = 0; k < rows_.per_row && region.contains(row + k); ++k) {
+      const bool differs = other_ && differ_at(memory_, *other_, row + k);
+      ByteLook look = look_of(memory_.at(row + k), row + k, field);
+      if (differs) look.tone = Tone::warning;
+      if (row + k == cursor_) look.tone = Tone::selected;
       canvas.text(area, r + 1, column_of(k), look.digits, look.tone);
-      if (controller.differs(row + k)) canvas.text(area, r + 1, column_of(k) + 2, "*", Tone::warning);
+      if (differs) canvas.text(area, r + 1, column_of(k) + 2, "*", Tone::warning);
       canvas.put(area.row + r + 1, area.column + characters + static_cast<int>(k), look.character, look.tone);
     }
-    if (controller.cursor() >= row && controller.cursor() - row < rows.per_row) {
-      const int column = column_of(controller.cursor() - row);
+    if (cursor_ >= row && cursor_ - row < rows_.per_row) {
+      const int column = column_of(cursor_ - row);
       canvas.text(area, r + 1, column - 1, "[", Tone::strong);
       canvas.text(area, r + 1, column + 2, "]", Tone::strong);
     }
@@ -121,7 +119,7 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
   const int bottom = bottom_rows(area);
   const int below = (low ? 1 : 3) + bottom;
   const Area body{area.row + 2, area.column, std::max(0, area.rows - 2 - below), area.columns};
-  if (typing_ == Typing::place) {
+  if (placing_) {
     draw_targets(canvas, body);
   } else if (page_ == Page::differences) {
     draw_differences(canvas, body);
@@ -129,18 +127,18 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
     draw_written(canvas, body);
   } else {
     draw_bytes(canvas, body);
-    if (!controller_.is_empty() && area.rows - below > 2)
+    if (!memory_.regions().empty() && area.rows - below > 2)
       draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - bottom, area.columns - 2});
   }
-  if (files_.active()) return files_.draw(canvas, area.between_margins(), 0);
+  if (prompt_.choosing()) return prompt_.draw(canvas, area.between_margins(), 0);
   if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - bottom, area.column + 1, bottom, area.columns - 2});
-  draw_question(canvas, area, controller_.asking());
+  draw_question(canvas, area, asking_);
 }
 
 /// Two, or what the message needs.
 int MemoryScreen::bottom_rows(const Area& area) const {
-  if (typing() || !controller_.working_on().empty()) return 2;
-  return std::max(2, rows_of_message(controller_.message(), area.columns - 2, area.rows / 3));
+  if (typing() || !working_on().empty()) return 2;
+  return std::max(2, rows_of_message(message_, area.columns - 2, area.rows / 3));
 }
 
 /// @param whole  with the names of the pages that are not shown
@@ -158,14 +156,14 @@ std::string MemoryScreen::tabs_text(bool whole) const {
 void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   std::string tabs = tabs_text(true);
-  if (width_of(controller_.source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
+  if (width_of(source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
   const bool room = text.columns >= 60;
-  canvas.text({text.row, text.column, 1, room ? text.columns - width_of(tabs) - 1 : text.columns}, 0, 0,
-              controller_.source(), Tone::strong);
+  canvas.text({text.row, text.column, 1, room ? text.columns - width_of(tabs) - 1 : text.columns}, 0, 0, source(),
+              Tone::strong);
   if (room) canvas.text_right(text, 0, tabs, Tone::faint);
-  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
+  const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
-  const std::string content = controller_.names().content_of(*region);
+  const std::string content = names_.content_of(*region);
   const char* may = region->writable ? "writable" : "PROTECTED";
   const Tone tone = region->writable ? Tone::faint : Tone::warning;
   const std::string range =
@@ -179,72 +177,70 @@ void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
 }
 
 void MemoryScreen::draw_bytes(Canvas& canvas, const Area& area) const {
-  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
+  const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) {
     draw_paragraph(canvas, {area.row + 1, area.column + 1, area.rows - 1, area.columns - 2},
                    "The unit's memory is shown as soon as a unit answers (LINK says why it does not). o opens a dump "
                    "that `ecs memory dump` or s wrote.");
     return;
   }
-  rows_ = rows_for(*region, controller_.cursor(), area.rows, area.columns, rows_.first);
+  rows_ = rows_for(*region, cursor_, area.rows, area.columns, rows_.first);
   rows_area_ = area;
-  draw_memory(canvas, area, controller_, rows_);
+  draw_rows(canvas, area, *region);
 }
 
 void MemoryScreen::draw_under_cursor(Canvas& canvas, const Area& area) const {
-  const auto place = controller_.names().at(controller_.memory(), controller_.cursor());
+  const auto place = names_.at(memory_, cursor_);
   int row = 0;
-  int c = canvas.text(area, row, 0, hex_address(controller_.cursor()) + "  ", Tone::faint);
+  int c = canvas.text(area, row, 0, hex_address(cursor_) + "  ", Tone::faint);
   if (place) {
     const std::string value = place->value.empty() ? "" : " = " + place->value;
     if (c + width_of(place->name) + width_of(value) > area.columns) {
-      canvas.paragraph(area.top(1), 0, hex_address(controller_.cursor()) + "  " + place->name + value);
+      canvas.paragraph(area.top(1), 0, hex_address(cursor_) + "  " + place->name + value);
     } else {
       c += canvas.text(area, row, c, place->name, Tone::strong);
       canvas.text(area, row, c, value);
     }
-    const auto more = fmt::format("byte {} of {}", controller_.cursor() - place->first + 1, place->bytes);
+    const auto more = fmt::format("byte {} of {}", cursor_ - place->first + 1, place->bytes);
     if (area.rows > 1) canvas.text_right(area, 1, more, Tone::faint);
   } else {
     canvas.text(area, row, c, "no name for this place", Tone::faint);
   }
-  if (area.rows > 1) canvas.text(area, ++row, 0, numbers_at(controller_.memory(), controller_.cursor()), Tone::faint);
-  if (area.rows > 2 && controller_.compares()) {
-    std::string text = controller_.differences().empty()
-                           ? fmt::format("no difference to {} in what is read", controller_.compared_file())
-                           : fmt::format("{} place{} differ{} from {}", controller_.differences().size(),
-                                         controller_.differences().size() == 1 ? "" : "s",
-                                         controller_.differences().size() == 1 ? "s" : "", controller_.compared_file());
-    canvas.text(area, ++row, 0, text, controller_.differences().empty() ? Tone::good : Tone::warning);
+  if (area.rows > 1) canvas.text(area, ++row, 0, numbers_at(memory_, cursor_), Tone::faint);
+  if (area.rows > 2 && other_) {
+    std::string text = differences_.empty() ? fmt::format("no difference to {} in what is read", compared_file())
+                                            : fmt::format("{} place{} differ{} from {}", differences_.size(),
+                                                          differences_.size() == 1 ? "" : "s",
+                                                          differences_.size() == 1 ? "s" : "", compared_file());
+    canvas.text(area, ++row, 0, text, differences_.empty() ? Tone::good : Tone::warning);
   }
 }
 
 void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
   const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (!controller_.compares())
+  if (!other_)
     return draw_paragraph(canvas, text, "Nothing is compared yet: c names a dump file to compare with what is shown.");
-  if (controller_.differences().empty())
+  if (differences_.empty())
     return draw_paragraph(
         canvas, text,
         fmt::format(
             "No difference to {} in what is read. a on the page of the bytes reads a whole region, s reads all memory.",
-            controller_.compared_file()));
+            compared_file()));
   std::vector<ListRow> rows;
-  for (const DifferenceRow& row : controller_.differences()) rows.push_back({text_of(row), Tone::plain});
+  for (const DifferenceRow& row : differences_) rows.push_back({text_of(row), Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
-              fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", controller_.compared_file()),
-              Tone::faint);
+              fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", compared_file()), Tone::faint);
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, difference_);
 }
 
 void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (controller_.written().empty())
+  if (written_.empty())
     return draw_paragraph(canvas, text,
                           "Nothing was written this time. w on the page of the bytes writes at the cursor; it asks "
                           "first, and u writes the old bytes back.");
   std::vector<ListRow> rows;
-  for (const ByteWrite& write : controller_.written())
+  for (const ByteWrite& write : written_)
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2, "time      address   before > after  where", Tone::faint);
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, write_);
@@ -256,13 +252,12 @@ std::string MemoryScreen::selected_row() const {
     return static_cast<std::size_t>(std::clamp(place.selected, 0, static_cast<int>(count) - 1));
   };
   if (page_ == Page::differences) {
-    const auto& rows = controller_.differences();
-    if (!controller_.compares() || rows.empty()) return {};
+    const auto& rows = differences_;
+    if (!other_ || rows.empty()) return {};
     const DifferenceRow& row = rows[at(difference_, rows.size())];
-    return fmt::format("{} {}: here {}, in {} {}", hex_address(row.first), row.name, row.a, controller_.compared_file(),
-                       row.b);
+    return fmt::format("{} {}: here {}, in {} {}", hex_address(row.first), row.name, row.a, compared_file(), row.b);
   }
-  const auto& writes = controller_.written();
+  const auto& writes = written_;
   return writes.empty() ? std::string() : text_of(writes[at(write_, writes.size())]);
 }
 
@@ -277,25 +272,25 @@ void MemoryScreen::draw_targets(Canvas& canvas, const Area& area) const {
 }
 
 void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
-  if (typing()) {
-    const std::string label = prompt();
-    const int begin = width_of(label) + 2;
-    canvas.text(area, 0, 0, label + ":", Tone::strong);
-    text_.draw(canvas, area, 0, begin, std::max(1, area.columns - begin), true);
-    canvas.paragraph(area.below(1), 0, choices_.empty() ? hint() : choices_, Tone::faint);
+  if (prompt_.active()) return prompt_.draw(canvas, area, 1);
+  if (placing_) {
+    canvas.text(area, 0, 0, "go to:", Tone::strong);
+    text_.draw(canvas, area, 0, kPlaceColumn, std::max(1, area.columns - kPlaceColumn), true);
+    canvas.text(area, 1, 0, "an address in hexadecimal, or a part of a name; up and down choose, Enter goes",
+                Tone::faint);
     return;
   }
-  const std::string working = controller_.working_on();
+  const std::string working = working_on();
   if (!working.empty()) {
-    draw_progress(canvas, area, 0, working, controller_.part(), controller_.seconds_left());
-    if (controller_.message().is_problem() && !controller_.message().text().empty())
-      draw_message(canvas, area.below(1), controller_.message());
+    draw_progress(canvas, area, 0, working, part(), seconds_left());
+    if (message_.is_problem() && !message_.text().empty())
+      draw_message(canvas, area.below(1), message_);
     else
       canvas.text(area, 1, 0, "Esc gives it up", Tone::faint);
     return;
   }
-  if (!controller_.message().text().empty())
-    draw_message(canvas, area, controller_.message());
+  if (!message_.text().empty())
+    draw_message(canvas, area, message_);
   else if (page_ != Page::bytes)
     canvas.paragraph(area, 0, selected_row(), Tone::faint);
 }

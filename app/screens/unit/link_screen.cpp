@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/files/keyed_screen.hpp"
 #include "app/screens/unit/screens.hpp"
-#include "app/ui/screen.hpp"
-#include "app/ui/widgets.hpp"
-#include "commissioning/link/controller.hpp"
+#include "commissioning/link/doctor.hpp"
+#include "commissioning/session/commands.hpp"
 
 namespace ecs::app {
 namespace {
@@ -84,18 +84,43 @@ Tone tone_of(FindingState state) {
   return state == FindingState::note ? Tone::warning : Tone::bad;
 }
 
+/// A serial port of this computer.
+struct FoundPort {
+  std::string device;
+  std::string trouble;  ///< why it cannot be opened; empty: it can
+  std::string action;   ///< what to do about it
+};
+
 /// Why a port cannot be opened, whole, and what helps.
 std::string what_to_do(const FoundPort& port) {
   if (port.trouble.empty()) return port.action;
   return port.action.empty() ? port.trouble : port.trouble + ": " + port.action;
 }
 
-struct ToneLine {
-  std::string text;
-  Tone tone = Tone::plain;
+std::vector<FoundPort> survey(const std::string& in_use) {
+  std::vector<FoundPort> found;
+  for (const std::string& device : serial_ports()) {
+    FoundPort port{device, {}, {}};
+    if (device == in_use) {
+      port.trouble = "in use by this program";
+    } else if (const auto trouble = trouble_with(device)) {
+      port.trouble = trouble->message;
+      port.action = trouble->action;
+    }
+    found.push_back(std::move(port));
+  }
+  return found;
+}
+
+/// What the doctor found so far.
+struct DoctorAnswer {
+  std::string link{};    ///< that was tried; empty: none yet
+  std::string trying{};  ///< what is being tried now; empty: it has ended
+  std::vector<DoctorFinding> findings{};
+  std::optional<Diagnosis> diagnosis{};  ///< at the end
 };
 
-void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int columns, const std::string& first,
+void add_wrapped(std::vector<ListRow>& lines, const std::string& text, int columns, const std::string& first,
                  const std::string& then, Tone tone) {
   bool begun = false;
   for (const std::string& line : wrapped(text, std::max(10, columns - std::max(width_of(first), width_of(then))))) {
@@ -104,80 +129,54 @@ void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int colu
   }
 }
 
-class LinkScreen final : public Screen {
+class LinkScreen final : public KeyedScreen {
  public:
-  explicit LinkScreen(std::shared_ptr<UnitConnection> unit) : unit_(unit), controller_(std::move(unit)) {}
+  explicit LinkScreen(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {
+    const auto page = [this](Page to) { return [this, to] { to_page(to); }; };
+    keys_ = {{"Enter", "edit"},
+             {"< >", "choose"},
+             {"t", "try", [this] { try_it(); }},
+             {"u", "use now",
+              [this] {
+                if (const auto choice = chosen()) take(to_text(*choice));
+              }},
+             {"s", "store", [this] { store(); }},
+             {"Tab 1 2 3", "page"},
+             {"Tab", "", [this] { to_page(static_cast<Page>((static_cast<int>(page_) + 1) % 3)); }},
+             {"1", "", page(Page::setting)},
+             {"2", "", page(Page::doctor)},
+             {"3", "", page(Page::statistics)},
+             {"r", "look for ports again", [this] { look_for_ports(); }}};
+    if (const auto choice = chosen_link(unit_->link())) form_ = LinkForm(*choice);
+    if (const auto stored = stored_link(); stored && *stored) stored_ = **stored;
+    look_for_ports();
+  }
 
   [[nodiscard]] std::string title() const override { return "LINK"; }
   void draw(Canvas& canvas, const Area& area) const override {
     if (area.rows < 1 || area.columns < 10) return;
     draw_top(canvas, area.top(2));
-    const std::string why = controller_.message().text().empty() ? controller_.unit().problem : std::string();
+    const std::string why = message_.text().empty() ? unit_->snapshot().problem : std::string();
     const int columns = area.columns - 2;
     const int why_rows = why.empty() ? 0 : std::min(area.rows / 3, static_cast<int>(wrapped(why, columns).size()));
-    const int message_part = std::max({2, rows_of_message(controller_.message(), columns, area.rows / 3), why_rows});
+    const int message_part = std::max({2, rows_of_message(message_, columns, area.rows / 3), why_rows});
     const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - message_part), area.columns - 2};
     if (page_ == Page::setting) draw_setting(canvas, body);
     if (page_ == Page::doctor) draw_doctor(canvas, body);
     if (page_ == Page::statistics) draw_statistics(canvas, body);
     const Area bottom{area.row + area.rows - message_part, area.column + 1, message_part, area.columns - 2};
     if (area.rows > 4) {
-      if (!controller_.working_on().empty() && controller_.message().text().empty())
-        canvas.text(
-            bottom, 0, 0,
-            fmt::format("{} ... {:.0f} s, Esc gives it up", controller_.working_on(), controller_.seconds_working()),
-            Tone::warning);
-      else if (!controller_.message().text().empty())
-        draw_message(canvas, bottom, controller_.message());
+      if (!task_.label().empty() && message_.text().empty())
+        canvas.text(bottom, 0, 0, fmt::format("{} ... {:.0f} s, Esc gives it up", task_.label(), task_.seconds()),
+                    Tone::warning);
+      else if (!message_.text().empty())
+        draw_message(canvas, bottom, message_);
       else if (!why.empty() && page_ != Page::doctor)
         canvas.paragraph(bottom, 0, why, Tone::bad);
       else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
         canvas.paragraph(bottom, 0, help_here(), Tone::faint);
     }
-    draw_question(canvas, area, controller_.asking());
-  }
-
-  [[nodiscard]] Step on_key(const Key& key) override {
-    if (answers(controller_.asking(), key)) return stay();
-    if (editing_) {
-      on_edit_key(key);
-      return stay();
-    }
-    if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-      if (!controller_.working_on().starts_with("trying")) return back();
-      controller_.cancel();
-      return stay();
-    }
-    if (key.name == Key::Name::resized) return stay();
-    controller_.message().clear();
-    if (key.name == Key::Name::tab)
-      to_page(static_cast<Page>((static_cast<int>(page_) + 1) % 3));
-    else if (is_letter(key, U'1') || is_letter(key, U'2') || is_letter(key, U'3'))
-      to_page(static_cast<Page>(key.letter - U'1'));
-    else if (is_letter(key, U't')) {
-      if (controller_.try_it()) to_page(Page::doctor);
-    } else if (is_letter(key, U'u'))
-      controller_.use();
-    else if (is_letter(key, U's'))
-      controller_.store();
-    else if (is_letter(key, U'r'))
-      controller_.look_for_ports();
-    else if (page_ == Page::setting)
-      on_setting_key(key);
-    else
-      (void)scroll_.on_key(key);
-    return stay();
-  }
-
-  [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (editing_) return {{"Enter", "take it"}, {"Esc", "leave it"}};
-    return {{"Enter", "edit"},
-            {"< >", "choose"},
-            {"t", "try"},
-            {"u", "use now"},
-            {"s", "store"},
-            {"Tab 1 2 3", "page"},
-            {"r", "look for ports again"}};
+    draw_question(canvas, area, asking_);
   }
 
   [[nodiscard]] std::string help() const override {
@@ -187,8 +186,6 @@ class LinkScreen final : public Screen {
            "opened.";
   }
 
-  [[nodiscard]] bool advance() override { return controller_.advance(); }
-  [[nodiscard]] bool typing() const override { return editing_; }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
     if (!editing_) return {-1, -1};
     const int columns = std::max(1, area.columns - 2 - kNameColumns - 2);
@@ -204,32 +201,40 @@ class LinkScreen final : public Screen {
     if (page == Page::statistics) watching_.emplace(unit_);
   }
 
+  void on_other_key(const Key& key) override {
+    if (page_ == Page::setting)
+      on_setting_key(key);
+    else
+      (void)scroll_.on_key(key);
+  }
+
   void on_setting_key(const Key& key) {
     const auto rows = fields();
     const auto count = static_cast<int>(rows.size());
     if (key.name == Key::Name::mouse && key.row >= first_row_ && key.row < first_row_ + count)
       row_.selected = key.row - first_row_;
-    if (row_.on_key(key, count + static_cast<int>(controller_.ports().size()))) return;
+    if (row_.on_key(key, count + static_cast<int>(ports_.size()))) return;
     if (row_.selected >= count) {
       if (key.name == Key::Name::enter) take_port();
       return;
     }
     const bool forward = key.name == Key::Name::right || is_letter(key, U' ');
     if (forward || key.name == Key::Name::left) {
-      controller_.form().step(row_.selected, forward ? 1 : -1, controller_.port_names());
+      form_.step(row_.selected, forward ? 1 : -1, port_names());
     } else if (key.name == Key::Name::enter && row_.selected == 0) {
-      controller_.form().step(0, 1, controller_.port_names());
+      form_.step(0, 1, port_names());
     } else if (key.name == Key::Name::enter) {
       text_.set(rows[static_cast<std::size_t>(row_.selected)].value);
       editing_ = true;
     }
   }
 
-  void on_edit_key(const Key& key) {
+  [[nodiscard]] bool edits() const override { return editing_; }
+  void on_edit_key(const Key& key) override {
     if (key.name == Key::Name::escape) {
       editing_ = false;
     } else if (key.name == Key::Name::enter || key.name == Key::Name::up || key.name == Key::Name::down) {
-      controller_.form().set(row_.selected, text_.text());
+      form_.set(row_.selected, text_.text());
       editing_ = false;
     } else {
       (void)text_.on_key(key);
@@ -238,16 +243,16 @@ class LinkScreen final : public Screen {
 
   void take_port() {
     const int at = row_.selected - static_cast<int>(fields().size());
-    if (at < 0 || at >= static_cast<int>(controller_.ports().size())) return;
-    if (controller_.form().kind() != LinkKind::serial) controller_.form().set(0, "serial line");
-    controller_.form().set(1, controller_.ports()[static_cast<std::size_t>(at)].device);
+    if (at < 0 || at >= static_cast<int>(ports_.size())) return;
+    if (form_.kind() != LinkKind::serial) form_.set(0, "serial line");
+    form_.set(1, ports_[static_cast<std::size_t>(at)].device);
     row_.selected = 1;
   }
 
-  [[nodiscard]] std::vector<LinkField> fields() const { return controller_.form().fields(controller_.port_names()); }
+  [[nodiscard]] std::vector<LinkField> fields() const { return form_.fields(port_names()); }
 
   void draw_top(Canvas& canvas, const Area& area) const {
-    const WatchedUnit unit = controller_.unit();
+    const WatchedUnit unit = unit_->snapshot();
     const Area text = area.between_margins();
     const std::string link = unit.link.empty() ? unit_->link() : unit.link;
     std::string state = "opening ...";
@@ -264,13 +269,7 @@ class LinkScreen final : public Screen {
     canvas.text({text.row, text.column, 1, text.columns - width_of(state) - 1}, 0, 0,
                 fmt::format("in use: {}", link.empty() ? "the bundled emulator" : link), Tone::strong);
     canvas.text_right(text, 0, state, tone);
-    int column = 0;
-    for (int p = 0; p < 3; ++p) {
-      const bool here = static_cast<Page>(p) == page_;
-      column +=
-          canvas.text(text, 1, column, fmt::format("{}{} {}{}", here ? "[" : " ", p + 1, kTitles[p], here ? "]" : " "),
-                      here ? Tone::strong : Tone::faint);
-    }
+    draw_tabs(canvas, text, 1, kTitles, static_cast<int>(page_));
   }
 
   /// Of the row under the cursor.
@@ -282,7 +281,7 @@ class LinkScreen final : public Screen {
 
   void draw_setting(Canvas& canvas, const Area& area) const {
     const auto rows = fields();
-    const auto ports = static_cast<int>(controller_.ports().size());
+    const auto ports = static_cast<int>(ports_.size());
     first_row_ = area.row;
     const int selected = std::clamp(row_.selected, 0, static_cast<int>(rows.size()) + ports - 1);
     for (int r = 0; r < std::min(area.rows, static_cast<int>(rows.size())); ++r) {
@@ -302,27 +301,25 @@ class LinkScreen final : public Screen {
     if (row + 1 >= area.rows) return;
     const Area text = area.right_of(2);
     row += canvas.paragraph(text, row, help_here(), Tone::faint);
-    const std::string made = controller_.form().text();
-    row += canvas.paragraph(text, row, fmt::format("makes {}{}", made, controller_.stored() == made ? " (stored)" : ""),
-                            Tone::strong);
-    row += canvas.paragraph(text, row,
-                            controller_.stored().empty() ? "stored: none; without --link the bundled emulator is used"
-                                                         : "stored: " + controller_.stored(),
-                            Tone::faint);
+    const std::string made = form_.text();
+    row +=
+        canvas.paragraph(text, row, fmt::format("makes {}{}", made, stored_ == made ? " (stored)" : ""), Tone::strong);
+    row += canvas.paragraph(
+        text, row, stored_.empty() ? "stored: none; without --link the bundled emulator is used" : "stored: " + stored_,
+        Tone::faint);
     if (row + 2 < area.rows) draw_ports(canvas, {area.row + row + 1, area.column, area.rows - row - 1, area.columns});
   }
 
   void draw_ports(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 2, "serial ports of this computer", Tone::faint);
-    if (controller_.ports().empty()) {
-      canvas.text(area, 1, 2,
-                  controller_.ports_known()
-                      ? "none: plug the adapter in, then r looks again; `dmesg` tells what it sees"
-                      : "looking ...");
+    if (ports_.empty()) {
+      canvas.text(
+          area, 1, 2,
+          ports_known_ ? "none: plug the adapter in, then r looks again; `dmesg` tells what it sees" : "looking ...");
       return;
     }
     std::vector<ListRow> rows;
-    for (const FoundPort& port : controller_.ports())
+    for (const FoundPort& port : ports_)
       rows.push_back({port.trouble.empty() ? fmt::format("{:<24} can be opened", port.device)
                                            : fmt::format("{:<24} {}", port.device, port.trouble),
                       port.trouble.empty() ? Tone::good : Tone::warning});
@@ -331,17 +328,27 @@ class LinkScreen final : public Screen {
     place.selected = std::max(0, row_.selected - before);
     const bool here = row_.selected >= before;
     const std::string action = here && place.selected < static_cast<int>(rows.size())
-                                   ? what_to_do(controller_.ports()[static_cast<std::size_t>(place.selected)])
+                                   ? what_to_do(ports_[static_cast<std::size_t>(place.selected)])
                                    : "";
     const int list = std::min(static_cast<int>(rows.size()), area.rows - 1 - (action.empty() ? 0 : 2));
     draw_list(canvas, {area.row + 1, area.column, std::max(1, list), area.columns}, rows, place, here);
     if (!action.empty()) canvas.paragraph(area.right_of(2), 1 + list, action, Tone::warning);
   }
 
+  void draw_lines(Canvas& canvas, const Area& area, const std::vector<ListRow>& lines) const {
+    const int count = static_cast<int>(lines.size());
+    scroll_.first = std::clamp(scroll_.first, 0, std::max(0, count - area.rows));
+    for (int r = 0; r < std::min(area.rows, count - scroll_.first); ++r) {
+      const ListRow& line = lines[static_cast<std::size_t>(scroll_.first + r)];
+      canvas.text(area, r, 0, line.text, line.tone);
+    }
+    draw_scroll_marks(canvas, area, scroll_.first, count);
+  }
+
   void draw_doctor(Canvas& canvas, const Area& area) const {
     const int columns = area.columns - 1;  // the last one is for the scroll marks
-    const DoctorAnswer answer = controller_.doctor();
-    std::vector<ToneLine> lines;
+    const DoctorAnswer answer = doctor_->now();
+    std::vector<ListRow> lines;
     if (answer.link.empty()) {
       add_wrapped(lines,
                   "t tries the setting of page 1: port, permission, answer, echo, other unit numbers, other speeds and "
@@ -359,21 +366,15 @@ class LinkScreen final : public Screen {
         lines.push_back({answer.diagnosis->works ? "the link works" : "the link does not work",
                          answer.diagnosis->works ? Tone::good : Tone::bad});
     }
-    const int count = static_cast<int>(lines.size());
-    scroll_.first = std::clamp(scroll_.first, 0, std::max(0, count - area.rows));
-    for (int r = 0; r < std::min(area.rows, count - scroll_.first); ++r) {
-      const ToneLine& line = lines[static_cast<std::size_t>(scroll_.first + r)];
-      canvas.text(area, r, 0, line.text, line.tone);
-    }
-    draw_scroll_marks(canvas, area, scroll_.first, count);
+    draw_lines(canvas, area, lines);
   }
 
   void draw_statistics(Canvas& canvas, const Area& area) const {
-    const WatchedUnit unit = controller_.unit();
+    const WatchedUnit unit = unit_->snapshot();
     const StatisticsRow verdict = judgement(unit);
     const int row = std::min(std::max(1, area.rows / 3),
                              canvas.paragraph(area.top(area.rows / 3), 0, verdict.meaning, verdict.tone));
-    std::vector<ToneLine> lines;
+    std::vector<ListRow> lines;
     const auto add = [&](const StatisticsRow& one) {
       const Tone tone = one.tone == Tone::good ? Tone::plain : one.tone;
       std::string line = fmt::format("{:<17}{:>12}  ", one.name, one.value);
@@ -387,18 +388,142 @@ class LinkScreen final : public Screen {
     for (const StatisticsRow& one : statistics_rows(unit)) add(one);
     const double open_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - unit.opened_at).count();
     if (unit.open) add({"open for", fmt::format("{:.0f} s", open_s), "", Tone::plain});
-    const Area list = area.below(row + 1);
-    const int count = static_cast<int>(lines.size());
-    scroll_.first = std::clamp(scroll_.first, 0, std::max(0, count - list.rows));
-    for (int r = 0; r < std::min(list.rows, count - scroll_.first); ++r) {
-      const ToneLine& line = lines[static_cast<std::size_t>(scroll_.first + r)];
-      canvas.text(list, r, 0, line.text, line.tone);
+    draw_lines(canvas, area.below(row + 1), lines);
+  }
+
+  // --- what is done
+  [[nodiscard]] bool look() override {
+    bool changed = task_.running();
+    changed = task_.advance() || changed;
+    changed = std::exchange(doctor_seen_, doctor_->changes()) != doctor_seen_ || changed;
+    return std::exchange(unit_seen_, unit_->changes()) != unit_seen_ || changed;
+  }
+
+  [[nodiscard]] Step leave() override {
+    if (!task_.label().starts_with("trying")) return back();
+    task_.cancel();
+    return stay();
+  }
+
+  [[nodiscard]] std::vector<std::string> port_names() const {
+    std::vector<std::string> names;
+    for (const FoundPort& port : ports_) names.push_back(port.device);
+    return names;
+  }
+
+  [[nodiscard]] bool idle() {
+    if (!task_.running()) return true;
+    message_.say(fmt::format("still {}: Esc gives it up", task_.label()), Tone::warning);
+    return false;
+  }
+
+  void look_for_ports() {
+    if (!idle()) return;
+    const auto look = [where = unit_->snapshot().where](JobControl&) { return survey(where); };
+    task_.start("looking for serial ports", look, [this](std::vector<FoundPort> found) {
+      ports_ = std::move(found);
+      ports_known_ = true;
+    });
+  }
+
+  /// By the form; nothing where that is wrong.
+  [[nodiscard]] std::optional<LinkChoice> chosen() {
+    auto choice = parsed_link(form_.text(), "LINK");
+    if (choice) return std::move(*choice);
+    message_.say(choice.error());
+    return std::nullopt;
+  }
+
+  /// The doctor tries what the form says; the unit's link is lent to it meanwhile.
+  void try_it() {
+    const auto choice = chosen();
+    if (!choice || !idle()) return;
+    to_page(Page::doctor);
+    const std::string link = to_text(*choice);
+    const auto tell = [doctor = doctor_](const std::string& text) {
+      doctor->change([&](DoctorAnswer& answer) { answer.trying = text; });
+    };
+    const auto found = [doctor = doctor_](const DoctorFinding& finding) {
+      doctor->change([&](DoctorAnswer& answer) { answer.findings.push_back(finding); });
+    };
+    doctor_->change([&](DoctorAnswer& answer) { answer = {link, "waiting for the link"}; });
+    const auto examine = [unit = unit_, choice = *choice, tell, found](JobControl& control) {
+      const auto lent = unit->lend();
+      tell("asking the unit");
+      return diagnosis_of(choice, tell, found, control.cancelled);
+    };
+    task_.start("trying " + link, examine,
+                [this, link](const Diagnosis& diagnosis) { ended(link, diagnosis, task_.cancelled()); });
+  }
+
+  void ended(const std::string& link, const Diagnosis& diagnosis, bool cancelled) {
+    doctor_->change([&](DoctorAnswer& answer) {
+      answer.trying.clear();
+      answer.diagnosis = diagnosis;
+    });
+    if (cancelled) return message_.say("given up: the setting was not tried to its end", Tone::warning);
+    if (diagnosis.works) {
+      works_ = link;
+      return message_.say(link == unit_->link() || link == unit_->snapshot().link
+                              ? fmt::format("{} works", link)
+                              : fmt::format("{} works: u uses it now, s stores it", link));
     }
-    draw_scroll_marks(canvas, list, scroll_.first, count);
+    if (diagnosis.working_link.empty()) return message_.say(fmt::format("{} does not work", link), Tone::bad);
+    works_ = diagnosis.working_link;
+    asking_.ask({"Use the setting that answers?",
+                 fmt::format("{} does not answer, {} does.", link, diagnosis.working_link), "use it", "leave it"},
+                [this, working = diagnosis.working_link] {
+                  if (const auto choice = parsed_link(working, "LINK")) form_ = LinkForm(*choice);
+                  take(working);
+                });
+  }
+
+  /// From now on this link, in all screens.
+  void take(const std::string& link) {
+    if (!idle()) return;
+    const auto choose = [unit = unit_, link](JobControl&) {
+      unit->choose(link);
+      return link;
+    };
+    task_.start("changing the link", choose, [this](const std::string& chosen) {
+      note_remark(fmt::format("from here on over the link {}", chosen));
+      message_.say(fmt::format("{} is in use now; s stores it for the next start", chosen));
+    });
+  }
+
+  /// For the next start; asks first if it has not answered.
+  void store() {
+    const auto choice = chosen();
+    if (!choice) return;
+    const std::string link = to_text(*choice);
+    const WatchedUnit now = unit_->snapshot();
+    if (link == works_ || (now.open && now.link == link)) return store_now(link);
+    asking_.ask({"Store a link that has not answered?",
+                 fmt::format("{} was not tried with success. t tries it first.", link), "store it", "not now"},
+                [this, link] { store_now(link); });
+  }
+
+  void store_now(const std::string& link) {
+    if (const auto done = store_link(link); !done) return message_.say(done.error());
+    stored_ = link;
+    if (link == works_ || unit_->snapshot().link == link)
+      note_command({"doctor", "--link", link, "--save"});
+    else
+      note_remark(fmt::format("{} was stored as the link without an answer; `{}` stores it when it works", link,
+                              shell_command({"ecs", "doctor", "--link", link, "--save"})));
+    message_.say(
+        fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));
   }
 
   std::shared_ptr<UnitConnection> unit_;
-  LinkController controller_;
+  LinkForm form_;
+  std::vector<FoundPort> ports_;
+  bool ports_known_ = false;
+  std::string stored_;  ///< as read at the beginning; empty: none
+  std::string works_;   ///< a link that the doctor found to work
+  std::shared_ptr<Reported<DoctorAnswer>> doctor_ = std::make_shared<Reported<DoctorAnswer>>();
+  std::uint64_t doctor_seen_ = 0;
+  std::uint64_t unit_seen_ = 0;
   Page page_ = Page::setting;
   ListPlace row_;              ///< of the fields, then of the ports
   mutable int first_row_ = 0;  ///< of the fields on the canvas
@@ -406,6 +531,7 @@ class LinkScreen final : public Screen {
   TextLine text_;
   ScrollPlace scroll_;
   std::optional<UnitConnection::Watching> watching_;  ///< while the statistics are shown
+  TaskRunner task_;
 };
 
 }  // namespace

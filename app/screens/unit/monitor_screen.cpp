@@ -2,10 +2,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <optional>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "app/cli/module.hpp"
@@ -48,7 +46,7 @@ void draw_bar(Canvas& canvas, const Area& area, int row, int column, double shar
   }
 }
 
-double largest_compensation(const WatchedUnit& unit) {
+double largest_compensation(const SampledUnit& unit) {
   double most = 1.0;
   for (const MonitorSample& sample : unit.samples)
     for (const AxisSample& axis : sample.axes) most = std::max(most, std::abs(axis.compensation_um));
@@ -78,7 +76,7 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
 }
 
 /// @param age_s  of the newest sample
-void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s) {
+void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, double age_s) {
   if (unit.samples.empty()) {
     canvas.paragraph({area.row + 1, area.column + 1, area.rows, area.columns - 2}, 0,
                      unit.problem.empty() ? "opening the link ..." : unit.problem,
@@ -105,10 +103,35 @@ void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, dou
                      Tone::bad);
 }
 
-class MonitorScreen final : public Screen {
+class MonitorScreen final : public KeyedScreen {
  public:
   explicit MonitorScreen(std::shared_ptr<UnitConnection> connection)
-      : connection_(connection), watching_(std::move(connection)) {}
+      : connection_(connection), watching_(std::move(connection)) {
+    const auto record = [this] { toggle_recording(); };
+    const auto thermometer = [this] {
+      environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
+    };
+    const auto freeze = [this] {
+      frozen_ = !frozen_;
+      strip_at_ = {};
+    };
+    keys_ = {
+        {"j", "jog", [this] { driver_.ask(prompt_, seen_, message_); },
+         [this] { return MachineDriver::can_drive(seen_); }, true},
+        {"f", "freeze", freeze, [this] { return !frozen_; }},
+        {"f", "go on", freeze, [this] { return frozen_; }},
+        {"r", "record to CSV", record, [this] { return !recording_; }},
+        {"r", "end recording", record, [this] { return recording_.has_value(); }},
+        {"x y z", "axis of the strip"},
+        {"v", "position, speed, um", [this] { show_next(); }},
+        {"t", "thermometer", thermometer, [this] { return !environment_; }},
+        {"t", "no thermometer", thermometer, [this] { return environment_ != nullptr; }},
+        {"e", "picture",
+         [this] {
+           export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
+         }},
+        {"Esc", "back"}};
+  }
 
   [[nodiscard]] std::string title() const override { return "ON LINE MONITOR"; }
   void draw(Canvas& canvas, const Area& area) const override {
@@ -136,47 +159,7 @@ class MonitorScreen final : public Screen {
       draw_message(canvas, last, message_);
   }
 
-  [[nodiscard]] bool typing() const override { return prompt_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override { return prompt_.cursor(area, area.rows - 1); }
-
-  [[nodiscard]] Step on_key(const Key& key) override {
-    strip_at_ = {};
-    if (prompt_.on_key(key)) return stay();
-    message_.clear();
-    if (key.name == Key::Name::escape && driver_.stop()) return stay();
-    if (is_letter(key, U'j')) {
-      driver_.ask(prompt_, seen_, message_);
-      return stay();
-    }
-    if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-      if (!recording_) return back();
-      toggle_recording();
-      return stay();
-    }
-    if (is_letter(key, U'f')) frozen_ = !frozen_;
-    if (is_letter(key, U'r')) toggle_recording();
-    if (is_letter(key, U't')) toggle_thermometer();
-    if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
-    if (is_letter(key, U'e'))
-      export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
-    for (const Axis axis : kAllAxes)
-      if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
-    return stay();
-  }
-
-  [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (prompt_.active()) return prompt_.keys();
-    std::vector<KeyHelp> keys{{"f", frozen_ ? "go on" : "freeze"},
-                              {"r", recording_ ? "end recording" : "record to CSV"},
-                              {"x y z", "axis of the strip"},
-                              {"v", "position, speed, um"},
-                              {"t", environment_ ? "no thermometer" : "thermometer"},
-                              {"e", "picture"},
-                              {"Esc", "back"}};
-    if (MachineDriver::can_drive(seen_)) keys.insert(keys.begin(), {"j", "jog"});
-    return keys;
-  }
-
   [[nodiscard]] std::string help() const override {
     return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
            "and marker, the sensed approach, the compensation added now and the relay. At the right the rate of "
@@ -188,7 +171,24 @@ class MonitorScreen final : public Screen {
            "block or by a part program.";
   }
 
-  [[nodiscard]] bool advance() override {
+ private:
+  enum class Strip { position, speed, compensation };
+
+  [[nodiscard]] Step leave() override {
+    if (driver_.stop()) return stay();
+    if (!recording_) return back();
+    toggle_recording();
+    return stay();
+  }
+  void on_other_key(const Key& key) override {
+    axis_ = axis_of_key(key).value_or(axis_);
+    strip_at_ = {};
+  }
+  void show_next() {
+    strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
+    strip_at_ = {};
+  }
+  [[nodiscard]] bool look() override {
     const bool moves = driver_.advance();
     const std::string surroundings = environment_ ? environment_->now().text : "";
     const bool weather = surroundings != surroundings_;
@@ -197,7 +197,7 @@ class MonitorScreen final : public Screen {
     const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
     if (changes == changes_ && (!old || frozen_)) return weather || moves;
     changes_ = changes;
-    WatchedUnit now = connection_->now();
+    SampledUnit now = connection_->now();
     record(now);
     if (frozen_) return recording_.has_value() || weather || moves;
     seen_ = std::move(now);
@@ -205,17 +205,13 @@ class MonitorScreen final : public Screen {
     return true;
   }
 
- private:
-  enum class Strip { position, speed, compensation };
   std::shared_ptr<UnitConnection> connection_;
   UnitConnection::Watching watching_;
-  WatchedUnit seen_;
+  SampledUnit seen_;
   std::uint64_t changes_ = 0;
   bool frozen_ = false;
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
-  Message message_;
-  Prompt prompt_;
   MachineDriver driver_;
   std::unique_ptr<SurroundingsWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
@@ -244,8 +240,7 @@ class MonitorScreen final : public Screen {
       recording_.reset();
       return;
     }
-    auto begun =
-        MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
+    auto begun = MonitorRecording::begun(file_name_now("monitor", ".csv"));
     begun_at_ = std::chrono::steady_clock::now();
     recorded_with_thermometer_ = environment_ != nullptr;
     if (begun)
@@ -272,7 +267,7 @@ class MonitorScreen final : public Screen {
   }
 
   /// The samples that came since the last look.
-  void record(const WatchedUnit& unit) {
+  void record(const SampledUnit& unit) {
     const std::uint64_t missed = unit.received - std::min(unit.received, received_);
     received_ = unit.received;
     if (!recording_) return;

@@ -1,186 +1,317 @@
 // RECORD DATUM SEQUENCE: which axis, ten seconds with what the unit sees meanwhile, then the graph opens. TEST DATUM
-// ROUTINE: the axes with the stage in which each stands, live; what failed and what to do next.
-#include "commissioning/utility/datum.hpp"
-
+// ROUTINE: the unit's own routine, axis after axis, with the stage in which each is; what failed and what to do next.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
+#include "commissioning/session/commands.hpp"
+#include "commissioning/unit/utility_work.hpp"
+#include "commissioning/utility/datum_view.hpp"
 
 namespace ecs::app {
 namespace {
 
-constexpr int kDatumRecordAxisRow = 2;
-constexpr int kProgressRow = 7;
-constexpr const char* kDatumRecordExplained =
+/// What work on the link tells its screen while it has the link to itself.
+struct DatumSeen {
+  std::optional<protocol::MonitorSample> sample;
+  std::optional<protocol::UnitStatus> status;
+  std::vector<AxisTest> tests;  ///< that have ended
+  std::string workshop;         ///< socket; empty: no emulator
+  std::optional<Axis> axis;     ///< worked on
+  bool running = false;         ///< the unit has answered that it is at it
+  bool fetching = false;        ///< the command is done, its result is read out of the memory
+  double part = 0.0;            ///< of the command under way, or of what is fetched, 0 … 1
+  double seconds_left = -1.0;   ///< of what is fetched; negative: not known
+};
+using DatumLive = Reported<DatumSeen>;
+
+void begin(DatumLive& live, const UnitLink& link, Axis axis) {
+  live.change([&](DatumSeen& seen) {
+    seen = {std::move(seen.sample), std::move(seen.status), std::move(seen.tests), link.workshop(), axis};
+  });
+}
+
+/// One look over the link; what fails is left to the command that is under way.
+void look_at(DatumLive& live, UnitLink& link, const protocol::CommandResult& busy, bool with_status) {
+  const auto sample = link.client().monitor();
+  std::optional<protocol::UnitStatus> status;
+  if (with_status)
+    if (auto read = link.client().status()) status = *read;
+  live.change([&](DatumSeen& seen) {
+    if (sample) seen.sample = *sample;
+    if (status) seen.status = *status;
+    seen.running = true;
+    seen.part = busy.per_mille / 1000.0;
+  });
+}
+
+/// Work on the datum of axes while the control of the machine, or g the emulated one, references them.
+class DatumScreen : public AxesScreen {
+ protected:
+  /// @param does, act  of Enter  @param chooses  the rows of keys that choose
+  DatumScreen(std::shared_ptr<UnitConnection> connection, const char* does, std::function<Question()> asks,
+              std::function<void()> starts, const std::vector<KeyRow>& chooses)
+      : AxesScreen(std::move(connection)) {
+    const auto idle = [this] { return !busy(); };
+    const auto under_way = [this] { return busy(); };
+    const auto ask = [this, asks = std::move(asks), starts = std::move(starts)] {
+      if (unit_integrates()) asking_.ask(asks(), starts);
+    };
+    keys_ = {{"g", "reference the emulated machine", [this] { reference(); },
+              [this] { return busy() && unit_.watched.emulator; }, true},
+             {"Esc", "give up", {}, under_way},
+             {"Enter", does, ask, idle}};
+    for (KeyRow row : chooses) {
+      row.when = idle;
+      keys_.push_back(std::move(row));
+    }
+    keys_.push_back(drive_row());
+    keys_.push_back({"Esc", "back", {}, idle});
+  }
+
+  [[nodiscard]] bool look() override {
+    const bool changed = AxesScreen::look();
+    if (busy() && live_->changes() != live_changes_) {
+      live_changes_ = live_->changes();
+      const DatumSeen seen = live_->now();
+      if (seen.sample) unit_.take(*seen.sample);
+      follow(seen);
+    }
+    return reference_.advance() || changed || busy();
+  }
+  virtual void follow(const DatumSeen& seen) = 0;
+  [[nodiscard]] Step leave() override {
+    const bool stays = driver_.running() || busy();
+    if (!driver_.stop()) {
+      task_.cancel();
+      reference_.cancel();
+    }
+    return stays ? stay() : back();
+  }
+
+  /// The bundled emulator's machine references the axis under way; the message says why not.
+  void reference() {
+    const DatumSeen seen = live_->now();
+    if (!busy() || !seen.running || seen.fetching || !seen.axis)
+      message_.say("g references the emulated machine while this runs: Enter first.", Tone::warning);
+    else if (seen.workshop.empty())
+      message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
+    else
+      reference_now(seen);
+  }
+  virtual void reference_now(const DatumSeen& seen) = 0;
+
+  [[nodiscard]] std::string hint_of_emulator() const {
+    return unit_.watched.emulator ? " This is the emulator: g references its machine." : "";
+  }
+  /// What a person does now.
+  [[nodiscard]] std::string call_to_reference(Axis axis) const {
+    return fmt::format(
+        "REFERENCE AXIS {} NOW{}.", letter_of(axis),
+        unit_.watched.emulator ? ": g lets the emulated machine do it" : ", at the machine's own control");
+  }
+  /// The command that does the same, with the machine referenced beside it if that was done.
+  [[nodiscard]] NotedCommand command(std::vector<std::string> words, Axis axis, bool referenced) const {
+    NotedCommand noted;
+    noted.words = words_on_unit(*connection_, std::move(words));
+    if (referenced) noted.meanwhile = reference_words(live_->now().workshop, {axis});
+    return noted;
+  }
+
+  std::shared_ptr<DatumLive> live_ = std::make_shared<DatumLive>();
+  std::uint64_t live_changes_ = 0;
+  TaskRunner reference_;
+};
+
+constexpr const char* kRecordExplained =
     "Ten seconds of one axis are recorded: speed, reference switch and marker. The unit only watches: the machine must "
     "be referenced by its own control while the bar runs, from some travel away from the switch and slowly enough that "
     "switch and marker come within the ten seconds. The graph opens by itself; the datuming parameters are read off "
     "there.";
 
-class DatumRecordScreen final : public DrivingScreen<DatumRecordController> {
+class DatumRecordScreen final : public DatumScreen {
  public:
-  using DrivingScreen::DrivingScreen;
+  explicit DatumRecordScreen(std::shared_ptr<UnitConnection> connection)
+      : DatumScreen(
+            std::move(connection), "record", [this] { return question(); }, [this] { start(chosen()); },
+            {{"up/down x y z", "axis"}}) {}
 
   [[nodiscard]] std::string title() const override { return "RECORD DATUM SEQUENCE"; }
-  void draw_inside(Canvas& canvas, const Area& inside) const override {
-    draw_unit_row(canvas, inside, 0, controller_.unit());
-    const bool busy = controller_.busy();
-    draw_axis_rows(canvas, inside, kDatumRecordAxisRow, controller_.unit(), busy ? controller_.axis() : chosen());
-    const char axis = letter_of(busy ? controller_.axis() : chosen());
-    int row = kProgressRow + 2;
-    if (controller_.phase() == DatumRecordController::Phase::recording) {
-      draw_progress(canvas, inside, kProgressRow, fmt::format("recording axis {}", axis), controller_.part(),
-                    controller_.seconds_left());
-      canvas.text(
-          inside, kProgressRow + 1, 0,
-          fmt::format("so far: switch {}, marker {} (the record sees all in between)",
-                      controller_.switch_seen() ? "seen" : "not yet", controller_.marker_seen() ? "seen" : "not yet"));
-      row += canvas.paragraph(inside, row + 1,
-                              controller_.referencing() ? "The emulated machine is being referenced ..."
-                                                        : call_to_reference(controller_.axis()),
-                              Tone::warning) +
-             2;
-    } else if (controller_.phase() == DatumRecordController::Phase::starting) {
-      canvas.text(inside, kProgressRow, 0, "Sending ...");
-    } else if (busy) {
-      draw_progress(canvas, inside, kProgressRow, "fetching the record", controller_.part(),
-                    controller_.seconds_left());
-    } else {
-      canvas.text(inside, kProgressRow, 0, fmt::format("Enter records axis {}.", axis));
-    }
-    canvas.paragraph(inside, row + 1, kDatumRecordExplained, Tone::faint);
-    draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
-  }
-
-  void on_command(const Key& key) override {
-    if (is_letter(key, U'g')) controller_.reference();
-    if (is_letter(key, U'j')) ask_to_drive();
-    if (controller_.busy()) return;
-    if (choose_axis(place_, key, controller_.unit().axes(), kDatumRecordAxisRow + 2)) return;
-    if (key.name == Key::Name::enter && unit_integrates())
-      asking_.ask(controller_.question(chosen()), [this, axis = chosen()] { controller_.start(axis); });
-  }
-
-  [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (asking_.active()) return {{"y", "record"}, {"n", "not now"}};
-    if (prompt_.active()) return prompt_.keys();
-    if (controller_.busy()) return keys_while_referencing();
-    return with_driver({{"Enter", "record"}, {"up/down x y z", "axis"}, {"Esc", "back"}}, 2);
-  }
-
-  [[nodiscard]] std::string help() const override { return kDatumRecordExplained; }
-
+  [[nodiscard]] std::string help() const override { return kRecordExplained; }
   [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override {
-    auto record = controller_.take();
-    return record ? datum_view_screen(std::move(record)) : nullptr;
+    return recorded_ ? datum_view_screen(std::exchange(recorded_, std::nullopt)) : nullptr;
   }
+
+ private:
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    draw_unit_row(canvas, inside);
+    const Axis axis = busy() ? axis_ : chosen();
+    draw_axis_rows(canvas, inside, axis);
+    int row = kCallRow + 2;
+    const DatumSeen seen = live_->now();
+    if (!busy()) {
+      canvas.text(inside, kCallRow, 0, fmt::format("Enter records axis {}.", letter_of(axis)));
+    } else if (seen.fetching) {
+      draw_progress(canvas, inside, kCallRow, "fetching the record", seen.part, seen.seconds_left);
+    } else if (!seen.running) {
+      canvas.text(inside, kCallRow, 0, "Sending ...");
+    } else {
+      draw_progress(canvas, inside, kCallRow, fmt::format("recording axis {}", letter_of(axis)), seen.part,
+                    (1.0 - seen.part) * kDatumRecord_s);
+      canvas.text(inside, kCallRow + 1, 0,
+                  fmt::format("so far: switch {}, marker {} (the record sees all in between)",
+                              switch_seen_ ? "seen" : "not yet", marker_seen_ ? "seen" : "not yet"));
+      row += 2 + canvas.paragraph(
+                     inside, row + 1,
+                     reference_.running() ? "The emulated machine is being referenced ..." : call_to_reference(axis),
+                     Tone::warning);
+    }
+    canvas.paragraph(inside, row + 1, kRecordExplained, Tone::faint);
+    draw_message(canvas, last_rows(inside, 2), message_);
+  }
+
+  void on_other_key(const Key& key) override {
+    if (!busy()) (void)choose_axis(key);
+  }
+
+  [[nodiscard]] Question question() const {
+    const std::string unsaved = unsaved_record_of();
+    return {
+        fmt::format("Record axis {} for {:.0f} seconds?", letter_of(chosen()), kDatumRecord_s),
+        fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon "
+                    "as the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away "
+                    "from the reference switch.{}{}",
+                    letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
+                    unsaved.empty() ? "" : " The record of " + unsaved + " was not saved: this one takes its place."),
+        "record", "not now"};
+  }
+
+  void start(Axis axis) {
+    if (busy()) return;
+    axis_ = axis;
+    switch_seen_ = marker_seen_ = referenced_ = false;
+    live_->change([](DatumSeen& seen) { seen = {}; });
+    const auto work = [connection = connection_, live = live_, axis](JobControl& control) {
+      return connection->with_link(control, [&](UnitLink& link) {
+        begin(*live, link, axis);
+        return record_datum(
+            link.client(), axis, [&](const protocol::CommandResult& busy) { look_at(*live, link, busy, false); },
+            [&](const protocol::Progress& progress) {
+              live->change([&](DatumSeen& seen) {
+                seen.fetching = true;
+                if (progress.bytes_total > 0)
+                  seen.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+                seen.seconds_left = progress.seconds_left;
+              });
+            });
+      });
+    };
+    task_.start("recording", work, [this](Result<DatumRecording> recording) {
+      if (!recording) return say_failed(message_, recording.error(), task_.cancelled());
+      recorded_ = std::move(*recording);
+      // saving the record amends it (datum_view.cpp)
+      note(command({"utility", "datum", "record", std::string(1, letter_of(axis_))}, axis_, referenced_));
+    });
+  }
+
+  void follow(const DatumSeen& seen) override {
+    if (!seen.sample) return;
+    switch_seen_ = switch_seen_ || seen.sample->axes[index_of(axis_)].switch_active;
+    marker_seen_ = marker_seen_ || seen.sample->axes[index_of(axis_)].marker;
+  }
+
+  void reference_now(const DatumSeen& seen) override {
+    reference_machine(reference_, seen.workshop, {axis_}, message_, referenced_ = true);
+  }
+
+  Axis axis_ = Axis::X;  ///< recorded now or last
+  bool switch_seen_ = false;
+  bool marker_seen_ = false;
+  bool referenced_ = false;  ///< the emulated machine, while it records
+  std::optional<DatumRecording> recorded_;
 };
 
-}  // namespace
-
-std::unique_ptr<Screen> datum_record_screen(std::shared_ptr<UnitConnection> connection) {
-  return std::make_unique<DatumRecordScreen>(std::move(connection));
-}
-
-namespace {
-
-using TestState = DatumTestController::TestState;
-constexpr int kRowsRow = 2;
-constexpr int kCallRow = 7;
-constexpr const char* kDatumTestExplained =
+constexpr std::chrono::milliseconds kTestLimit{620'000};  ///< the unit gives up by itself after 600 s
+constexpr const char* kTestExplained =
     "The unit goes through its datum routine, axis after axis, while the machine is referenced by its own control: it "
     "waits for the motion, looks for the switch, then for the marker. An axis that does not fit its datuming "
     "parameters fails with the reason and what to do.";
 
-std::string word_for(const DatumTestController::AxisRow& row) {
+enum class TestState { not_chosen, chosen, under_way, passed, failed, given_up };
+
+struct AxisRow {
+  Axis axis = Axis::X;
+  TestState state = TestState::chosen;
+  DatumStage stage = DatumStage::waiting;  ///< as the unit reported last
+  std::string message{};                   ///< of one that failed
+};
+
+ListRow picture_of_state(const AxisRow& row) {
   switch (row.state) {
     case TestState::not_chosen:
-      return "not tested";
+      return {"not tested"};
     case TestState::chosen:
-      return "to be tested";
+      return {"to be tested"};
     case TestState::under_way:
-      return row.stage == DatumStage::failed ? "FAILED, ending" : std::string(ecs::name_of(row.stage)) + " ...";
+      return {row.stage == DatumStage::failed ? "FAILED, ending" : std::string(ecs::name_of(row.stage)) + " ...",
+              Tone::strong};
     case TestState::passed:
-      return "DATUM FOUND";
+      return {"DATUM FOUND", Tone::good};
     case TestState::failed:
-      return "FAILED";
+      return {"FAILED", Tone::bad};
     case TestState::given_up:
-      return "given up";
+      return {"given up"};
   }
   return {};
 }
 
-Tone tone_for(TestState state) {
-  if (state == TestState::passed) return Tone::good;
-  if (state == TestState::failed) return Tone::bad;
-  return state == TestState::under_way ? Tone::strong : Tone::plain;
-}
-
-class DatumTestScreen final : public DrivingScreen<DatumTestController> {
+class DatumTestScreen final : public DatumScreen {
  public:
-  using DrivingScreen::DrivingScreen;
+  explicit DatumTestScreen(std::shared_ptr<UnitConnection> connection)
+      : DatumScreen(
+            std::move(connection), "test", [this] { return question(); }, [this] { start(); },
+            {{"Space x y z", "choose axes"}, {"Space", "", [this] { toggle(chosen()); }}, {"up/down", "axis"}}) {
+    fill_rows();
+  }
 
   [[nodiscard]] std::string title() const override { return "TEST DATUM ROUTINE"; }
-  void draw_inside(Canvas& canvas, const Area& inside) const override {
-    draw_unit_row(canvas, inside, 0, controller_.unit());
-    draw_rows(canvas, inside.below(kRowsRow));
-    canvas.text(inside, kCallRow, 0, call(), controller_.busy() ? Tone::warning : Tone::plain);
-    int row = kCallRow + 2;
-    for (const auto& axis : controller_.rows())
-      if (!axis.message.empty())
-        row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
-    if (row == kCallRow + 2) canvas.paragraph(inside, row, kDatumTestExplained, Tone::faint);
-    draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
-  }
-
-  void on_command(const Key& key) override {
-    if (is_letter(key, U'g')) controller_.reference();
-    if (is_letter(key, U'j')) ask_to_drive();
-    if (controller_.busy()) return;
-    const auto& rows = controller_.rows();
-    if (place_.on_key(key, static_cast<int>(rows.size()))) return;
-    if (const auto axis = axis_of_key(key)) controller_.toggle(*axis);
-    if (is_letter(key, U' ') && !rows.empty())
-      controller_.toggle(
-          rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
-    if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
-    if (key.name == Key::Name::enter && unit_integrates())
-      asking_.ask(controller_.question(), [this] { controller_.start(); });
-  }
-
-  [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (asking_.active()) return {{"y", "test"}, {"n", "not now"}};
-    if (prompt_.active()) return prompt_.keys();
-    if (controller_.busy()) return keys_while_referencing();
-    return with_driver({{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}}, 3);
-  }
-
   [[nodiscard]] std::string help() const override {
-    return std::string(kDatumTestExplained) +
+    return std::string(kTestExplained) +
            " With the bundled emulator g references its machine, the axis under test first and the others when their "
            "turn comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
   }
 
  private:
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    draw_unit_row(canvas, inside);
+    draw_rows(canvas, inside.below(kAxesRow));
+    canvas.text(inside, kCallRow, 0, call(), busy() ? Tone::warning : Tone::plain);
+    int row = kCallRow + 2;
+    for (const AxisRow& axis : rows_)
+      if (!axis.message.empty())
+        row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
+    if (row == kCallRow + 2) canvas.paragraph(inside, row, kTestExplained, Tone::faint);
+    draw_message(canvas, last_rows(inside, 2), message_);
+  }
+
   void draw_rows(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 0,
                 fmt::format("  {:<10} {:<18} {:>13} {:>10}  {:<8}{:<8}", "axis", "stage", "position mm", "mm/min",
                             "switch", "marker"),
                 Tone::faint);
     int r = 0;
-    for (const auto& row : controller_.rows()) {
+    for (const AxisRow& row : rows_) {
       ++r;
-      const auto* s = controller_.unit().axis(row.axis);
-      const bool here = r - 1 == place_.selected && !controller_.busy();
+      const auto* s = unit_.axis(row.axis);
+      const bool here = r - 1 == place_.selected && !busy();
       if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
-      const Tone tone = here ? Tone::selected : tone_for(row.state);
+      const ListRow state = picture_of_state(row);
       canvas.text(area, r, 0,
-                  fmt::format("{} [{}] {:<6} {:<18}", here || controller_.under_test() == row.axis ? ">" : " ",
-                              row.state == TestState::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
-                  tone);
+                  fmt::format("{} [{}] {:<6} {:<18}", here || under_test() == row.axis ? ">" : " ",
+                              row.state == TestState::not_chosen ? " " : "x", letter_of(row.axis), state.text),
+                  here ? Tone::selected : state.tone);
       if (s != nullptr)
         canvas.text(area, r, 32,
                     fmt::format("{:>13.4f} {:>10.1f}  {:<8}{:<8}", s->position_mm, s->speed_mm_min,
@@ -190,20 +321,161 @@ class DatumTestScreen final : public DrivingScreen<DatumTestController> {
   }
 
   [[nodiscard]] std::string call() const {
-    if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
-    if (!controller_.under_test()) return "Sending ...";
-    const auto& rows = controller_.rows();
-    if (std::any_of(rows.begin(), rows.end(), [this](const auto& row) {
-          return row.axis == *controller_.under_test() && row.stage == DatumStage::failed;
-        }))
+    const auto under = under_test();
+    if (!busy()) return "Enter begins the test of the axes marked x.";
+    if (!under) return "Sending ...";
+    if (std::any_of(rows_.begin(), rows_.end(),
+                    [&](const AxisRow& row) { return row.axis == *under && row.stage == DatumStage::failed; }))
       return "The routine of this axis has failed: the unit ends it, then says why.";
-    if (controller_.referencing())
-      return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
-    return call_to_reference(*controller_.under_test());
+    if (reference_.running()) return fmt::format("The emulated machine references axis {} ...", letter_of(*under));
+    return call_to_reference(*under);
   }
+
+  void on_other_key(const Key& key) override {
+    if (busy() || place_.on_key(key, static_cast<int>(rows_.size()))) return;
+    if (const auto axis = axis_of_key(key)) toggle(*axis);
+    if (const auto k = axis_clicked(key)) place_.selected = *k;
+  }
+
+  void fill_rows() {
+    const auto axes = unit_.axes();
+    if (busy() || axes.size() == rows_.size()) return;
+    rows_.clear();
+    for (const Axis a : axes) rows_.push_back({a});
+  }
+
+  AxisRow* row_of(Axis axis) {
+    const auto row = std::find_if(rows_.begin(), rows_.end(), [axis](const AxisRow& r) { return r.axis == axis; });
+    return row == rows_.end() ? nullptr : &*row;
+  }
+
+  /// Whether it is tested.
+  void toggle(Axis axis) {
+    AxisRow* row = row_of(axis);
+    if (row == nullptr) return;
+    row->state = row->state == TestState::not_chosen ? TestState::chosen : TestState::not_chosen;
+    row->message.clear();
+  }
+
+  [[nodiscard]] Question question() const {
+    std::string axes;
+    for (const AxisRow& row : rows_)
+      if (row.state != TestState::not_chosen)
+        axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(row.axis));
+    if (axes.empty()) return {"No axis is chosen", "Space chooses the axis under the cursor.", "well", "well"};
+    return {fmt::format("Test the datum routine of {}?", axes),
+            "The unit opens its relays, forgets the reference of each of these axes and looks for it again while the "
+            "machine's control references it, one axis after the other. The unit moves nothing." +
+                hint_of_emulator(),
+            "test", "not now"};
+  }
+
+  void start() {
+    std::vector<Axis> axes;
+    for (AxisRow& row : rows_) {
+      if (row.state == TestState::not_chosen) continue;
+      row = {row.axis};
+      axes.push_back(row.axis);
+    }
+    if (busy() || axes.empty()) return;
+    live_->change([](DatumSeen& seen) { seen = {}; });
+    tests_seen_ = 0;
+    reference_each_ = false;
+    referenced_for_.reset();
+    const auto work = [connection = connection_, live = live_, axes](JobControl& control) {
+      return connection->with_link(control, [&](UnitLink& link) -> Result<void> {
+        for (const Axis axis : axes) {
+          begin(*live, link, axis);
+          ECS_TRY(test, test_datum_of(link.client(), axis, kTestLimit,
+                                      [&](const protocol::CommandResult& busy) { look_at(*live, link, busy, true); }));
+          live->change([&](DatumSeen& seen) {
+            seen.tests.push_back(std::move(test));
+            seen.running = false;
+          });
+        }
+        return {};
+      });
+    };
+    task_.start("testing", work, [this](const Result<void>& result) { take(result); });
+  }
+
+  [[nodiscard]] bool look() override {
+    fill_rows();
+    const bool changed = DatumScreen::look();
+    follow_tests();
+    if (const auto under = under_test();
+        reference_each_ && under && referenced_for_ != under && !reference_.running()) {
+      referenced_for_ = under;
+      reference_machine(reference_, live_->now().workshop, {*under}, message_, true);
+    }
+    return changed;
+  }
+
+  [[nodiscard]] std::optional<Axis> under_test() const {
+    const DatumSeen seen = live_->now();
+    return busy() && seen.running ? seen.axis : std::nullopt;
+  }
+
+  void follow(const DatumSeen& seen) override {
+    AxisRow* row = seen.running && seen.axis ? row_of(*seen.axis) : nullptr;
+    if (row == nullptr) return;
+    row->state = TestState::under_way;
+    if (seen.status) row->stage = seen.status->axes[index_of(row->axis)].datum_stage;
+  }
+
+  void follow_tests() {
+    const auto tests = live_->now().tests;
+    for (; tests_seen_ < tests.size(); ++tests_seen_) {
+      const AxisTest& test = tests[tests_seen_];
+      AxisRow* row = row_of(test.axis);
+      if (row == nullptr) continue;
+      row->state = test.passed ? TestState::passed : TestState::failed;
+      row->stage = test.passed ? DatumStage::done : DatumStage::failed;
+      NotedCommand noted = command({"utility", "datum", "test", std::string(1, letter_of(test.axis)), "--wait",
+                                    fmt::format("{}", kTestLimit.count() / 1000)},
+                                   test.axis, referenced_for_ == test.axis);
+      noted.exit_code = test.passed ? 0 : 1;
+      note(std::move(noted));
+      row->message = test.failure == DatumFailure::none
+                         ? test.message
+                         : fmt::format("{}. What to do: {}.", ecs::name_of(test.failure), advice_for(test.failure));
+    }
+  }
+
+  void take(const Result<void>& result) {
+    follow_tests();
+    reference_each_ = false;
+    for (AxisRow& row : rows_)
+      if (row.state == TestState::under_way) row.state = TestState::given_up;
+    if (!result) {
+      reference_.cancel();
+      return say_failed(message_, result.error(), task_.cancelled());
+    }
+    const auto failed =
+        std::count_if(rows_.begin(), rows_.end(), [](const AxisRow& r) { return r.state == TestState::failed; });
+    if (failed == 0) return message_.say("Every axis that was tested found its datum.");
+    message_.say(
+        fmt::format("{} failed: see above what to do.", failed == 1 ? "One axis" : fmt::format("{} axes", failed)),
+        Tone::bad);
+  }
+
+  /// This axis, and each of the following when its turn comes.
+  void reference_now(const DatumSeen& /*seen*/) override {
+    reference_each_ = true;
+    referenced_for_.reset();
+  }
+
+  std::vector<AxisRow> rows_;
+  std::optional<Axis> referenced_for_;  ///< the axis for which the emulated machine was started last
+  bool reference_each_ = false;
+  std::size_t tests_seen_ = 0;
 };
 
 }  // namespace
+
+std::unique_ptr<Screen> datum_record_screen(std::shared_ptr<UnitConnection> connection) {
+  return std::make_unique<DatumRecordScreen>(std::move(connection));
+}
 
 std::unique_ptr<Screen> datum_test_screen(std::shared_ptr<UnitConnection> connection) {
   return std::make_unique<DatumTestScreen>(std::move(connection));

@@ -15,10 +15,9 @@ namespace ecs::app {
 [[nodiscard]] std::unique_ptr<Screen> position_screen(std::shared_ptr<UnitConnection> connection);
 [[nodiscard]] std::unique_ptr<Screen> output_screen(std::shared_ptr<UnitConnection> connection);
 [[nodiscard]] std::unique_ptr<Screen> datum_record_screen(std::shared_ptr<UnitConnection> connection);
-/// @param recording  that was just made; nothing: none yet
-[[nodiscard]] std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording = std::nullopt);
-/// With this record open.
-[[nodiscard]] std::unique_ptr<Screen> datum_view_screen_of(const std::string& path);
+/// @param recording  that was just made; nothing: none yet  @param file  of one to open; empty: none
+[[nodiscard]] std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording = std::nullopt,
+                                                        const std::string& file = {});
 [[nodiscard]] std::unique_ptr<Screen> datum_test_screen(std::shared_ptr<UnitConnection> connection);
 /// @param file  saved state of a unit, or a dump, that is shown first; empty: the unit
 [[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection,

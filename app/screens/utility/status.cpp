@@ -1,6 +1,9 @@
-// DISPLAY ECS STATUS: state with the fault in plain words, address pointers, axes; live or from a file. And the menu
-// ECS UTILITY.
+// DISPLAY ECS STATUS: state with the fault in plain words, address pointers, axes; read again and again, or out of a
+// file; memory test, fault, mode. And the menu ECS UTILITY.
 #include "commissioning/unit/status.hpp"
+
+#include <algorithm>
+#include <chrono>
 
 #include <fmt/format.h>
 
@@ -8,12 +11,18 @@
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "base/text.hpp"
-#include "commissioning/utility/status_controller.hpp"
+#include "commissioning/memory/view.hpp"
+#include "commissioning/session/commands.hpp"
+#include "commissioning/unit/utility_work.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {
 namespace {
 
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+constexpr auto kBetweenReadings = 1s;
+constexpr int kRestPerReading = 3;  ///< a slow link is left to others for so many times as long as a reading took
 constexpr const char* kTitles[] = {"State", "Address pointers", "Axes", "Memory of the dump"};
 constexpr int kNameColumns = 13;
 
@@ -30,78 +39,32 @@ int draw_entry(Canvas& canvas, const Area& area, int row, const std::string& nam
                           tone);
 }
 
-class StatusScreen final : public UtilityScreen<StatusController> {
+/// What a mode is, in one sentence.
+std::string_view meaning_of(UnitMode mode) {
+  switch (mode) {
+    case UnitMode::starting:
+      return "the unit has just been switched on and looks for a host";
+    case UnitMode::integration:
+      return "every relay is open; the unit does what the screens tell it";
+    case UnitMode::datuming:
+      return "waits until the machine's control has referenced every axis; then it compensates";
+    case UnitMode::compensating:
+      return "relays closed: the machine is being corrected";
+    case UnitMode::halted:
+      return "a fatal fault: every relay is open, only switching off and on helps";
+  }
+  return "a mode this program does not know: update ecs";
+}
+
+class StatusScreen final : public KeyedScreen {
  public:
   StatusScreen(std::shared_ptr<UnitConnection> connection, const std::string& file)
-      : UtilityScreen(std::move(connection)) {
-    if (!file.empty()) controller_.open(file);
+      : connection_(std::move(connection)), watched_(connection_->snapshot()) {
+    keys_ = key_table();
+    if (!file.empty()) open(file);
   }
 
   [[nodiscard]] std::string title() const override { return "DISPLAY ECS STATUS"; }
-  void draw_inside(Canvas& canvas, const Area& inside) const override {
-    draw_source(canvas, inside);
-    draw_tabs(canvas, inside.below(1));
-    const Area body{inside.row + 3, inside.column, std::max(0, inside.rows - 6), inside.columns};
-    const StatusSnapshot* s = controller_.snapshot();
-    if (page() == Page::memory)
-      draw_scrolled(canvas, body, controller_.file()->memory, scroll_);
-    else if (s == nullptr)
-      canvas.paragraph(body, 0,
-                       "Nothing was read yet. Without a unit, o opens a status file (s of this screen, `ecs utility "
-                       "status --save`) or a memory dump (`ecs memory dump`): both decode here.",
-                       Tone::faint);
-    else if (page() == Page::state)
-      draw_state(canvas, body);
-    else
-      draw_scrolled(canvas, body, owned_lines_of(page() == Page::pointers ? pointers_text(*s) : axes_text(*s)),
-                    scroll_);
-    const Area last{inside.row + inside.rows - 3, inside.column, 3, inside.columns};
-    if (controller_.busy())
-      draw_progress(canvas, last, 2, controller_.working_on(), controller_.part());
-    else if (controller_.message().text().empty() && controller_.file() == nullptr)
-      canvas.paragraph(last, 0, controller_.lack(), Tone::bad);
-    else
-      draw_message(canvas, last, controller_.message());
-  }
-
-  [[nodiscard]] Step leave() override {
-    if (controller_.busy() || controller_.file() == nullptr) return UtilityScreen::leave();
-    controller_.close_file();
-    return stay();
-  }
-
-  void on_command(const Key& key) override {
-    const int count = pages();
-    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
-      page_ = static_cast<Page>((static_cast<int>(page()) + (key.name == Key::Name::tab ? 1 : count - 1)) % count);
-      scroll_ = {};
-    } else if (key.name == Key::Name::letter && key.letter >= U'1' &&
-               key.letter < U'1' + static_cast<char32_t>(count)) {
-      page_ = static_cast<Page>(key.letter - U'1');
-      scroll_ = {};
-    } else if (!scroll_.on_key(key)) {
-      on_letter(key);
-    }
-  }
-
-  [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
-    if (prompt_.active()) return prompt_.keys();
-    if (controller_.busy()) return {{"Esc", "give up"}};
-    if (controller_.file() != nullptr)
-      return {{"Tab 1 2 3", "page"},
-              {"l", "back to the unit"},
-              {"up/down", "scroll"},
-              {"o", "another file"},
-              {"Esc", "close the file"}};
-    std::vector<KeyHelp> keys{{"Tab", "page"}, {"m", "mode"}, {"t", "memory test"}, {"c", "clear fault"},
-                              {"s", "save"},   {"o", "open"}, {"Esc", "back"}};
-    if (const auto* s = controller_.snapshot();
-        controller_.emulator() && s != nullptr && s->status.mode == UnitMode::datuming)
-      keys.insert(keys.begin(), {"g", "reference"});
-    return keys;
-  }
-
   [[nodiscard]] std::string help() const override {
     return "The state of the unit: mode, fault in plain words with what to do next, memory tests with their addresses, "
            "the loop; the address pointers (which value of every curve was selected last, and where it lies); the "
@@ -113,57 +76,82 @@ class StatusScreen final : public UtilityScreen<StatusController> {
 
  private:
   enum class Page { state, pointers, axes, memory };
-  [[nodiscard]] int pages() const {
-    return controller_.file() != nullptr && !controller_.file()->memory.empty() ? 4 : 3;
-  }
+  struct Read {
+    StatusSnapshot snapshot;
+    std::string workshop;
+  };
 
+  // --- what is shown
+  /// Of the file while one is open, else of the unit.
+  [[nodiscard]] const StatusSnapshot* snapshot() const {
+    if (file_) return file_->snapshot ? &*file_->snapshot : nullptr;
+    return read_ ? &read_->snapshot : nullptr;
+  }
+  [[nodiscard]] double age_s() const { return std::chrono::duration<double>(Clock::now() - read_at_).count(); }
+  /// Why none comes; empty: they come.
+  [[nodiscard]] std::string lack() const { return !watched_.problem.empty() ? watched_.problem : problem_; }
+  [[nodiscard]] bool integrating() const { return read_ && read_->snapshot.status.mode == UnitMode::integration; }
+  [[nodiscard]] int pages() const { return file_ && !file_->memory.empty() ? 4 : 3; }
   /// that can be shown now
   [[nodiscard]] Page page() const {
-    if (controller_.file() != nullptr && controller_.snapshot() == nullptr) return Page::memory;
+    if (file_ && snapshot() == nullptr) return Page::memory;
     return static_cast<int>(page_) < pages() ? page_ : Page::state;
   }
 
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    draw_source(canvas, inside);
+    draw_tabs(canvas, inside, 1, std::span(kTitles).first(static_cast<std::size_t>(pages())), static_cast<int>(page()));
+    const Area body{inside.row + 3, inside.column, std::max(0, inside.rows - 6), inside.columns};
+    const StatusSnapshot* s = snapshot();
+    if (page() == Page::memory)
+      draw_scrolled(canvas, body, file_->memory, scroll_);
+    else if (s == nullptr)
+      canvas.paragraph(body, 0,
+                       "Nothing was read yet. Without a unit, o opens a status file (s of this screen, `ecs utility "
+                       "status --save`) or a memory dump (`ecs memory dump`): both decode here.",
+                       Tone::faint);
+    else if (page() == Page::state)
+      draw_state(canvas, body);
+    else
+      draw_scrolled(canvas, body, owned_lines_of(page() == Page::pointers ? pointers_text(*s) : axes_text(*s)),
+                    scroll_);
+    const Area last = last_rows(inside, 3);
+    if (work_.running())
+      draw_progress(canvas, last, 2, work_.label(), work_.part());
+    else if (message_.text().empty() && !file_)
+      canvas.paragraph(last, 0, lack(), Tone::bad);
+    else
+      draw_message(canvas, last, message_);
+  }
+
   void draw_source(Canvas& canvas, const Area& area) const {
-    const StatusSnapshot* s = controller_.snapshot();
-    if (controller_.file() != nullptr) {
-      canvas.text(area, 0, 0,
-                  s == nullptr ? "FILE " + controller_.file()->name
-                               : fmt::format("FILE {}: unit {}, {}", controller_.file()->name,
-                                             s->identity.serial_number, s->taken),
-                  Tone::warning);
-      return;
-    }
-    const auto age_s = controller_.age_s();
-    if (!controller_.lack().empty())
-      canvas.text(area, 0, 0, age_s ? fmt::format("NO ANSWER, what is shown is {:.0f} s old", *age_s) : "NO ANSWER",
+    const StatusSnapshot* s = snapshot();
+    if (file_)
+      return static_cast<void>(canvas.text(
+          area, 0, 0,
+          s == nullptr ? "FILE " + file_->name
+                       : fmt::format("FILE {}: unit {}, {}", file_->name, s->identity.serial_number, s->taken),
+          Tone::warning));
+    if (!lack().empty())
+      canvas.text(area, 0, 0, read_ ? fmt::format("NO ANSWER, what is shown is {:.0f} s old", age_s()) : "NO ANSWER",
                   Tone::bad);
     else if (s == nullptr)
       canvas.text(area, 0, 0, "The unit's state is being read ...", Tone::warning);
     else
       canvas.text(area, 0, 0, fmt::format("unit {} ({})", s->identity.serial_number, s->identity.unit_name),
                   Tone::strong);
-    if (age_s && controller_.lack().empty())
-      canvas.text_right(area, 0, *age_s < 3.0 ? "live" : fmt::format("read {:.0f} s ago", *age_s),
-                        *age_s < 3.0 ? Tone::good : Tone::warning);
-  }
-
-  void draw_tabs(Canvas& canvas, const Area& area) const {
-    int column = 0;
-    for (int p = 0; p < pages(); ++p) {
-      const bool here = static_cast<Page>(p) == page();
-      column +=
-          canvas.text(area, 0, column, fmt::format("{}{} {}{} ", here ? "[" : " ", p + 1, kTitles[p], here ? "]" : " "),
-                      here ? Tone::strong : Tone::faint);
-    }
+    if (read_ && lack().empty())
+      canvas.text_right(area, 0, age_s() < 3.0 ? "live" : fmt::format("read {:.0f} s ago", age_s()),
+                        age_s() < 3.0 ? Tone::good : Tone::warning);
   }
 
   void draw_state(Canvas& canvas, const Area& area) const {
-    const protocol::UnitStatus& s = controller_.snapshot()->status;
+    const protocol::UnitStatus& s = snapshot()->status;
     int row = draw_entry(canvas, area, 0, "mode", fmt::format("{}: {}", ecs::name_of(s.mode), meaning_of(s.mode)),
                          s.mode == UnitMode::halted ? Tone::bad : Tone::strong);
     if (s.mode == UnitMode::datuming)
       for (const Axis a : kAllAxes)
-        if (controller_.snapshot()->identity.axis_present[index_of(a)])
+        if (snapshot()->identity.axis_present[index_of(a)])
           row += draw_entry(canvas, area, row, "",
                             fmt::format("{}: {}", letter_of(a), ecs::name_of(s.axes[index_of(a)].datum_stage)),
                             Tone::plain);
@@ -192,37 +180,272 @@ class StatusScreen final : public UtilityScreen<StatusController> {
         canvas, area, row, "watchdog",
         s.watchdog_trips == 0 ? std::string("never tripped") : fmt::format("tripped {} times", s.watchdog_trips),
         s.watchdog_trips == 0 ? Tone::plain : Tone::bad);
-    const protocol::Identity& unit = controller_.snapshot()->identity;
+    const protocol::Identity& unit = snapshot()->identity;
     draw_entry(canvas, area, row, "up for",
                fmt::format("{}; firmware {}.{}, {} memory module{}", duration_text(s.uptime_s), unit.firmware_major,
                            unit.firmware_minor, unit.memory_modules, unit.memory_modules == 1 ? "" : "s"),
                Tone::plain);
   }
 
-  void on_letter(const Key& key) {
-    if (is_letter(key, U't') && controller_.may_act() && controller_.may_change()) controller_.test_memory();
-    if (is_letter(key, U'c') && controller_.may_act() && controller_.may_change())
-      asking_.ask(controller_.clear_question(), [this] { controller_.clear_fault(); });
-    if (is_letter(key, U'm') && controller_.may_act())
-      asking_.ask(controller_.mode_question(), [this] { controller_.change_mode(); });
-    if (is_letter(key, U'g') && controller_.may_act()) controller_.reference();
-    if (is_letter(key, U's')) ask_save();
-    if (is_letter(key, U'l')) controller_.close_file();
-    if (is_letter(key, U'o'))
-      prompt_.choose("Open the saved state of a unit, or a dump of its memory", {{FileKind::status, FileKind::memory}},
-                     [this](const std::string& path) { controller_.open(path); });
+  // --- keys
+  [[nodiscard]] std::vector<KeyRow> key_table() {
+    const auto under_way = [this] { return work_.running(); };
+    const auto of_file = [this] { return !work_.running() && file_; };
+    const auto of_unit = [this] { return !work_.running() && !file_; };
+    const auto datuming = [this, of_unit] {
+      return of_unit() && watched_.emulator && read_ && read_->snapshot.status.mode == UnitMode::datuming;
+    };
+    const auto choose = [this] { choose_file(); };
+    return {{"Esc", "give up", {}, under_way},
+            {"Tab 1 2 3", "page", {}, of_file},
+            {"l", "back to the unit", [this] { file_.reset(); }, of_file, true},
+            {"up/down", "scroll", {}, of_file},
+            {"o", "another file", choose, of_file},
+            {"Esc", "close the file", {}, of_file},
+            {"g", "reference", [this] { reference(); }, datuming, true},
+            {"Tab", "page", {}, of_unit},
+            {"m", "mode", [this] { ask_for_mode(); }, of_unit, true},
+            {"t", "memory test", [this] { test_memory(); }, of_unit, true},
+            {"c", "clear fault", [this] { ask_to_clear(); }, of_unit, true},
+            {"s", "save", [this] { ask_to_save(); }, of_unit, true},
+            {"o", "open", choose, of_unit, true},
+            {"Esc", "back", {}, of_unit}};
   }
 
-  void ask_save() {
-    if (controller_.snapshot() == nullptr) {
-      controller_.message().say("There is nothing to save yet.", Tone::warning);
-      return;
+  void on_other_key(const Key& key) override {
+    const int count = pages();
+    const bool by_number =
+        key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + static_cast<char32_t>(count);
+    const bool forward = key.name == Key::Name::tab;
+    if (!by_number && !forward && key.name != Key::Name::back_tab) return static_cast<void>(scroll_.on_key(key));
+    page_ = static_cast<Page>(by_number ? static_cast<int>(key.letter - U'1')
+                                        : (static_cast<int>(page()) + (forward ? 1 : count - 1)) % count);
+    scroll_ = {};
+  }
+
+  [[nodiscard]] Step leave() override {
+    if (work_.running()) {
+      work_.cancel();
+      reference_.cancel();
+      return stay();
     }
-    ask_where_to_save(StatusController::proposed_name());
+    if (!file_) return back();
+    file_.reset();
+    return stay();
   }
 
+  /// Nothing is done while a file is shown or something is under way; says why not.
+  [[nodiscard]] bool may_act() {
+    if (file_)
+      message_.say("A file is shown: l goes back to the unit first.", Tone::warning);
+    else if (!read_)
+      message_.say("The unit has not answered yet.", Tone::warning);
+    else if (work_.running())
+      message_.say(work_.label() + " is under way: Esc gives it up.", Tone::warning);
+    else
+      return true;
+    return false;
+  }
+  /// The unit is in integration mode too; says why not.
+  [[nodiscard]] bool may_change() {
+    if (!may_act()) return false;
+    const std::string why = refusal_in(read_->snapshot.status.mode);
+    if (!why.empty()) message_.say(why, Tone::warning);
+    return why.empty();
+  }
+
+  // --- what is done
+  /// @param words  of the command that does the same
+  /// @param work  on the unit: what there is to say of it
+  void start(const std::string& working_on, const std::vector<std::string>& words,
+             const std::function<Result<std::string>(UnitLink&, JobControl&)>& work) {
+    work_.start(
+        working_on,
+        [connection = connection_, work](JobControl& control) {
+          return connection->with_link(control, [&](UnitLink& link) { return work(link, control); });
+        },
+        [this, words](const Result<std::string>& done) {
+          const bool refused = !done && done.error().kind == ProblemKind::refused;  // a memory test that failed
+          if (done || (refused && words.back() == "ramtest")) note_on_unit(*connection_, words, done ? 0 : 1);
+          say_done(done, work_.cancelled());
+        });
+  }
+
+  void say_done(const Result<std::string>& done, bool given_up) {
+    at_once_ = true;
+    if (done)
+      message_.say(*done);
+    else
+      say_failed(message_, done.error(), given_up);
+  }
+
+  void test_memory() {
+    if (!may_change()) return;
+    start("memory test", {"utility", "ramtest"}, [](UnitLink& link, JobControl& control) -> Result<std::string> {
+      ECS_TRY(result, link.client().run_ram_test(
+                          [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; }));
+      if (result.value == protocol::kUnused)
+        return std::string("Every location of the axis memory holds what is written to it.");
+      return problem(ProblemKind::refused, fmt::format("The memory test failed at 0x{:06X}: replace that axis memory "
+                                                       "module, then send parameters and map again.",
+                                                       result.value));
+    });
+  }
+
+  void ask_to_clear() {
+    if (!may_change()) return;
+    asking_.ask({"Let the unit forget its fault?",
+                 "Fault, axis and address are lost: s saves them in a file first. The cause stays what it is; the unit "
+                 "does not change its mode.",
+                 "forget it", "keep it"},
+                [this] {
+                  start("clearing the fault", {"utility", "clear"}, [](UnitLink& link, JobControl&) {
+                    return link.client().clear_fault().map([] { return std::string("The fault is cleared."); });
+                  });
+                });
+  }
+
+  void ask_for_mode() {
+    if (!may_act()) return;
+    if (integrating())
+      asking_.ask({"Go to compensation mode?",
+                   "The unit tests its memory and its map and forgets where its axes are. Then the machine's control "
+                   "must reference every axis. As soon as the last one is found every relay closes, and THE MACHINE IS "
+                   "MOVED by the compensation of each axis from then on. Keep clear of it.",
+                   "compensate", "stay"},
+                  [this] { compensate(); });
+    else
+      asking_.ask({"Go to integration mode?",
+                   "Every relay opens at once and the loop ends: what is being added is taken away" +
+                       moved_by_leaving() + "Do it while no workpiece is being cut.",
+                   "integrate", "stay"},
+                  [this] { integrate(); });
+  }
+
+  [[nodiscard]] std::string moved_by_leaving() const {
+    std::string moved;
+    if (const auto sample = connection_->newest(); sample && sample->mode == UnitMode::compensating)
+      for (const Axis a : kAllAxes)
+        if (const auto& axis = sample->axes[index_of(a)]; axis.present)
+          moved += fmt::format("{}{} {:+.1f} um", moved.empty() ? "" : ", ", letter_of(a), -axis.compensation_um);
+    return moved.empty() ? ". " : ", so THE MACHINE MOVES by about " + moved + ". ";
+  }
+
+  void compensate() {
+    start("compensation mode", {"utility", "mode", "compensate", "--wait", "0"}, [](UnitLink& link, JobControl&) {
+      return begin_compensation(link.client()).map([&link] {
+        return fmt::format("Reference every axis of the machine now{}.",
+                           link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
+      });
+    });
+  }
+
+  void integrate() {
+    start("integration mode", {"utility", "mode", "integrate"}, [](UnitLink& link, JobControl&) {
+      return link.client().enter_integration().map(
+          [] { return std::string("Integration mode: every relay is open."); });
+    });
+  }
+
+  /// The bundled emulator's machine references all its axes.
+  void reference() {
+    if (!may_act()) return;
+    if (read_->workshop.empty())
+      return message_.say("This is a real unit: reference the axes at the machine's own control.", Tone::warning);
+    if (reference_.running()) return;
+    message_.say("The emulated machine references its axes ...");
+    reference_machine(reference_, read_->workshop, {}, message_);
+  }
+
+  // --- files
+  void choose_file() {
+    prompt_.choose("Open the saved state of a unit, or a dump of its memory", {{FileKind::status, FileKind::memory}},
+                   [this](const std::string& path) { open(path); });
+  }
+
+  void open(const std::string& path) {
+    if (opening_.running()) return;
+    const auto work = [path](JobControl&) { return read_status_file(path); };
+    opening_.start("opening", work, [this, path](Result<StatusFile> opened) {
+      if (!opened) return message_.say(opened.error());
+      file_ = std::move(*opened);
+      opened_ = path;
+    });
+  }
+
+  void ask_to_save() {
+    if (snapshot() == nullptr) return message_.say("There is nothing to save yet.", Tone::warning);
+    ask_where_to_save("Save as:", file_name_now("status", ".json"), [this](const std::string& path) { save(path); });
+  }
+
+  void save(const std::string& path) {
+    if (snapshot() == nullptr || writing_.running()) return;
+    const auto work = [path, snapshot = *snapshot()](JobControl&) -> Result<std::string> {
+      ECS_DO(write_snapshot(path, snapshot));
+      return "written: " + path;
+    };
+    writing_.start("writing", work, [this, path, of_file = file_.has_value()](const Result<std::string>& done) {
+      if (done && of_file)
+        note_command({"utility", "status", "--from", path_word(opened_), "--save", path_word(path)});
+      else if (done)
+        note_on_unit(*connection_, {"utility", "status", "--save", path_word(path)});
+      say_done(done, false);
+    });
+  }
+
+  // --- reading
+  void start_reading() {
+    if (file_ || work_.running() || reading_.running()) return;
+    const auto rest = std::max<Clock::duration>(kBetweenReadings, kRestPerReading * took_);
+    if (!at_once_ && Clock::now() - std::max(read_at_, asked_at_) < rest) return;
+    at_once_ = false;
+    asked_at_ = Clock::now();
+    const auto work = [connection = connection_](JobControl& control) {
+      return connection->with_link(control, [](UnitLink& link) -> Result<Read> {
+        ECS_TRY(snapshot, take_snapshot(link.client(), link.name(), protocol::kEventsInBlock));
+        return Read{std::move(snapshot), link.workshop()};
+      });
+    };
+    reading_.start("reading", work, [this](Result<Read> read) {
+      took_ = Clock::now() - asked_at_;
+      problem_ = read ? "" : to_text(read.error());
+      if (!read) return;
+      read_ = std::move(*read);
+      read_at_ = Clock::now();
+    });
+  }
+
+  [[nodiscard]] bool look() override {
+    bool changed = std::exchange(watched_, connection_->snapshot()).problem != watched_.problem;
+    start_reading();
+    for (TaskRunner* task : {&reading_, &work_, &writing_, &opening_}) changed = task->advance() || changed;
+    if (reference_.advance()) {
+      changed = at_once_ = true;
+      if (!message_.is_problem())
+        message_.say("The emulated machine was driven onto its references: the unit's answer is above.");
+    }
+    const int age = read_ ? static_cast<int>(age_s()) : 0;
+    return std::exchange(shown_age_, age) != age || changed || work_.running();
+  }
+
+  std::shared_ptr<UnitConnection> connection_;
+  WatchedUnit watched_;
+  std::optional<Read> read_;
+  Clock::time_point read_at_{};
+  Clock::time_point asked_at_{};
+  Clock::duration took_{};
+  int shown_age_ = 0;
+  bool at_once_ = true;  ///< the next reading comes without waiting
+  std::string problem_;
+  std::optional<StatusFile> file_;
+  std::string opened_;  ///< path of `file_`
   Page page_ = Page::state;
   ScrollPlace scroll_;
+  TaskRunner reference_;
+  TaskRunner work_;
+  TaskRunner reading_;
+  TaskRunner opening_;
+  TaskRunner writing_;
 };
 
 }  // namespace

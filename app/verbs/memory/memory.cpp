@@ -45,12 +45,6 @@ std::string listing(Address first, ByteView bytes) {
   return text;
 }
 
-std::string plain_hex(ByteView bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{:02X}", byte);
-  return text;
-}
-
 Result<Outcome> read_bytes(VerbContext& context, const ReadRequest& request) {
   ECS_TRY(address, whole_number(request.address, "ADDRESS"));
   ECS_TRY(length, whole_number(request.length, "LENGTH"));
@@ -62,7 +56,7 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadRequest& request) {
   ECS_TRY(bytes, unit.client().read_memory(address, length, progress_bar(context, "memory")));
   const bool to_stdout = request.output.empty();
   if (!to_stdout) ECS_DO(write_file(request.output, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
-  const std::string digits = plain_hex(bytes);
+  const std::string digits = hex_of(bytes, "");
   return outcome_of(record_cell(
       to_stdout ? "{bytes}" : "{length} bytes written to {file}",
       {{"address", word_cell(hex_address(address))},

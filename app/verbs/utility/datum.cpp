@@ -8,7 +8,6 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
-#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 #include "commissioning/unit/status.hpp"
@@ -21,21 +20,13 @@ using std::chrono::milliseconds;
 
 milliseconds in_ms(double seconds) { return milliseconds(static_cast<long long>(seconds * 1000.0)); }
 
-Cell event_cell(const DatumEvent& event) {
-  return record_cell("{time_s:>8} {position_mm:>12} {speed_mm_min:>15}  {what}\n",
-                     {{"what", word_cell(event.what)},
-                      {"time_s", number_cell(event.time_s, 3)},
-                      {"position_mm", number_cell(event.position_mm, 4)},
-                      {"speed_mm_min", number_cell(event.speed_mm_min, 1)}});
-}
-
 /// In the text a long row of markers is cut to its first and last.
 Cell events_cell(const std::vector<DatumEvent>& events) {
   const auto is_marker = [&](std::size_t i) { return i < events.size() && events[i].what == "marker"; };
-  Cell list{Json::array(), "  time/s  position/mm  speed/(mm/min)  event\n"};
+  Cell list{Json::array(), fmt::format("{}\n", kEventHeading)};
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
-    const Cell event = event_cell(events[i]);
+    const Cell event = datum_event_cell(events[i]);
     if (i > 0 && is_marker(i - 1) && is_marker(i) && is_marker(i + 1)) {
       ++left_out;
       list.json.push_back(event.json);
@@ -73,18 +64,13 @@ struct RecordRequest {
 Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
   ECS_TRY(axis, axis_named(request.axis));
   ECS_TRY(unit, open_unit(context));
-  ECS_TRY(identity, unit.client().identity());
   context.console.note(fmt::format("recording for {} s", kDatumRecord_s));
   ask_to_reference(context, unit, "axis " + request.axis);
-  const auto result =
-      unit.client().record_datum(axis, in_ms(3.0 * kDatumRecord_s), [&context](const protocol::CommandResult& busy) {
-        const double done = busy.per_mille / 1000.0;
-        context.console.progress("recording", done, (1.0 - done) * kDatumRecord_s);
-      });
-  if (!result) return tl::unexpected(result.error());
-  ECS_TRY(recording, read_recording(unit.client(), result->value, progress_bar(context, "transfer")));
-  recording.taken = now_utc();
-  recording.serial_number = identity.serial_number;
+  const auto recording_bar = [&context](const protocol::CommandResult& busy) {
+    const double done = busy.per_mille / 1000.0;
+    context.console.progress("recording", done, (1.0 - done) * kDatumRecord_s);
+  };
+  ECS_TRY(recording, record_datum(unit.client(), axis, recording_bar, progress_bar(context, "transfer")));
   if (!request.output.empty()) {
     ECS_DO(write_file(request.output, to_csv(recording)));
     context.console.note(fmt::format("record written to {}", request.output));

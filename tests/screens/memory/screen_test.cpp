@@ -125,16 +125,16 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
   const std::string file = (one.path / "before.ecsdump").string();
-  type(one.screen, "s");
-  (void)press(one.screen, Key::Name::down);
+  type(one.screen, "S");
   CHECK(contains(picture(one.screen), "save the active map to"));
-  (void)press(one.screen, Key::Name::up);
+  (void)press(one.screen, Key::Name::escape);
+  type(one.screen, "s");
   replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "with the unit's status written to"));
   CHECK(read_dump(file).value().serial_number == "MCM-0107");
   type(one.screen, "s");
   replace_line(one.screen, file);
-  CHECK(contains(picture(one.screen), "Replace "));
+  CHECK(contains(picture(one.screen), "Overwrite "));
   type(one.screen, "n");
 
   one.go("48000");

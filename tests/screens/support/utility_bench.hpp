@@ -34,4 +34,13 @@ struct UnitBench {
   }
 };
 
+/// A screen of a unit that has answered.
+struct BenchOf : UnitBench {
+  explicit BenchOf(std::unique_ptr<Screen> (*opened)(std::shared_ptr<UnitConnection>)) {
+    wait_for_unit();
+    screen = opened(controller);
+  }
+  std::unique_ptr<Screen> screen;
+};
+
 }  // namespace ecs::app::screen_test

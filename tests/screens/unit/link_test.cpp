@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "app/screens/unit/screens.hpp"
-#include "commissioning/link/controller.hpp"
+#include "commissioning/link/choice.hpp"
 #include "tests/screens/support/bad_line.hpp"
 
 namespace ecs::app {

@@ -1,8 +1,7 @@
 // SET AXIS POSITION, OUTPUT COMPENSATION VALUE and driving on the emulated unit.
-#include "commissioning/utility/axis.hpp"
-
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
+#include "commissioning/unit/utility_work.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
@@ -13,17 +12,21 @@ namespace {
 using namespace screen_test;
 
 TEST_CASE("a position that is not a number, or too far away, is refused before the unit is asked") {
-  CHECK(PositionController::position_in("-100.5").value() == -100.5);
-  CHECK_FALSE(PositionController::position_in("12,5"));
-  CHECK_FALSE(PositionController::position_in("1000001"));
-  CHECK(PositionController::position_in("-1000000"));
+  const StateFolder folder;
+  const auto screen_made = position_screen(no_link());
+  Screen& screen = *screen_made;
+  (void)press(screen, Key::Name::enter);
+  enter(screen, "12,5");
+  CHECK(contains(picture(screen), "expected a position in mm, found"));
+  replace_line(screen, "1000001");
+  CHECK(contains(picture(screen), "expected a position within"));
+  replace_line(screen, "-1000000");
+  CHECK(contains(picture(screen), "Let the unit show -1000000.0000 mm for axis X?"));
 }
 
 TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = position_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(position_screen);
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "unit MCM-0107, integration"));
   (void)letter(screen, 'y');
   (void)press(screen, Key::Name::enter);
@@ -44,10 +47,8 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
 }
 
 TEST_CASE("answering no sets nothing") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = position_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(position_screen);
+  Screen& screen = *bench.screen;
   (void)press(screen, Key::Name::enter);
   type(screen, "5");
   (void)press(screen, Key::Name::enter);
@@ -57,10 +58,8 @@ TEST_CASE("answering no sets nothing") {
 }
 
 TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = position_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(position_screen);
+  Screen& screen = *bench.screen;
   const auto set = [&](const std::string& mm) {
     (void)press(screen, Key::Name::enter);
     type(screen, mm);
@@ -105,10 +104,8 @@ TEST_CASE("the output scale follows from what was put out and what a gauge showe
 }
 
 TEST_CASE("with the relay open a value is output at once; beyond the limit it is refused with the reason") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = output_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(output_screen);
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   type(screen, "600");
@@ -127,10 +124,8 @@ TEST_CASE("with the relay open a value is output at once; beyond the limit it is
 }
 
 TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends everything") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = output_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(output_screen);
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, '>');
   (void)letter(screen, '>');
@@ -158,10 +153,8 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
 }
 
 TEST_CASE("a relay that the unit opens for another reason is seen") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = output_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(output_screen);
+  Screen& screen = *bench.screen;
   close_relay(screen);
   REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_off(); }));
   REQUIRE(shows(screen, "The unit has opened the relay by itself"));
@@ -169,10 +162,8 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
 }
 
 TEST_CASE("what another host puts out is shown, and steps go on from there") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = output_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(output_screen);
+  Screen& screen = *bench.screen;
   close_relay(screen);
   REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_compensation(Axis::X, 30.0, true); }));
   REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
@@ -213,10 +204,8 @@ TEST_CASE("leaving by any way opens the relay") {
 }
 
 TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everything is off when it is back") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = output_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(output_screen);
+  Screen& screen = *bench.screen;
   close_relay(screen);
   bench.wait_until_it_ran(std::chrono::seconds(1));
   CHECK(kill_emulators() == 1);
@@ -235,10 +224,8 @@ TEST_CASE("what is typed to drive the emulated machine is a jog, a block or a pr
 }
 
 TEST_CASE("j on the monitor drives the emulated machine, and what is no place is refused and stays") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = monitor_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(monitor_screen);
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "no fault"));
   type(screen, "j");
   enter(screen, "over there");

@@ -21,10 +21,8 @@ void send_mill(const UnitBench& bench) {
 }
 
 TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = datum_record_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(datum_record_screen);
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -51,10 +49,8 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
 }
 
 TEST_CASE("a record is cancelled by Esc, and the next one works") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = datum_record_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(datum_record_screen);
+  Screen& screen = *bench.screen;
   (void)letter(screen, 'z');
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
@@ -67,10 +63,8 @@ TEST_CASE("a record is cancelled by Esc, and the next one works") {
 }
 
 TEST_CASE("kill -9 of the emulator while it records: it is said, and recording works when it is back") {
-  const UnitBench bench;
-  bench.wait_for_unit();
-  const auto screen_made = datum_record_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(datum_record_screen);
+  Screen& screen = *bench.screen;
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
   REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
@@ -84,11 +78,9 @@ TEST_CASE("kill -9 of the emulator while it records: it is said, and recording w
 }
 
 TEST_CASE("every axis finds its datum with the parameters of the mill, stage by stage") {
-  const UnitBench bench;
-  bench.wait_for_unit();
+  const BenchOf bench(datum_test_screen);
   send_mill(bench);
-  const auto screen_made = datum_test_screen(bench.controller);
-  Screen& screen = *screen_made;
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -102,10 +94,8 @@ TEST_CASE("every axis finds its datum with the parameters of the mill, stage by 
 }
 
 TEST_CASE("an axis that fails says what to do, the others go on") {
-  const UnitBench bench;  // without parameters Y is looked for in the wrong direction
-  bench.wait_for_unit();
-  const auto screen_made = datum_test_screen(bench.controller);
-  Screen& screen = *screen_made;
+  const BenchOf bench(datum_test_screen);  // without parameters Y is looked for in the wrong direction
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'x');
   (void)press(screen, Key::Name::enter);
@@ -121,11 +111,9 @@ TEST_CASE("an axis that fails says what to do, the others go on") {
 }
 
 TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test works when it is back") {
-  const UnitBench bench;
-  bench.wait_for_unit();
+  const BenchOf bench(datum_test_screen);
   send_mill(bench);
-  const auto screen_made = datum_test_screen(bench.controller);
-  Screen& screen = *screen_made;
+  Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
@@ -196,13 +184,10 @@ TEST_CASE(
 
 TEST_CASE("the cursor reads time, speed, position, switch and marker") {
   const StateFolder folder;
-  DatumViewController controller;
-  controller.take(sequence(2.0));
-  controller.go_to(3.5);
-  CHECK(read_out_at(*controller.first(), *controller.cursor_s()) ==
-        "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
-  CHECK(contains(read_out_at(*controller.first(), 4.999), "switch open  MARKER"));
-  CHECK(contains(read_out_at(*controller.first(), 11.0), "nothing recorded"));
+  const ShownRecord record = shown(sequence(2.0), "");
+  CHECK(read_out_at(record, 3.5) == "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
+  CHECK(contains(read_out_at(record, 4.999), "switch open  MARKER"));
+  CHECK(contains(read_out_at(record, 11.0), "nothing recorded"));
   const auto screen_made = datum_view_screen(sequence(2.0));
   Screen& screen = *screen_made;
   (void)press(screen, Key::Name::right);
@@ -213,17 +198,23 @@ TEST_CASE("the cursor reads time, speed, position, switch and marker") {
 
 TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
   const StateFolder folder;
-  DatumViewController controller;
-  controller.take(sequence(2.0));
-  controller.go_to(3.0);
-  controller.zoom(0.5);
-  CHECK(controller.from_s() == doctest::Approx(0.5).epsilon(0.01));
-  CHECK(controller.to_s() == doctest::Approx(5.5).epsilon(0.01));
-  controller.zoom(0.5);
-  CHECK(controller.to_s() - controller.from_s() == doctest::Approx(2.5).epsilon(0.01));
-  controller.whole();
-  CHECK(controller.to_s() == doctest::Approx(9.999));
-  CHECK_FALSE(controller.cursor_s());
+  SeenTime seen;
+  seen.show_all(shown(sequence(2.0), ""), nullptr);
+  CHECK(seen.to_s == doctest::Approx(9.999));
+  seen.go_to(3.0);
+  seen.zoom(0.5);
+  CHECK(seen.from_s == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(seen.to_s == doctest::Approx(5.5).epsilon(0.01));
+  seen.zoom(0.5);
+  CHECK(seen.to_s - seen.from_s == doctest::Approx(2.5).epsilon(0.01));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
+  const std::string all = picture(screen);
+  (void)press(screen, Key::Name::right);
+  type(screen, "+");
+  CHECK(picture(screen) != all);
+  type(screen, "0");
+  CHECK(picture(screen) == all);
 }
 
 TEST_CASE("the record says what it means for the datuming parameters") {
@@ -290,7 +281,7 @@ TEST_CASE("an unsaved record is offered again") {
   CHECK(contains(picture(once_more), "Unsaved record of"));
   type(once_more, "dy");
   CHECK_FALSE(contains(picture(once_more), "Unsaved record of"));
-  CHECK_FALSE(DatumViewController().draft());
+  CHECK(unsaved_record_of().empty());
 }
 
 TEST_CASE("a file that is not a record is refused and nothing is lost") {

@@ -4,9 +4,8 @@
 #include "app/screens/utility/screens.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
-#include "commissioning/memory/dump.hpp"
+#include "commissioning/memory/view.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "commissioning/utility/status_controller.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 
 using namespace ecs;

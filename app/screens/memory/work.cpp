@@ -1,6 +1,5 @@
-// What a memory controller writes: bytes into the unit and back, dumps into files.
-#include "commissioning/memory/controller.hpp"
-
+// The work of the memory screen: pages read as they are needed, what is sought, compared, written and taken back,
+// dumps.
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -9,12 +8,13 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "app/screens/memory/screen.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
-#include "commissioning/link/unit_connection.hpp"
-#include "commissioning/memory/bytes.hpp"
+#include "commissioning/session/commands.hpp"
+#include "commissioning/utility/unit_view.hpp"
 
-namespace ecs::commissioning {
+namespace ecs::app {
 namespace {
 
 using namespace std::chrono_literals;
@@ -28,27 +28,25 @@ std::string name_of_file(const std::string& path) { return std::filesystem::path
 
 }  // namespace
 
-std::string MemoryController::compared_file() const { return name_of_file(other_file_); }
+std::string MemoryScreen::compared_file() const { return name_of_file(other_file_); }
 
-MemoryController::MemoryController(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {}
-
-std::string MemoryController::source() const {
+std::string MemoryScreen::source() const {
   if (is_file()) return fmt::format("file {}{}", name_of_file(file_), file_detail_);
   if (serial_number_.empty()) return "unit: none has answered yet";
   return fmt::format("unit {}", serial_number_);
 }
 
-bool MemoryController::advance(const Stretch& shown) {
+bool MemoryScreen::look() {
   bool changed = !working_on().empty();
   changed = pages_.advance() || changed;
   changed = task_.advance() || changed;
   changed = follow_unit() || changed;
   if (search_) step_search();
-  if (!pages_.running() && !task_.running()) start_needed(shown);
+  if (!pages_.running() && !task_.running()) start_needed(rows_.shown());
   return changed;
 }
 
-bool MemoryController::follow_unit() {
+bool MemoryScreen::follow_unit() {
   if (is_file()) return false;
   const WatchedUnit now = unit_->snapshot();
   if (!now.open) {
@@ -77,7 +75,7 @@ bool MemoryController::follow_unit() {
 }
 
 // --- where
-void MemoryController::go(Address address) {
+void MemoryScreen::go(Address address) {
   if (memory_.regions().empty()) {
     cursor_ = address;
     return;
@@ -88,7 +86,7 @@ void MemoryController::go(Address address) {
   cursor_ = std::clamp(address, nearest->first, nearest->last());
 }
 
-void MemoryController::move(long long bytes) {
+void MemoryScreen::move(long long bytes) {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
   const long long to = static_cast<long long>(cursor_) + bytes;
@@ -106,7 +104,7 @@ void MemoryController::move(long long bytes) {
 }
 
 // --- reading
-Stretch MemoryController::needed(const Stretch& shown) const {
+Stretch MemoryScreen::needed(const Stretch& shown) const {
   const auto unread = [this](Address first, std::uint32_t bytes, std::uint32_t pages) {
     return memory_.unread(first, first + bytes, pages);
   };
@@ -122,15 +120,15 @@ Stretch MemoryController::needed(const Stretch& shown) const {
   return unread(shown.first + shown.bytes, kPageBytes, 1);
 }
 
-void MemoryController::start_needed(const Stretch& shown) {
-  if (is_file() || is_empty() || Clock::now() < not_before_) return;
+void MemoryScreen::start_needed(const Stretch& shown) {
+  if (is_file() || memory_.regions().empty() || Clock::now() < not_before_) return;
   if (const WatchedUnit now = unit_->snapshot(); !now.open) return;
   const Stretch stretch = needed(shown);
   if (stretch.bytes > 0) read(stretch);
   if (stretch.bytes == 0 && filling_) filling_.reset();
 }
 
-void MemoryController::read(const Stretch& stretch) {
+void MemoryScreen::read(const Stretch& stretch) {
   const auto work = [unit = unit_, stretch](JobControl& control) {
     return unit->with_link(control,
                            [&](UnitLink& link) { return link.client().read_memory(stretch.first, stretch.bytes); });
@@ -140,7 +138,7 @@ void MemoryController::read(const Stretch& stretch) {
   });
 }
 
-void MemoryController::landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes) {
+void MemoryScreen::landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes) {
   if (is_file()) return;
   if (!bytes) {
     not_before_ = Clock::now() + kBeforeNextRead;
@@ -166,12 +164,11 @@ void MemoryController::landed(const Stretch& stretch, const Result<std::vector<s
   compare_again();
 }
 
-void MemoryController::decode_again() { names_ = MemoryNames(memory_); }
-
-void MemoryController::read_again(const Stretch& shown) {
+void MemoryScreen::read_again() {
+  const Stretch shown = rows_.shown();
   if (is_file()) return message_.say("this is a file: it does not change", Tone::warning);
   if (pages_.running() || task_.running()) return message_.say("still reading", Tone::warning);
-  if (is_empty() || !memory_.region_of(shown.first)) return;
+  if (memory_.regions().empty() || !memory_.region_of(shown.first)) return;
   const Address from = memory_.region_of(shown.first)->first;
   const std::uint32_t page = (shown.first - from) / kPageBytes;
   const MemoryRegion& region = *memory_.region_of(shown.first);
@@ -180,7 +177,7 @@ void MemoryController::read_again(const Stretch& shown) {
   message_.say("read again");
 }
 
-void MemoryController::read_region() {
+void MemoryScreen::read_region() {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
   if (memory_.part_known(*region) >= 1.0)
@@ -191,27 +188,27 @@ void MemoryController::read_region() {
 }
 
 // --- finding
-void MemoryController::seek(const std::string& typed) {
-  const auto pattern = pattern_in(typed);
-  if (!pattern) return message_.say(pattern.error());
-  sought_ = typed;
-  search_ = Search{*pattern, typed, cursor_, cursor_};
+std::string MemoryScreen::seek(const std::string& typed) {
+  auto pattern = pattern_in(typed);
+  if (!pattern) return pattern.error().message;
+  sought_ = Search{std::move(*pattern), typed, cursor_, cursor_};
+  begin_search(cursor_);
+  return {};
+}
+
+void MemoryScreen::seek_on() {
+  if (!sought_) return message_.say("nothing was sought yet: / begins", Tone::warning);
+  if (const MemoryRegion* region = memory_.region_of(cursor_)) begin_search(std::min(cursor_ + 1, region->last()));
+}
+
+void MemoryScreen::begin_search(Address from) {
+  search_ = sought_;
+  search_->from = search_->at = from;
   begun_ = Clock::now();
   step_search();
 }
 
-void MemoryController::seek_on() {
-  if (sought_.empty()) return message_.say("nothing was sought yet: / begins", Tone::warning);
-  const MemoryRegion* region = memory_.region_of(cursor_);
-  const auto pattern = pattern_in(sought_);
-  if (region == nullptr || !pattern) return;
-  const Address from = std::min(cursor_ + 1, region->last());
-  search_ = Search{*pattern, sought_, from, from};
-  begun_ = Clock::now();
-  step_search();
-}
-
-void MemoryController::step_search() {
+void MemoryScreen::step_search() {
   const SearchStep step = find_pattern(memory_, search_->pattern, search_->from);
   if (step.kind == SearchStep::Kind::unread) {
     search_->at = step.address;
@@ -230,11 +227,16 @@ void MemoryController::step_search() {
 }
 
 // --- comparing
-void MemoryController::compare_again() {
+void MemoryScreen::decode_again() {
+  names_ = MemoryNames(memory_);
+  compare_again();
+}
+
+void MemoryScreen::compare_again() {
   differences_ = other_ ? difference_rows(memory_, names_, *other_, other_names_) : std::vector<DifferenceRow>();
 }
 
-void MemoryController::compare_with(const std::string& path) {
+void MemoryScreen::compare_with(const std::string& path) {
   if (!gives_way()) return;
   const auto work = [path](JobControl&) { return read_dump(path); };
   task_.start("reading " + path, work, [this, path](const Result<MemoryDump>& dump) {
@@ -250,12 +252,7 @@ void MemoryController::compare_with(const std::string& path) {
   });
 }
 
-void MemoryController::end_comparison() {
-  other_.reset();
-  compare_again();
-}
-
-void MemoryController::to_next_difference() {
+void MemoryScreen::to_next_difference() {
   if (!other_) return message_.say("nothing is compared yet: c names a file", Tone::warning);
   const auto next = next_difference(memory_, *other_, cursor_);
   if (!next) return message_.say(fmt::format("no difference to {} in what is read", other_file_));
@@ -263,7 +260,7 @@ void MemoryController::to_next_difference() {
 }
 
 // --- long work
-bool MemoryController::gives_way() {
+bool MemoryScreen::gives_way() {
   if (task_.running())
     message_.say(fmt::format("still {}: Esc gives it up", task_.label()), Tone::warning);
   else {
@@ -274,14 +271,14 @@ bool MemoryController::gives_way() {
   return !task_.running();
 }
 
-std::string MemoryController::working_on() const {
+std::string MemoryScreen::working_on() const {
   if (task_.running()) return task_.label();
   if (search_) return "looking for " + search_->typed;
   const MemoryRegion* region = filling_ ? memory_.region_of(*filling_) : nullptr;
   return region == nullptr ? "" : "reading " + region->name;
 }
 
-double MemoryController::part() const {
+double MemoryScreen::part() const {
   if (task_.running()) return task_.part();
   const MemoryRegion* region = memory_.region_of(search_ ? search_->at : filling_.value_or(0));
   if (region == nullptr) return 0.0;
@@ -289,7 +286,7 @@ double MemoryController::part() const {
   return memory_.part_known(*region);
 }
 
-double MemoryController::seconds_left() const {
+double MemoryScreen::seconds_left() const {
   if (task_.running()) return task_.seconds_left();
   if (search_) return -1.0;
   const double done = part() - part_begun_;
@@ -297,7 +294,7 @@ double MemoryController::seconds_left() const {
   return done > 0.01 ? spent_s * (1.0 - part()) / done : -1.0;
 }
 
-void MemoryController::cancel() {
+void MemoryScreen::cancel() {
   if (working_on().empty()) return;
   message_.say(fmt::format("given up: {}", working_on()), Tone::warning);
   search_.reset();
@@ -313,7 +310,7 @@ std::string time_now() { return fmt::format("{:%H:%M:%S}", fmt::localtime(std::t
 }  // namespace
 
 // --- writing
-bool MemoryController::lets_write() {
+bool MemoryScreen::lets_write() {
   Result<void> may = may_write(memory_, cursor_, 1);
   if (is_file()) may = problem(ProblemKind::refused, "this is a file: o with an empty name goes back to the unit");
   const auto sample = unit_->newest();
@@ -323,15 +320,13 @@ bool MemoryController::lets_write() {
   return may.has_value();
 }
 
-void MemoryController::propose(const std::string& typed) {
+std::string MemoryScreen::propose(const std::string& typed) {
   const auto bytes = pattern_in(typed);
-  if (!bytes) return message_.say(bytes.error());
-  if (const auto may = may_write(memory_, cursor_, bytes->size()); !may) return message_.say(may.error());
+  if (!bytes) return bytes.error().message;
+  if (const auto may = may_write(memory_, cursor_, bytes->size()); !may) return may.error().message;
   const ByteView before = memory_.known(cursor_, static_cast<std::uint32_t>(bytes->size()));
-  if (before.size() < bytes->size())
-    return message_.say("What is there now is not read yet. Wait, then press w again.", Tone::warning);
-  if (std::equal(before.begin(), before.end(), bytes->begin()))
-    return message_.say("The memory holds these bytes already.", Tone::warning);
+  if (before.size() < bytes->size()) return "What is there now is not read yet. Wait, then press Enter again.";
+  if (std::equal(before.begin(), before.end(), bytes->begin())) return "The memory holds these bytes already.";
   const auto place = names_.at(memory_, cursor_);
   ask_to_write({cursor_,
                 {before.begin(), before.end()},
@@ -340,9 +335,10 @@ void MemoryController::propose(const std::string& typed) {
                 "",
                 false},
                false);
+  return {};
 }
 
-void MemoryController::propose_undo() {
+void MemoryScreen::propose_undo() {
   const auto last = std::find_if(written_.rbegin(), written_.rend(), [](const auto& w) { return !w.taken_back; });
   if (last == written_.rend()) return message_.say("nothing was written that could be taken back", Tone::warning);
   ByteWrite back = *last;
@@ -352,7 +348,7 @@ void MemoryController::propose_undo() {
   ask_to_write(std::move(back), true);
 }
 
-void MemoryController::ask_to_write(ByteWrite write, bool undo) {
+void MemoryScreen::ask_to_write(ByteWrite write, bool undo) {
   const WatchedUnit now = unit_->snapshot();
   Question question;
   question.title =
@@ -362,10 +358,12 @@ void MemoryController::ask_to_write(ByteWrite write, bool undo) {
                                 short_hex(write.before), short_hex(write.after));
   question.yes = "write";
   question.no = "leave as it is";
-  ask(std::move(question), [this, write = std::move(write), undo] { this->write(write, undo); });
+  asking_.ask(
+      std::move(question), [this, write = std::move(write), undo] { this->write(write, undo); },
+      [this] { message_.say("left as it is", Tone::plain); });
 }
 
-void MemoryController::write(const ByteWrite& write, bool undo) {
+void MemoryScreen::write(const ByteWrite& write, bool undo) {
   if (!gives_way()) return;
   const auto work = [unit = unit_, serial = serial_number_, write](JobControl& control) {
     return unit->with_link(control, [&](UnitLink& link) { return write_checked(link.client(), serial, write); });
@@ -373,7 +371,7 @@ void MemoryController::write(const ByteWrite& write, bool undo) {
   task_.start("writing", work, [this, write, undo](const Result<void>& done) { landed_write(write, undo, done); });
 }
 
-void MemoryController::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
+void MemoryScreen::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
   if (!done) {
     memory_.forget();
     if (!undo && done.error().kind == ProblemKind::link) {  // some of it may have been written
@@ -385,9 +383,7 @@ void MemoryController::landed_write(const ByteWrite& write, bool undo, const Res
     return message_.say(done.error());
   }
   const Address at = write.address;
-  std::string digits;
-  for (const std::uint8_t byte : write.after) digits += fmt::format("{:02X}", byte);
-  note_on_unit(*unit_, {"memory", "write", fmt::format("0x{:06X}", at), digits, "--yes"});
+  note_on_unit(*unit_, {"memory", "write", hex_address(at), hex_of(write.after, ""), "--yes"});
   memory_.put(at, write.after);
   if (undo) {
     for (auto old = written_.rbegin(); old != written_.rend(); ++old)
@@ -401,18 +397,13 @@ void MemoryController::landed_write(const ByteWrite& write, bool undo, const Res
     written_in_ = serial_number_;
   }
   decode_again();
-  compare_again();
   const std::string count = write.after.size() == 1 ? "1 byte" : fmt::format("{} bytes", write.after.size());
   message_.say(fmt::format("{} {} at {}, read back the same (before: {}){}", count, undo ? "written back" : "written",
                            hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
 }
 
-void MemoryController::ask(Question question, std::function<void()> on_yes) {
-  asking_.ask(std::move(question), std::move(on_yes), [this] { message_.say("left as it is", Tone::plain); });
-}
-
 // --- files
-void MemoryController::open(const std::string& path) {
+void MemoryScreen::open(const std::string& path) {
   if (path.empty() || path == "unit") {
     if (!is_file()) return message_.say("this is the unit", Tone::warning);
     file_.clear();
@@ -431,29 +422,19 @@ void MemoryController::open(const std::string& path) {
   });
 }
 
-void MemoryController::show_dump(const std::string& path, const MemoryDump& dump) {
+void MemoryScreen::show_dump(const std::string& path, const MemoryDump& dump) {
   file_ = path;
   file_detail_.clear();
   if (!dump.serial_number.empty()) file_detail_ += ", unit " + dump.serial_number;
   if (!dump.taken.empty()) file_detail_ += ", taken " + dump.taken;
   memory_ = MemoryBytes::of_dump(dump);
   decode_again();
-  compare_again();
   go(cursor_);
   message_.say(fmt::format("{} opened: writing and reading again need the unit, o with an empty name", path));
   for (const std::string& damage : dump.damage) message_.say(damage, Tone::bad);
 }
 
-void MemoryController::save(const std::string& path, DumpScope scope) {
-  if (path.empty()) return message_.say("expected a file name, got none", Tone::bad);
-  if (is_file()) return message_.say("this is a file already", Tone::warning);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return save_now(path, scope);
-  ask({fmt::format("Replace {}?", path), "The file exists: what is in it is lost.", "replace", "keep it"},
-      [this, path, scope] { save_now(path, scope); });
-}
-
-void MemoryController::save_now(const std::string& path, DumpScope scope) {
+void MemoryScreen::save(const std::string& path, DumpScope scope) {
   if (!gives_way()) return;
   const auto work = [unit = unit_, path, scope](JobControl& control) -> Result<MemoryDump> {
     auto dump = unit->with_link(
@@ -478,4 +459,4 @@ void MemoryController::save_now(const std::string& path, DumpScope scope) {
   });
 }
 
-}  // namespace ecs::commissioning
+}  // namespace ecs::app
