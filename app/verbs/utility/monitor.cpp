@@ -72,17 +72,16 @@ Json surroundings_json(const Surroundings& surroundings) {
   return object;
 }
 
-Json sample_json(const MonitorSample& sample, const std::string& link) {
-  return Json{{"number", sample.number},           {"time_s", time_s(sample)},
-              {"mode", ecs::name_of(sample.mode)}, {"fault", ecs::text_of(sample.fault).name},
-              {"axes", axes_cell(sample).json},    {"link", link}};
-}
-
-std::string sample_text(const MonitorSample& sample) {
-  return fmt::format(
-             "{:.3f} s, {}{}\n", time_s(sample), ecs::name_of(sample.mode),
-             sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name)) +
-         axes_cell(sample).text;
+Cell sample_cell(const MonitorSample& sample, const std::string& link) {
+  const std::string_view fault = ecs::text_of(sample.fault).name;
+  return record_cell(
+      "{time_s} s, {mode}{fault}\n{axes}",
+      {{"number", count_cell(sample.number)},
+       {"time_s", {time_s(sample), fmt::format("{:.3f}", time_s(sample))}},
+       {"mode", word_cell(ecs::name_of(sample.mode))},
+       {"fault", {fault, sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", fault)}},
+       {"axes", axes_cell(sample)},
+       {"link", word_cell(link)}});
 }
 
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
@@ -96,15 +95,14 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& r
   for (int i = 0; request.count == 0 || i < request.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
     ECS_TRY(sample, unit.client().monitor());
-    Json object = sample_json(sample, unit.name());
-    std::string text = sample_text(sample);
+    Cell shown = sample_cell(sample, unit.name());
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
-      object["environment"] = surroundings_json(surroundings);
-      text += surroundings.text + "\n";
+      shown.json["environment"] = surroundings_json(surroundings);
+      shown.text += surroundings.text + "\n";
     }
-    context.console.print(text);
-    context.console.print_json(one_line(object));
+    context.console.print(shown.text);
+    context.console.print_json(one_line(shown.json));
     if (recording)
       if (auto added = recording->add(sample, surroundings); !added) return added;
     if (!context.console.output_is_whole()) return {};  // whoever ends the verb says why
