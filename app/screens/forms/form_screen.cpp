@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <deque>
-#include <mutex>
 #include <sstream>
 #include <streambuf>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "app/plot/gnuplot.hpp"
-#include "app/screens/files/prompt.hpp"
+#include "app/screens/forms/form_fields.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
@@ -31,9 +29,8 @@ constexpr const char* kLeave = "q";
 
 /// Between the verb, which runs beside the screen, and the screen: what it says, what is typed to it.
 struct Wire {
-  std::mutex mutex;
-  std::string said;
-  std::deque<std::string> typed;
+  Reported<std::string> said;
+  Reported<std::deque<std::string>> typed;
 
   class Mouth final : public std::streambuf {
    public:
@@ -41,14 +38,12 @@ struct Wire {
 
    protected:
     int_type overflow(int_type c) override {
-      if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
-      const std::lock_guard lock(wire_->mutex);
-      wire_->said += traits_type::to_char_type(c);
-      return c;
+      const char one = traits_type::to_char_type(c);
+      if (!traits_type::eq_int_type(c, traits_type::eof())) xsputn(&one, 1);
+      return traits_type::not_eof(c);
     }
     std::streamsize xsputn(const char* text, std::streamsize count) override {
-      const std::lock_guard lock(wire_->mutex);
-      wire_->said.append(text, static_cast<std::size_t>(count));
+      wire_->said.change([&](std::string& said) { said.append(text, static_cast<std::size_t>(count)); });
       return count;
     }
 
@@ -61,11 +56,13 @@ struct Wire {
     Keys(Wire& wire, JobControl& control) : wire_(&wire), control_(&control) {}
     std::optional<std::string> line() override {
       if (control_->cancelled) return kLeave;
-      const std::lock_guard lock(wire_->mutex);
-      if (wire_->typed.empty()) return std::nullopt;
-      std::string line = std::move(wire_->typed.front());
-      wire_->typed.pop_front();
-      return line;
+      std::optional<std::string> first;
+      wire_->typed.change([&](std::deque<std::string>& lines) {
+        if (lines.empty()) return;
+        first = std::move(lines.front());
+        lines.pop_front();
+      });
+      return first;
     }
     [[nodiscard]] bool ended() const override { return false; }
 
@@ -75,30 +72,19 @@ struct Wire {
   };
 
   void type(const std::string& line) {
-    const std::lock_guard lock(mutex);
-    typed.push_back(line);
+    typed.change([&](std::deque<std::string>& lines) { lines.push_back(line); });
   }
 
   /// What was said since, whole lines of it, or with `all` the rest as well.
   std::string heard(bool all) {
-    const std::lock_guard lock(mutex);
-    const std::size_t end = all ? said.size() : said.rfind('\n') + 1;
-    std::string text = said.substr(0, end);
-    said.erase(0, end);
+    std::string text;
+    said.change([&](std::string& waiting) {
+      text = waiting.substr(0, all ? waiting.size() : waiting.rfind('\n') + 1);
+      waiting.erase(0, text.size());
+    });
     return text;
   }
 };
-
-/// What an argument of this name holds; empty: any file.
-std::vector<FileKind> kinds_for(const std::string& argument) {
-  static const std::map<std::string, FileKind> kKinds{
-      {"MODEL", FileKind::model},       {"--from-model", FileKind::model},  {"--machine", FileKind::machine},
-      {"MACHINE", FileKind::machine},   {"DATA", FileKind::measurements},   {"--data", FileKind::measurements},
-      {"PARAMS", FileKind::parameters}, {"--params", FileKind::parameters}, {"MAP", FileKind::map},
-      {"DUMP", FileKind::memory},       {"LENGTHS", FileKind::lengths}};
-  const auto found = kKinds.find(argument);
-  return found == kKinds.end() ? std::vector<FileKind>{} : std::vector{found->second};
-}
 
 /// How a verb ended, before its answer. @param answered  it has answered on stdout
 std::string ending_of(int exit_code, bool answered) {
@@ -125,36 +111,14 @@ struct FormAnswer {
   bool answered = false;  ///< on stdout
 };
 
-std::string in_quotes(const std::string& path) { return path.find(' ') == std::string::npos ? path : '"' + path + '"'; }
-
-bool takes(const VerbEntry& verb, std::string_view option) {
-  return std::any_of(verb.options.begin(), verb.options.end(),
-                     [option](const VerbOption& one) { return one.name == option; });
-}
-
-/// Without the option that a question answers, those that the row names first.
-VerbEntry in_order_of(VerbEntry verb, const FormRow& row) {
-  std::erase_if(verb.options, [&row](const VerbOption& option) { return option.name == row.confirmed; });
-  const auto place = [&row](const VerbOption& option) {
-    return std::find(row.fields.begin(), row.fields.end(), option.name) - row.fields.begin();
-  };
-  std::stable_sort(verb.options.begin(), verb.options.end(),
-                   [&place](const VerbOption& a, const VerbOption& b) { return place(a) < place(b); });
-  return verb;
-}
-
 class FormScreen final : public Screen {
  public:
   FormScreen(FormRow row, VerbEntry verb, std::shared_ptr<UnitConnection> connection, const FormValues& values,
              bool at_once)
-      : row_(std::move(row)), verb_(in_order_of(std::move(verb), row_)), connection_(std::move(connection)) {
-    for (const VerbOption& option : verb_.options) {
-      values_.emplace_back(option.name == "--link" ? connection_->link() : option.value);
-      if (const auto preset = row_.preset.find(option.name); preset != row_.preset.end())
-        values_.back().propose(preset->second);
-      if (const auto given = values.find(option.name); given != values.end()) values_.back().set(given->second);
-    }
-    if (at_once && lacking().empty()) run();
+      : row_(std::move(row)),
+        connection_(std::move(connection)),
+        fields_(row_, std::move(verb), connection_->link(), values) {
+    if (at_once && fields_.lacking().empty()) run();
   }
 
   ~FormScreen() override {
@@ -163,7 +127,7 @@ class FormScreen final : public Screen {
     task_.finish();
   }
 
-  [[nodiscard]] std::string title() const override { return row_.title.empty() ? verb_.name() : row_.title; }
+  [[nodiscard]] std::string title() const override { return row_.title.empty() ? verb().name() : row_.title; }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const Area inside = area.between_margins();
@@ -172,14 +136,11 @@ class FormScreen final : public Screen {
       draw_answer(canvas, area);
     } else {
       const int row = canvas.paragraph(inside, 0, asks(), Tone::strong);
-      const int fields = field_rows(area);
-      if (values_.empty())
-        canvas.text(inside, row, 0, "Enter runs it.", Tone::faint);
-      else
-        draw_fields(canvas, {inside.row + row, inside.column, fields, inside.columns});
-      const int hint = row + std::max(1, fields);
+      const Area fields = inside.below(row).top(field_rows(area));
+      fields_.draw(canvas, fields);
+      const int hint = row + fields.rows;
       canvas.paragraph({inside.row + hint, inside.column, std::min(2, inside.rows - hint), inside.columns}, 0,
-                       hint_.empty() ? help_of_field() : hint_, refused_ ? Tone::bad : Tone::faint);
+                       hint_.empty() ? fields_.help_here() : hint_, refused_ ? Tone::bad : Tone::faint);
       draw_answer(canvas, {area.row + hint + 2, area.column, area.rows - hint - 2, area.columns});  // 80 columns
     }
     prompt_.draw(canvas, inside, inside.rows - 1);
@@ -195,7 +156,7 @@ class FormScreen final : public Screen {
     if (task_.running())
       on_running_key(key);
     else if (!act_on(keys_, key) && !on_answer_key(key))
-      on_field_key(key);
+      hint_ = fields_.on_key(key, prompt_);
     return stay();
   }
 
@@ -206,12 +167,12 @@ class FormScreen final : public Screen {
   }
 
   [[nodiscard]] std::string help() const override {
-    return (row_.about.empty() ? verb_.help + "." : row_.about) + " The fields are the options of the verb `ecs " +
-           verb_.name() +
+    return (row_.about.empty() ? verb().help + "." : row_.about) + " The fields are the options of the verb `ecs " +
+           verb().name() +
            "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by blanks. "
            "Measurements, machine file and parameters in the folder of the model are filled in; typing replaces "
            "them. " +
-           verb_.example +
+           verb().example +
            "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
            "headings (< and > at the edges mark where it goes on), Home is its beginning, s asks for the files that "
            "the "
@@ -242,24 +203,18 @@ class FormScreen final : public Screen {
       const int rows = std::max<int>(1, static_cast<int>(wrapped(next(), inside.columns).size()));
       return {area.row + rows, area.column + 3 + line_.cursor_column(std::max(8, inside.columns - 2))};
     }
-    if (reading_ || values_.empty()) return {-1, -1};
-    const int names = name_columns();
-    const int heading = static_cast<int>(wrapped(asks(), inside.columns).size());
-    return {area.row + heading + field_.selected - field_.first,
-            inside.column + names + value().cursor_column(std::max(8, inside.columns - names - 1))};
+    if (reading_) return {-1, -1};
+    return fields_.cursor(inside.below(static_cast<int>(wrapped(asks(), inside.columns).size())));
   }
 
  private:
   using Name = Key::Name;
-  [[nodiscard]] const std::string& asks() const { return row_.asks.empty() ? verb_.help : row_.asks; }
-  [[nodiscard]] const VerbOption& option() const { return verb_.options[static_cast<std::size_t>(field_.selected)]; }
-  [[nodiscard]] TextLine& value() { return values_[static_cast<std::size_t>(field_.selected)]; }
-  [[nodiscard]] const TextLine& value() const { return values_[static_cast<std::size_t>(field_.selected)]; }
-
-  [[nodiscard]] FormValues typed() const {
-    FormValues all;
-    for (std::size_t k = 0; k < values_.size(); ++k) all[verb_.options[k].name] = values_[k].text();
-    return all;
+  [[nodiscard]] const std::string& asks() const { return row_.asks.empty() ? verb().help : row_.asks; }
+  [[nodiscard]] const VerbEntry& verb() const { return fields_.verb(); }
+  [[nodiscard]] int field_rows(const Area& area) const {
+    const int all = std::max(1, static_cast<int>(fields_.size()));
+    const bool shares = answer_ || task_.running() || !row_.idle.empty();
+    return std::min(all, shares ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
   }
 
   // --- keys
@@ -282,7 +237,7 @@ class FormScreen final : public Screen {
     for (std::size_t k = 0; k < row_.panels.size(); ++k)
       rows.push_back({fmt::format("{}", k + 2), row_.panels[k].first, [this, k] { show_panel(k); }, reading});
     const std::vector<KeyRow> of_answer{
-        {"s", "save", [this] { ask_output(0); }, [this, reading] { return reading() && writes(); }},
+        {"s", "save", [this] { ask_output(0); }, [this, reading] { return reading() && fields_.writes(); }},
         {"up/down", "read", {}, reading},
         {"left/right", "sideways", {}, reading},
         {"PgUp/PgDn", "page", {}, reading},
@@ -331,124 +286,14 @@ class FormScreen final : public Screen {
     return true;
   }
 
-  void on_field_key(const Key& key) {
-    const int count = static_cast<int>(values_.size());
-    if (count == 0) return;
-    if (key.name == Name::up || key.name == Name::down) {
-      if (&value() == field_for(FileKind::model)) (void)fill_from_folder();
-      (void)field_.on_key(key, count);
-    } else if (key.name == Name::mouse) {
-      const int clicked = field_.first + key.row - fields_row_;
-      if (key.row >= fields_row_ && clicked < count && clicked < field_.first + seen_fields_) field_.selected = clicked;
-    } else if (key.name == Name::tab) {
-      on_tab();
-    } else if (option().flag) {
-      if (is_letter(key, U' ')) value().set(value().text().empty() ? "yes" : "");
-    } else if (!option().choices.empty() &&
-               (is_letter(key, U' ') || key.name == Name::left || key.name == Name::right)) {
-      next_of(option().choices, key.name == Name::left ? -1 : 1);
-    } else {
-      (void)value().on_key(key);
-    }
-  }
-
-  void on_tab() {
-    if (const auto offered = row_.offers.find(option().name); offered != row_.offers.end())
-      next_of(offered->second, 1);
-    else if (value().text().empty() && !option().output && option().choices.empty() && !option().flag)
-      choose_file();
-    else
-      complete();
-  }
-
-  void choose_file() {
-    const auto at = static_cast<std::size_t>(field_.selected);
-    prompt_.choose(option().help, {kinds_for(option().name), option().many}, [this, at](const std::string& path) {
-      const std::string word = verb_.options[at].many ? in_quotes(path) : path;
-      values_[at].set(values_[at].text().empty() ? word : values_[at].text() + " " + word);
-      (void)fill_from_folder();
-    });
-  }
-
-  void complete() {
-    const PathCompletion found = option().many ? completed_paths(value().text()) : completed_path(value().text());
-    value().set(found.completed);
-    hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
-  }
-
-  void next_of(const std::vector<std::string>& words, int by) {
-    const auto at = std::find(words.begin(), words.end(), value().text());
-    const auto count = static_cast<int>(words.size());
-    const int now = at == words.end() ? (by > 0 ? -1 : 0) : static_cast<int>(at - words.begin());
-    value().set(words[static_cast<std::size_t>((now + by + count) % count)]);
-  }
-
-  // --- fields
-  [[nodiscard]] int field_rows(const Area& area) const {
-    const int all = static_cast<int>(verb_.options.size());
-    const bool shares = answer_ || task_.running() || !row_.idle.empty();
-    return std::min(all, shares ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
-  }
-
-  [[nodiscard]] int name_columns() const {
-    int most = 4;
-    for (const VerbOption& option : verb_.options)
-      most = std::max(most, width_of(option.name) + (option.required ? 2 : 0));
-    return std::min(most + 3, 24);
-  }
-
-  [[nodiscard]] std::string help_of_field() const {
-    if (values_.empty()) return {};
-    std::string help = option().help;
-    if (!option().choices.empty()) help += fmt::format(" ({})", fmt::join(option().choices, ", "));
-    if (option().flag) help += " (Space: yes or no)";
-    if (row_.offers.contains(option().name)) help += " (Tab: those that are usual)";
-    return help;
-  }
-
-  [[nodiscard]] std::string lacking() const {
-    for (std::size_t k = 0; k < values_.size(); ++k)
-      if (verb_.options[k].required && values_[k].text().empty()) return verb_.options[k].name;
-    return {};
-  }
-
-  /// The field that takes a file of this kind; null: none.
-  [[nodiscard]] TextLine* field_for(FileKind kind) {
-    for (std::size_t k = 0; k < values_.size(); ++k)
-      if (const auto kinds = kinds_for(verb_.options[k].name);
-          !verb_.options[k].output && !kinds.empty() && kinds.front() == kind)
-        return &values_[k];
-    return nullptr;
-  }
-
-  /// What nobody has typed is proposed from the folder of the model. @return whether anything was
-  bool fill_from_folder() {
-    const TextLine* model = field_for(FileKind::model);
-    if (model == nullptr || model->text().empty()) return false;
-    const FilesBeside beside = files_beside(model->text());
-    bool filled = false;
-    const auto propose = [&](FileKind kind, const std::string& text) {
-      TextLine* field = field_for(kind);
-      if (field == nullptr || !field->is_untouched() || field->text() == text) return;
-      field->propose(text);
-      filled = true;
-    };
-    std::string data;
-    for (const std::string& file : beside.data) data += (data.empty() ? "" : " ") + in_quotes(file);
-    propose(FileKind::measurements, data);
-    propose(FileKind::machine, beside.machine);
-    propose(FileKind::parameters, beside.parameters);
-    return filled;
-  }
-
   // --- running
   void run() {
     if (task_.running()) return;
-    if (!lacking().empty() && fill_from_folder() && lacking().empty()) {
+    if (!fields_.lacking().empty() && fields_.fill_from_folder() && fields_.lacking().empty()) {
       hint_ = "Filled in from the folder of the model. Enter runs it.";
       return;
     }
-    if (const std::string name = lacking(); !name.empty()) {
+    if (const std::string name = fields_.lacking(); !name.empty()) {
       hint_ = fmt::format("{} is needed", name);
       refused_ = true;
       return;
@@ -458,12 +303,12 @@ class FormScreen final : public Screen {
 
   /// For each file that the verb would overwrite, from the `k`-th option on; then what the row asks.
   void ask_to_overwrite(std::size_t k) {
-    const FormValues all = typed();
-    for (; k < values_.size(); ++k) {
-      const std::string file(trimmed(values_[k].text()));
+    const FormValues all = fields_.typed();
+    for (; k < fields_.size(); ++k) {
+      const std::string file(trimmed(fields_.text(k)));
       const bool changed_in_place =
           std::count_if(all.begin(), all.end(), [&file](const auto& one) { return one.second == file; }) > 1;
-      if (!verb_.options[k].output || file.empty() || changed_in_place || !would_overwrite(file)) continue;
+      if (!fields_.option(k).output || file.empty() || changed_in_place || !would_overwrite(file)) continue;
       const auto forced = all.find("--force");
       if (forced == all.end() || !forced->second.empty()) continue;
       return asking_.ask(
@@ -480,7 +325,7 @@ class FormScreen final : public Screen {
   }
 
   void ask_first() {
-    const auto work = [question = row_.question, connection = connection_, all = typed()](JobControl& control) {
+    const auto work = [question = row_.question, connection = connection_, all = fields_.typed()](JobControl& control) {
       return question(*connection, control, all);
     };
     answer_.reset();
@@ -494,8 +339,8 @@ class FormScreen final : public Screen {
 
   void start() {
     std::vector<std::string> values;
-    for (const TextLine& value : values_) values.push_back(value.text());
-    words_ = command_line(verb_, values);
+    for (std::size_t k = 0; k < fields_.size(); ++k) values.push_back(fields_.text(k));
+    words_ = command_line(verb(), values);
     if (!row_.confirmed.empty()) words_.push_back(row_.confirmed);
     if (std::exchange(force_, false)) words_.emplace_back("--force");
     answer_.reset();
@@ -506,8 +351,9 @@ class FormScreen final : public Screen {
     scroll_ = {};
     reading_ = row_.talks;
     wire_ = std::make_shared<Wire>();
-    const auto connection = takes(verb_, "--link") ? connection_ : nullptr;
-    const auto work = [row = row_, words = words_, all = typed(), wire = wire_, connection](JobControl& control) {
+    const auto connection = fields_.takes("--link") ? connection_ : nullptr;
+    const auto work = [row = row_, words = words_, all = fields_.typed(), wire = wire_,
+                       connection](JobControl& control) {
       std::optional<std::string> text = row.instead ? row.instead(all) : std::nullopt;
       if (text) return FormAnswer{owned_lines_of(*text), 0, true};
       FormAnswer answer;
@@ -535,13 +381,13 @@ class FormScreen final : public Screen {
     (void)hear();
     answer.lines.insert(row_.talks ? answer.lines.end() : answer.lines.begin(), said_.begin(), said_.end());
     answer_ = std::move(answer);
-    if (row_.done) row_.done(*connection_, typed(), answer_->exit_code);
+    if (row_.done) row_.done(*connection_, fields_.typed(), answer_->exit_code);
     if (answer_->exit_code > 1) {
-      for (const std::string& line : answer_->lines) log_event(Tone::bad, verb_.name() + ": " + line);
+      for (const std::string& line : answer_->lines) log_event(Tone::bad, verb().name() + ": " + line);
       return;
     }
     if (row_.talks) note_remark("it asks for what is typed");
-    if (takes(verb_, "--link"))
+    if (fields_.takes("--link"))
       note_form(*connection_, words_, answer_->exit_code);
     else
       note_command(words_, answer_->exit_code);
@@ -556,16 +402,12 @@ class FormScreen final : public Screen {
   }
 
   // --- files that the verb writes
-  [[nodiscard]] bool writes() const {
-    return std::any_of(verb_.options.begin(), verb_.options.end(), [](const VerbOption& one) { return one.output; });
-  }
-
   /// One after the other from the `k`-th option on; then it is run again.
   void ask_output(std::size_t k) {
-    while (k < values_.size() && !verb_.options[k].output) ++k;
-    if (k == values_.size()) return run();
-    prompt_.ask(verb_.options[k].name + ":", Prompt::Kind::path, values_[k].text(), [this, k](const std::string& path) {
-      values_[k].set(path);
+    while (k < fields_.size() && !fields_.option(k).output) ++k;
+    if (k == fields_.size()) return run();
+    prompt_.ask(fields_.option(k).name + ":", Prompt::Kind::path, fields_.text(k), [this, k](const std::string& path) {
+      fields_.set(k, path);
       ask_output(k + 1);
     });
   }
@@ -580,28 +422,8 @@ class FormScreen final : public Screen {
   void show_panel(std::size_t k) {
     panel_ = row_.panels[k].second;
     if (figure_ || drawing_.running()) return;
-    const auto work = [figure = row_.figure, all = typed()](JobControl&) { return figure(all); };
+    const auto work = [figure = row_.figure, all = fields_.typed()](JobControl&) { return figure(all); };
     drawing_.start("drawing", work, [this](Result<PlotFigure> figure) { figure_ = std::move(figure); });
-  }
-
-  void draw_fields(Canvas& canvas, const Area& area) const {
-    const int names = name_columns();
-    const int count = static_cast<int>(values_.size());
-    field_.first = std::clamp(field_.first, std::max(0, field_.selected - area.rows + 1), std::max(0, field_.selected));
-    fields_row_ = area.row;
-    seen_fields_ = area.rows;
-    for (int r = 0; r < std::min(area.rows, count - field_.first); ++r) {
-      const auto k = static_cast<std::size_t>(field_.first + r);
-      const VerbOption& option = verb_.options[k];
-      const bool here = field_.first + r == field_.selected;
-      canvas.text(area, r, 0, here ? ">" : " ", Tone::strong);
-      canvas.text({area.row, area.column, area.rows, names - 1}, r, 2, option.name + (option.required ? " *" : ""),
-                  here ? Tone::strong : Tone::plain);
-      values_[k].draw(canvas, area, r, names, std::max(8, area.columns - names - 1), here);
-    }
-    if (field_.first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
-    if (field_.first + area.rows < count)
-      canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
   }
 
   void draw_running(Canvas& canvas, const Area& area) const {
@@ -675,16 +497,12 @@ class FormScreen final : public Screen {
   }
 
   FormRow row_;
-  VerbEntry verb_;
   std::vector<KeyRow> keys_ = key_table();
   std::shared_ptr<UnitConnection> connection_;
-  std::vector<TextLine> values_;
-  ListPlace field_;
+  FormFields fields_;
   Prompt prompt_;
   Asking asking_;
-  mutable int fields_row_ = 0;   ///< of the canvas, as drawn last
-  mutable int seen_fields_ = 0;  ///< rows of them
-  bool reading_ = false;         ///< the keys go to the answer
+  bool reading_ = false;  ///< the keys go to the answer
   ScrollPlace scroll_;
   mutable int answer_rows_ = 10;  ///< that are seen of it
   mutable int lines_for_ = -1;    ///< columns for which `lines_` were made
