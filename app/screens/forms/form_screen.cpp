@@ -177,7 +177,7 @@ class FormScreen final : public Screen {
            "headings (< and > at the edges mark where it goes on), Home is its beginning, s asks for the files that "
            "the "
            "verb writes and runs it again, Esc goes back to the fields." +
-           (row_.talks
+           (verb().live
                 ? " While it runs the upper row says what comes next, the rows below what it said, the newest "
                   "first. Type a value, or a command (u takes the last reading back, s skips a target, q leaves), "
                   "and press Enter; an empty line is a trigger where readings come from a device. Esc leaves: "
@@ -193,13 +193,13 @@ class FormScreen final : public Screen {
 
   [[nodiscard]] bool typing() const override {
     if (asking_.active()) return false;
-    return prompt_.active() || !reading_ || (task_.running() && row_.talks);
+    return prompt_.active() || !reading_ || (task_.running() && verb().live);
   }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
     const Area inside = area.between_margins();
     if (prompt_.active()) return prompt_.cursor(inside, prompt_.choosing() ? 0 : inside.rows - 1);
     if (asking_.active()) return {-1, -1};
-    if (reading_ && task_.running() && row_.talks) {
+    if (reading_ && task_.running() && verb().live) {
       const int rows = std::max<int>(1, static_cast<int>(wrapped(next(), inside.columns).size()));
       return {area.row + rows, area.column + 3 + line_.cursor_column(std::max(8, inside.columns - 2))};
     }
@@ -219,14 +219,14 @@ class FormScreen final : public Screen {
 
   // --- keys
   [[nodiscard]] std::vector<KeyRow> key_table() {
-    const auto talking = [this] { return task_.running() && row_.talks; };
+    const auto talking = [this] { return task_.running() && verb().live; };
     const auto reading = [this] { return !task_.running() && reading_; };
     const auto filling = [this] { return !task_.running() && !reading_; };
     std::vector<KeyRow> rows{{"Enter", "take a reading, or send what is typed", {}, talking},
                              {"u", "take the last one back", {}, talking},
                              {"s", "skip", {}, talking},
                              {"Esc", "leave; what was read is kept", {}, talking},
-                             {"Esc", "stop it", {}, [this] { return task_.running() && !row_.talks; }},
+                             {"Esc", "stop it", {}, [this] { return task_.running() && !verb().live; }},
                              {"Enter", "run", [this] { run(); }, filling},
                              {"PgDn", "read the answer", {}, [this, filling] { return filling() && answer_; }},
                              {"up/down", "field", {}, filling},
@@ -262,11 +262,11 @@ class FormScreen final : public Screen {
 
   void stop() {
     task_.cancel();
-    if (!row_.talks) ask_to_stop();
+    if (!verb().live) ask_to_stop();
   }
 
   void on_running_key(const Key& key) {
-    if (!row_.talks) return;
+    if (!verb().live) return;
     if (key.name != Name::enter) return static_cast<void>(line_.on_key(key));
     wire_->type(line_.text());
     line_.set("");
@@ -349,10 +349,10 @@ class FormScreen final : public Screen {
     figure_.reset();
     said_.clear();
     scroll_ = {};
-    reading_ = row_.talks;
+    reading_ = verb().live;
     wire_ = std::make_shared<Wire>();
     const auto connection = fields_.takes("--link") ? connection_ : nullptr;
-    const auto work = [row = row_, words = words_, all = fields_.typed(), wire = wire_,
+    const auto work = [row = row_, live = verb().live, words = words_, all = fields_.typed(), wire = wire_,
                        connection](JobControl& control) {
       std::optional<std::string> text = row.instead ? row.instead(all) : std::nullopt;
       if (text) return FormAnswer{owned_lines_of(*text), 0, true};
@@ -364,7 +364,7 @@ class FormScreen final : public Screen {
         Wire::Mouth mouth(*wire);
         std::ostream messages(&mouth);
         ConsoleOptions options;
-        if (row.talks) options.keyboard = std::make_shared<Wire::Keys>(*wire, control);
+        if (live) options.keyboard = std::make_shared<Wire::Keys>(*wire, control);
         answer.exit_code = run_program(words, out, messages, options);
       }
       answer.answered = !out.str().empty();
@@ -379,14 +379,14 @@ class FormScreen final : public Screen {
   void take(FormAnswer answer) {
     stop_asking();
     (void)hear();
-    answer.lines.insert(row_.talks ? answer.lines.end() : answer.lines.begin(), said_.begin(), said_.end());
+    answer.lines.insert(verb().live ? answer.lines.end() : answer.lines.begin(), said_.begin(), said_.end());
     answer_ = std::move(answer);
     if (row_.done) row_.done(*connection_, fields_.typed(), answer_->exit_code);
     if (answer_->exit_code > 1) {
       for (const std::string& line : answer_->lines) log_event(Tone::bad, verb().name() + ": " + line);
       return;
     }
-    if (row_.talks) note_remark("it asks for what is typed");
+    if (verb().live) note_remark("it asks for what is typed");
     if (fields_.takes("--link"))
       note_form(*connection_, words_, answer_->exit_code);
     else
@@ -428,7 +428,7 @@ class FormScreen final : public Screen {
 
   void draw_running(Canvas& canvas, const Area& area) const {
     int row = 0;
-    if (row_.talks) {
+    if (verb().live) {
       const Area inside = area.between_margins();
       row += std::max(1, canvas.paragraph(inside, row, next().empty() ? "running ..." : next(), Tone::strong));
       canvas.text(inside, row, 0, ">", Tone::strong);
@@ -454,8 +454,9 @@ class FormScreen final : public Screen {
     }
     if (reading_ && panel_) return draw_panel(canvas, area);
     const Tone tone = answer_->exit_code == 0 ? Tone::good : (answer_->exit_code == 1 ? Tone::warning : Tone::bad);
-    const std::string ending = row_.talks && answer_->exit_code != 0 ? "not finished: see below"
-                                                                     : ending_of(answer_->exit_code, answer_->answered);
+    const std::string ending = verb().live && answer_->exit_code != 0
+                                   ? "not finished: see below"
+                                   : ending_of(answer_->exit_code, answer_->answered);
     canvas.text(area, 0, 0, ending, tone);
     const Area body = area.below(1);
     const auto& lines = answer_lines(body.columns);

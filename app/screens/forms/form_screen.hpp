@@ -1,6 +1,6 @@
 // A screen that asks and answers: a verb as a form. Its options are the fields with their help, Enter runs it, the
-// answer scrolls below; a verb that talks with whoever runs it has a line to type into. Does not live here: which
-// screens there are (rows.hpp).
+// answer scrolls below; one that asks while it runs (VerbEntry::live) has a line to type into. Does not live here:
+// which screens there are (rows.hpp).
 #pragma once
 
 #include <functional>
@@ -35,7 +35,6 @@ struct FormRow {
   std::vector<std::string> idle{};                           ///< below the fields as long as there is no answer
   /// Fields that take files given to the program; it is opened where one of the first kind is among them.
   std::vector<std::pair<FileKind, std::string>> opens{};
-  bool talks = false;             ///< lines are typed while it runs
   bool leaves_when_done = false;  ///< Enter goes back once it is done
 
   /// Asked before it runs; in the thread of a task.

@@ -52,8 +52,7 @@ TEST_CASE(
   auto gauge = bus.plug(fake::gauge_spec());
   const auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
-  const auto screen_made =
-      form_screen({.verb = "laser capture", .talks = true}, capture_verb(), no_link(), asked_for(out), true);
+  const auto screen_made = form_screen({.verb = "laser capture"}, capture_verb(), no_link(), asked_for(out), true);
   Screen& screen = *screen_made;
   for (int k = 0; k < 18; ++k) {
     REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1), 30, 120));
