@@ -1,5 +1,5 @@
 // The bytes of a memory as far as they are known: pages of a unit that arrive one after the other, or a dump at once.
-// What the address space allows, and what is typed to be found in it or written into it.
+// What the address space allows, what is typed to be found in it or written into it, and the write itself, checked.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include "commissioning/memory/dump.hpp"
 #include "core/address_map.hpp"
 #include "core/bytes.hpp"
+#include "protocol/client/client.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::commissioning {
@@ -28,6 +29,9 @@ namespace ecs::commissioning {
 
 /// Nothing but digits.
 [[nodiscard]] std::optional<std::uint32_t> hexadecimal(std::string_view digits);
+
+/// "45 43 53 49". @param between  the bytes
+[[nodiscard]] std::string hex_of(ByteView bytes, std::string_view between = " ");
 
 /// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
 [[nodiscard]] Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments);
@@ -98,5 +102,31 @@ struct SearchStep {
 };
 /// From `from` to the end of its region.
 [[nodiscard]] SearchStep find_pattern(const MemoryBytes& memory, ByteView pattern, Address from);
+
+// --- bytes of the unit changed by hand
+struct ByteWrite {
+  Address address = 0;
+  std::vector<std::uint8_t> before;
+  std::vector<std::uint8_t> after;
+  std::string where;  ///< region and field
+  std::string when;   ///< "14:05:09"
+  bool taken_back = false;
+};
+
+/// Refused where the host may not write, with the reason.
+[[nodiscard]] Result<void> may_write(const MemoryBytes& memory, Address address, std::size_t bytes);
+/// Refused in every mode but integration.
+[[nodiscard]] Result<void> may_write_in(UnitMode mode);
+
+/// Writes, and says so in the records of the unit's machine.
+[[nodiscard]] Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,
+                                        ByteView bytes, const protocol::ProgressCallback& progress = {});
+/// Looks first: unit, mode and the bytes that are there must be those that were shown. Then writes and reads back.
+/// @param serial_number  of the unit that was shown
+[[nodiscard]] Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number,
+                                         const ByteWrite& write);
+
+/// "45 43 53 49", cut after so many bytes with how many there are.
+[[nodiscard]] std::string short_hex(ByteView bytes, std::size_t most = 16);
 
 }  // namespace ecs::commissioning

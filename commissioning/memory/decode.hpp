@@ -1,5 +1,5 @@
 // What the bytes of a unit's memory mean: commit records, images, parameters, table directory, header. Total: any bytes
-// are decoded as far as they go, and what is wrong with them is said.
+// are decoded as far as they go, and what is wrong with them is said; in words and as JSON.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "commissioning/memory/dump.hpp"
 #include "core/memory_image.hpp"
 
@@ -75,5 +76,17 @@ struct DecodedMemory {
 
 /// "EXX forward"; "EXX" for a table for both approaches.
 [[nodiscard]] std::string name_of(const DecodedTable& table);
+
+/// @param with_bytes  in the text, names and meaning beside the bytes of prefix, parameters and directory
+[[nodiscard]] Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes);
+
+/// A status file, or a memory dump with what it says.
+struct StatusFile {
+  std::string name;
+  std::optional<StatusSnapshot> snapshot;  ///< a dump may have none
+  std::vector<std::string> memory;         ///< lines of a dump; empty: a status file
+};
+/// By its first bytes: a status file (JSON), else a memory dump.
+[[nodiscard]] Result<StatusFile> read_status_file(const std::string& path);
 
 }  // namespace ecs::commissioning

@@ -5,7 +5,6 @@
 #include <bit>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "commissioning/memory/decode.hpp"
 #include "core/axis.hpp"
@@ -146,10 +145,6 @@ std::vector<NamedPlace> fields_of(const DecodedImage& image, const DumpRegion& r
   for (const DecodedTable& table : image.tables) add_table(table, out);
   std::stable_sort(out.begin(), out.end(), [](const NamedPlace& a, const NamedPlace& b) { return a.first < b.first; });
   return out;
-}
-
-std::string hex_of(ByteView bytes, std::string_view between) {
-  return fmt::format("{:02X}", fmt::join(bytes, between));
 }
 
 namespace {

@@ -33,9 +33,6 @@ struct FieldPlace {
 /// In the order of params::fields(). Found by encoding: a field lies where the bytes change with it.
 [[nodiscard]] const std::vector<FieldPlace>& parameter_places();
 
-/// "45 43 53 49". @param between  the bytes
-[[nodiscard]] std::string hex_of(ByteView bytes, std::string_view between = " ");
-
 /// A field, all values of a table, the header.
 struct NamedStretch : NamedPlace {
   bool table = false;

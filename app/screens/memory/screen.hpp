@@ -16,7 +16,6 @@
 #include "commissioning/memory/bytes.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/names.hpp"
-#include "commissioning/memory/write.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {

@@ -100,6 +100,14 @@ namespace {
 
 void draw_paragraph(Canvas& canvas, const Area& area, const std::string& text) { canvas.paragraph(area, 0, text); }
 
+/// A list below its heading. @param empty  in its place where there is none
+void draw_page(Canvas& canvas, const Area& area, const std::vector<ListRow>& rows, const ListPlace& place,
+               const std::string& heading, const std::string& empty) {
+  if (rows.empty()) return draw_paragraph(canvas, area.below(1).between_margins(), empty);
+  canvas.text(area, 0, 2, heading, Tone::faint);
+  draw_list(canvas, area.below(1), rows, place);
+}
+
 std::string text_of(const DifferenceRow& row) {
   return fmt::format("{}  {} {:>5}  {} | {}", hex_address(row.first), in_columns(row.name, 34), row.bytes, row.a,
                      row.b);
@@ -217,33 +225,24 @@ void MemoryScreen::draw_under_cursor(Canvas& canvas, const Area& area) const {
 }
 
 void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
-  const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (!other_)
-    return draw_paragraph(canvas, text, "Nothing is compared yet: c names a dump file to compare with what is shown.");
-  if (differences_.empty())
-    return draw_paragraph(
-        canvas, text,
-        fmt::format(
-            "No difference to {} in what is read. a on the page of the bytes reads a whole region, s reads all memory.",
-            compared_file()));
   std::vector<ListRow> rows;
-  for (const DifferenceRow& row : differences_) rows.push_back({text_of(row), Tone::plain});
-  canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
-              fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", compared_file()), Tone::faint);
-  draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, difference_);
+  for (const DifferenceRow& row : differences_) rows.push_back({text_of(row)});
+  draw_page(canvas, area, rows, difference_,
+            fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", compared_file()),
+            other_
+                ? fmt::format("No difference to {} in what is read. a on the page of the bytes reads a whole region, "
+                              "s reads all memory.",
+                              compared_file())
+                : "Nothing is compared yet: c names a dump file to compare with what is shown.");
 }
 
 void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
-  const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (written_.empty())
-    return draw_paragraph(canvas, text,
-                          "Nothing was written this time. w on the page of the bytes writes at the cursor; it asks "
-                          "first, and u writes the old bytes back.");
   std::vector<ListRow> rows;
   for (const ByteWrite& write : written_)
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
-  canvas.text({area.row, area.column, 1, area.columns}, 0, 2, "time      address   before > after  where", Tone::faint);
-  draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, write_);
+  draw_page(canvas, area, rows, write_, "time      address   before > after  where",
+            "Nothing was written this time. w on the page of the bytes writes at the cursor; it asks first, and u "
+            "writes the old bytes back.");
 }
 
 /// The row under the cursor whole: in the list it may be cut.

@@ -11,7 +11,7 @@
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "base/text.hpp"
-#include "commissioning/memory/view.hpp"
+#include "commissioning/memory/decode.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/utility_work.hpp"
 #include "core/fault.hpp"

@@ -12,8 +12,6 @@
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/memory/names.hpp"
-#include "commissioning/memory/view.hpp"
-#include "commissioning/memory/write.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/transfer.hpp"
 

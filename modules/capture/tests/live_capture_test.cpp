@@ -96,7 +96,7 @@ TEST_CASE(
 
 /// At the second of two targets, without devices.
 std::unique_ptr<Screen> typed_capture(const StateFolder& folder) {
-  auto screen = form_screen({.verb = "laser capture", .talks = true}, capture_verb(), no_link(),
+  auto screen = form_screen({.verb = "laser capture"}, capture_verb(), no_link(),
                             {{"--axis", "X"},
                              {"--sense", "EX"},
                              {"--from", "0"},

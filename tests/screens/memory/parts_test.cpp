@@ -4,7 +4,6 @@
 #include "app/screens/memory/screen.hpp"
 #include "commissioning/memory/bytes.hpp"
 #include "commissioning/memory/compare.hpp"
-#include "commissioning/memory/write.hpp"
 
 namespace ecs::app {
 namespace {

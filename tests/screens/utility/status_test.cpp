@@ -4,7 +4,7 @@
 #include "app/screens/utility/screens.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
-#include "commissioning/memory/view.hpp"
+#include "commissioning/memory/decode.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "tests/screens/support/utility_bench.hpp"
 

@@ -6,7 +6,6 @@
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/memory/names.hpp"
-#include "commissioning/memory/view.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
 #include "params/fields.hpp"
