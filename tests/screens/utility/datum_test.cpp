@@ -150,6 +150,11 @@ DatumRecording sequence(double start_s, double sign = 1.0) {
   return r;
 }
 
+/// Its graph.
+struct ViewCase : StateFolder {
+  std::unique_ptr<Screen> screen = datum_view_screen(sequence(2.0));
+};
+
 std::string line_with(const std::string& text, const std::string& part) {
   const std::size_t at = text.find(part);
   if (at == std::string::npos) return {};
@@ -167,9 +172,8 @@ void advance_for_half_a_second(Screen& screen) {
 TEST_CASE(
     "the switch fills its lane for as long as it is closed, the marker shows even where it is one sample of ten "
     "thousand") {
-  const StateFolder folder;
-  const auto screen_made = datum_view_screen(sequence(2.0));
-  Screen& screen = *screen_made;
+  const ViewCase one;
+  Screen& screen = *one.screen;
   const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
   CHECK(contains(seen, "Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED"));
   CHECK(contains(seen, "mm/min"));
@@ -231,11 +235,10 @@ TEST_CASE("the record says what it means for the datuming parameters") {
 }
 
 TEST_CASE("a record is saved, opened again, and a second is laid over it; the two differ without colour") {
-  const StateFolder folder;
-  const std::string file = folder / "first.csv", other = folder / "other.csv";
+  const ViewCase one;
+  const std::string file = one / "first.csv", other = one / "other.csv";
   REQUIRE(write_file(other, to_csv(sequence(4.0))));
-  const auto screen_made = datum_view_screen(sequence(2.0));
-  Screen& screen = *screen_made;
+  Screen& screen = *one.screen;
   CHECK_FALSE(screen.unsaved().empty());
   (void)letter(screen, 's');
   for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
@@ -285,21 +288,19 @@ TEST_CASE("an unsaved record is offered again") {
 }
 
 TEST_CASE("a file that is not a record is refused and nothing is lost") {
-  const StateFolder folder;
-  REQUIRE(write_file(folder / "bad.csv", "hello\n"));
-  const auto screen_made = datum_view_screen(sequence(2.0));
-  Screen& screen = *screen_made;
+  const ViewCase one;
+  REQUIRE(write_file(one / "bad.csv", "hello\n"));
+  Screen& screen = *one.screen;
   (void)letter(screen, 'v');
-  type(screen, folder / "bad.csv");
+  type(screen, one / "bad.csv");
   (void)press(screen, Key::Name::enter);
   REQUIRE(shows(screen, "expected the columns"));
   CHECK(contains(picture(screen), "Axis Y, just recorded"));
 }
 
 TEST_CASE("no size of the terminal breaks the picture") {
-  const StateFolder folder;
-  const auto screen_made = datum_view_screen(sequence(2.0));
-  Screen& screen = *screen_made;
+  const ViewCase one;
+  Screen& screen = *one.screen;
   for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}}) {
     (void)picture_of(screen, "", {}, Canvas(rows, columns), false);
     (void)press(screen, Key::Name::tab);
