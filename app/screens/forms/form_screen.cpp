@@ -88,20 +88,12 @@ struct Wire {
 
 /// How a verb ended, before its answer. @param answered  it has answered on stdout
 std::string ending_of(int exit_code, bool answered) {
-  switch (exit_code) {
-    case 0:
-      return "done";
-    case 1:
-      return answered ? "done; something does not hold, see below" : "not done: see below why";
-    case 2:
-      return "not run: see below what to change";
-    case 3:
-      return "a file cannot be used: see below";
-    case 4:
-      return "no success on the link: see below";
-    default:
-      return exit_code > 128 ? "stopped" : "not done: see below why";
-  }
+  static constexpr const char* kEndings[] = {"done", "done; something does not hold, see below",
+                                             "not run: see below what to change", "a file cannot be used: see below",
+                                             "no success on the link: see below"};
+  if (exit_code > 128) return "stopped";
+  const auto code = static_cast<std::size_t>(exit_code);
+  return code >= std::size(kEndings) || (code == 1 && !answered) ? "not done: see below why" : kEndings[code];
 }
 
 /// What a verb answered.

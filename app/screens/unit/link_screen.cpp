@@ -56,15 +56,12 @@ StatisticsRow judgement(const WatchedUnit& unit) {
   if (unit.lent) return {"", "", "the link is in use by the doctor or a verb", Tone::warning};
   if (!unit.open) return {"", "", unit.problem.empty() ? "no link is open yet" : unit.problem, Tone::bad};
   if (s.requests < 20) return {"", "", "too few requests to judge the link yet", Tone::faint};
-  if (share(s.crc_errors, s.requests) > kMuch)
-    return {"", "", "many garbled answers: check shield, ground, length of the cable, and the parity", Tone::bad};
-  if (share(s.foreign_replies, s.requests) > kMuch)
-    return {"", "", "many answers to another host's requests: one host at a time may use the link", Tone::bad};
-  if (share(s.stale_replies, s.requests) > kMuch)
-    return {"", "", "many late answers: a slow converter or network; lower the latency timer of a USB adapter",
-            Tone::bad};
-  if (share(s.timeouts, s.requests) > kMuch)
-    return {"", "", "many requests without an answer: check plugs and cable", Tone::bad};
+  for (const auto& [much, what] :
+       {std::pair{s.crc_errors, "garbled answers: check shield, ground, length of the cable, and the parity"},
+        {s.foreign_replies, "answers to another host's requests: one host at a time may use the link"},
+        {s.stale_replies, "late answers: a slow converter or network; lower the latency timer of a USB adapter"},
+        {s.timeouts, "requests without an answer: check plugs and cable"}})
+    if (share(much, s.requests) > kMuch) return {"", "", fmt::format("many {}", what), Tone::bad};
   if (s.retries > 0) return {"", "", "a good link: a few requests had to be repeated, nothing was lost", Tone::good};
   return {"", "", "a clean link: every request was answered at once", Tone::good};
 }

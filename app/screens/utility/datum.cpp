@@ -22,8 +22,6 @@ struct DatumSeen {
   std::optional<Axis> axis;     ///< worked on
   bool running = false;         ///< the unit has answered that it is at it
   bool fetching = false;        ///< the command is done, its result is read out of the memory
-  double part = 0.0;            ///< of the command under way, or of what is fetched, 0 … 1
-  double seconds_left = -1.0;   ///< of what is fetched; negative: not known
 };
 using DatumLive = Reported<DatumSeen>;
 
@@ -34,7 +32,7 @@ void begin(DatumLive& live, const UnitLink& link, Axis axis) {
 }
 
 /// One look over the link; what fails is left to the command that is under way.
-void look_at(DatumLive& live, UnitLink& link, const protocol::CommandResult& busy, bool with_status) {
+void look_at(DatumLive& live, UnitLink& link, bool with_status) {
   const auto sample = link.client().monitor();
   std::optional<protocol::UnitStatus> status;
   if (with_status)
@@ -43,7 +41,6 @@ void look_at(DatumLive& live, UnitLink& link, const protocol::CommandResult& bus
     if (sample) seen.sample = *sample;
     if (status) seen.status = *status;
     seen.running = true;
-    seen.part = busy.per_mille / 1000.0;
   });
 }
 
@@ -154,12 +151,12 @@ class DatumRecordScreen final : public DatumScreen {
     if (!busy()) {
       canvas.text(inside, kCallRow, 0, fmt::format("Enter records axis {}.", letter_of(axis)));
     } else if (seen.fetching) {
-      draw_progress(canvas, inside, kCallRow, "fetching the record", seen.part, seen.seconds_left);
+      draw_progress(canvas, inside, kCallRow, "fetching the record", task_.part(), task_.seconds_left());
     } else if (!seen.running) {
       canvas.text(inside, kCallRow, 0, "Sending ...");
     } else {
-      draw_progress(canvas, inside, kCallRow, fmt::format("recording axis {}", letter_of(axis)), seen.part,
-                    (1.0 - seen.part) * kDatumRecord_s);
+      draw_progress(canvas, inside, kCallRow, fmt::format("recording axis {}", letter_of(axis)), task_.part(),
+                    (1.0 - task_.part()) * kDatumRecord_s);
       canvas.text(inside, kCallRow + 1, 0,
                   fmt::format("so far: switch {}, marker {} (the record sees all in between)",
                               switch_seen_ ? "seen" : "not yet", marker_seen_ ? "seen" : "not yet"));
@@ -196,16 +193,15 @@ class DatumRecordScreen final : public DatumScreen {
     const auto work = [connection = connection_, live = live_, axis](JobControl& control) {
       return connection->with_link(control, [&](UnitLink& link) {
         begin(*live, link, axis);
-        return record_datum(
-            link.client(), axis, [&](const protocol::CommandResult& busy) { look_at(*live, link, busy, false); },
-            [&](const protocol::Progress& progress) {
-              live->change([&](DatumSeen& seen) {
-                seen.fetching = true;
-                if (progress.bytes_total > 0)
-                  seen.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
-                seen.seconds_left = progress.seconds_left;
-              });
-            });
+        const auto watch = [&](const protocol::CommandResult& busy) {
+          control.part = busy.per_mille / 1000.0;
+          look_at(*live, link, false);
+        };
+        const auto fetch = [&](const protocol::Progress& progress) {
+          live->change([](DatumSeen& seen) { seen.fetching = true; });
+          progress_into(control)(progress);
+        };
+        return record_datum(link.client(), axis, watch, fetch);
       });
     };
     task_.start("recording", work, [this](Result<DatumRecording> recording) {
@@ -249,22 +245,13 @@ struct AxisRow {
 };
 
 ListRow picture_of_state(const AxisRow& row) {
-  switch (row.state) {
-    case TestState::not_chosen:
-      return {"not tested"};
-    case TestState::chosen:
-      return {"to be tested"};
-    case TestState::under_way:
-      return {row.stage == DatumStage::failed ? "FAILED, ending" : std::string(ecs::name_of(row.stage)) + " ...",
-              Tone::strong};
-    case TestState::passed:
-      return {"DATUM FOUND", Tone::good};
-    case TestState::failed:
-      return {"FAILED", Tone::bad};
-    case TestState::given_up:
-      return {"given up"};
-  }
-  return {};
+  static const ListRow kPictures[] = {{"not tested"},        {"to be tested"},
+                                      {"", Tone::strong},    {"DATUM FOUND", Tone::good},
+                                      {"FAILED", Tone::bad}, {"given up"}};
+  ListRow picture = kPictures[static_cast<std::size_t>(row.state)];
+  if (row.state == TestState::under_way)
+    picture.text = row.stage == DatumStage::failed ? "FAILED, ending" : fmt::format("{} ...", ecs::name_of(row.stage));
+  return picture;
 }
 
 class DatumTestScreen final : public DatumScreen {
@@ -386,8 +373,8 @@ class DatumTestScreen final : public DatumScreen {
       return connection->with_link(control, [&](UnitLink& link) -> Result<void> {
         for (const Axis axis : axes) {
           begin(*live, link, axis);
-          ECS_TRY(test, test_datum_of(link.client(), axis, kTestLimit,
-                                      [&](const protocol::CommandResult& busy) { look_at(*live, link, busy, true); }));
+          const auto watch = [&](const protocol::CommandResult&) { look_at(*live, link, true); };
+          ECS_TRY(test, test_datum_of(link.client(), axis, kTestLimit, watch));
           live->change([&](DatumSeen& seen) {
             seen.tests.push_back(std::move(test));
             seen.running = false;

@@ -32,28 +32,16 @@ std::string duration_text(std::uint32_t seconds) {
   return fmt::format("{} h {} min", seconds / 3600, seconds / 60 % 60);
 }
 
-/// A name in its column, its text beside it over as many rows as it needs. @return rows used
-int draw_entry(Canvas& canvas, const Area& area, int row, const std::string& name, const std::string& text, Tone tone) {
-  canvas.text(area, row, 0, name, Tone::faint);
-  return canvas.paragraph({area.row, area.column + kNameColumns, area.rows, area.columns - kNameColumns}, row, text,
-                          tone);
-}
+/// What a mode is, in one sentence; in the order of UnitMode.
+constexpr const char* kMeanings[] = {"the unit has just been switched on and looks for a host",
+                                     "every relay is open; the unit does what the screens tell it",
+                                     "waits until the machine's control has referenced every axis; then it compensates",
+                                     "relays closed: the machine is being corrected",
+                                     "a fatal fault: every relay is open, only switching off and on helps"};
 
-/// What a mode is, in one sentence.
 std::string_view meaning_of(UnitMode mode) {
-  switch (mode) {
-    case UnitMode::starting:
-      return "the unit has just been switched on and looks for a host";
-    case UnitMode::integration:
-      return "every relay is open; the unit does what the screens tell it";
-    case UnitMode::datuming:
-      return "waits until the machine's control has referenced every axis; then it compensates";
-    case UnitMode::compensating:
-      return "relays closed: the machine is being corrected";
-    case UnitMode::halted:
-      return "a fatal fault: every relay is open, only switching off and on helps";
-  }
-  return "a mode this program does not know: update ecs";
+  const auto k = static_cast<std::size_t>(mode);
+  return k < std::size(kMeanings) ? kMeanings[k] : "a mode this program does not know: update ecs";
 }
 
 class StatusScreen final : public KeyedScreen {
@@ -147,44 +135,43 @@ class StatusScreen final : public KeyedScreen {
 
   void draw_state(Canvas& canvas, const Area& area) const {
     const protocol::UnitStatus& s = snapshot()->status;
-    int row = draw_entry(canvas, area, 0, "mode", fmt::format("{}: {}", ecs::name_of(s.mode), meaning_of(s.mode)),
-                         s.mode == UnitMode::halted ? Tone::bad : Tone::strong);
+    const protocol::Identity& unit = snapshot()->identity;
+    int row = 0;
+    const auto add = [&](const std::string& name, const std::string& text, Tone tone = Tone::plain) {
+      canvas.text(area, row, 0, name, Tone::faint);
+      row += canvas.paragraph(area.right_of(kNameColumns), row, text, tone);
+    };
+    add("mode", fmt::format("{}: {}", ecs::name_of(s.mode), meaning_of(s.mode)),
+        s.mode == UnitMode::halted ? Tone::bad : Tone::strong);
     if (s.mode == UnitMode::datuming)
       for (const Axis a : kAllAxes)
-        if (snapshot()->identity.axis_present[index_of(a)])
-          row += draw_entry(canvas, area, row, "",
-                            fmt::format("{}: {}", letter_of(a), ecs::name_of(s.axes[index_of(a)].datum_stage)),
-                            Tone::plain);
-    row += s.fault == Fault::none ? draw_entry(canvas, area, row, "fault", "none", Tone::good)
-                                  : draw_entry(canvas, area, row, "fault", fault_sentence(s), Tone::bad);
+        if (unit.axis_present[index_of(a)])
+          add("", fmt::format("{}: {}", letter_of(a), ecs::name_of(s.axes[index_of(a)].datum_stage)));
+    const bool sound = s.fault == Fault::none;
+    add("fault", sound ? "none" : fault_sentence(s), sound ? Tone::good : Tone::bad);
     for (const Axis a : kAllAxes)
       if (const DatumFailure why = s.axes[index_of(a)].datum_failure; why != DatumFailure::none)
-        row += draw_entry(canvas, area, row, "cause",
-                          fmt::format("axis {}: {}. What to do: {}", letter_of(a), ecs::name_of(why), advice_for(why)),
-                          Tone::bad);
+        add("cause", fmt::format("axis {}: {}. What to do: {}", letter_of(a), ecs::name_of(why), advice_for(why)),
+            Tone::bad);
     ++row;
     for (const std::string& line : owned_lines_of(memory_text(s))) {
       const bool wrong = line.find("failed") != std::string::npos || line.find("differ") != std::string::npos;
-      row += draw_entry(canvas, area, row, line.substr(0, kNameColumns),
-                        line.substr(std::min<std::size_t>(kNameColumns, line.size())), wrong ? Tone::bad : Tone::plain);
+      add(line.substr(0, kNameColumns), line.substr(std::min<std::size_t>(kNameColumns, line.size())),
+          wrong ? Tone::bad : Tone::plain);
     }
     ++row;
-    row += draw_entry(canvas, area, row, "loop period",
-                      fmt::format("{:g} us, {} periods since power-up", s.loop_period_us, s.ticks), Tone::plain);
-    row += draw_entry(canvas, area, row, "overruns",
-                      s.loop_overruns == 0
-                          ? std::string("none")
-                          : fmt::format("{} periods were late: lengthen the loop iteration time", s.loop_overruns),
-                      s.loop_overruns == 0 ? Tone::plain : Tone::warning);
-    row += draw_entry(
-        canvas, area, row, "watchdog",
-        s.watchdog_trips == 0 ? std::string("never tripped") : fmt::format("tripped {} times", s.watchdog_trips),
-        s.watchdog_trips == 0 ? Tone::plain : Tone::bad);
-    const protocol::Identity& unit = snapshot()->identity;
-    draw_entry(canvas, area, row, "up for",
-               fmt::format("{}; firmware {}.{}, {} memory module{}", duration_text(s.uptime_s), unit.firmware_major,
-                           unit.firmware_minor, unit.memory_modules, unit.memory_modules == 1 ? "" : "s"),
-               Tone::plain);
+    add("loop period", fmt::format("{:g} us, {} periods since power-up", s.loop_period_us, s.ticks));
+    if (s.loop_overruns == 0)
+      add("overruns", "none");
+    else
+      add("overruns", fmt::format("{} periods were late: lengthen the loop iteration time", s.loop_overruns),
+          Tone::warning);
+    if (s.watchdog_trips == 0)
+      add("watchdog", "never tripped");
+    else
+      add("watchdog", fmt::format("tripped {} times", s.watchdog_trips), Tone::bad);
+    add("up for", fmt::format("{}; firmware {}.{}, {} memory module{}", duration_text(s.uptime_s), unit.firmware_major,
+                              unit.firmware_minor, unit.memory_modules, unit.memory_modules == 1 ? "" : "s"));
   }
 
   // --- keys
