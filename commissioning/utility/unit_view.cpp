@@ -96,8 +96,7 @@ namespace {
 
 constexpr const char* kHowToDrive =
     "expected axes with their machine coordinates such as X-100 Y50 F2000, a block such as G01 X-100 F2000, or the "
-    "file "
-    "of a part program";
+    "file of a part program";
 
 std::vector<std::string> words_of(const std::string& typed) {
   std::vector<std::string> words;

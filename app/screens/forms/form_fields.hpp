@@ -1,5 +1,5 @@
 // The fields of a form: the options of a verb with what is typed, files chosen and completed, what is proposed from the
-// folder of a model. Does not live here: what is done with them (form_screen.hpp).
+// folder of a model. Does not live here: what is done with them (form_screen.cpp).
 #pragma once
 
 #include <map>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/screens/files/prompt.hpp"
-#include "app/screens/forms/form_screen.hpp"
+#include "app/screens/forms/rows.hpp"
 #include "app/ui/widgets.hpp"
 
 namespace ecs::app {

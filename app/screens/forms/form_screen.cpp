@@ -1,5 +1,4 @@
-#include "app/screens/forms/form_screen.hpp"
-
+// A form as a screen: its verb run, what it says and is told meanwhile, its answer. Does not live here: the fields.
 #include <algorithm>
 #include <deque>
 #include <sstream>
@@ -9,6 +8,7 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/screens/forms/form_fields.hpp"
+#include "app/screens/forms/rows.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"

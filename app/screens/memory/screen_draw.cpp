@@ -98,12 +98,10 @@ std::optional<Address> byte_at(const Area& area, const MemoryRows& rows, const M
 
 namespace {
 
-void draw_paragraph(Canvas& canvas, const Area& area, const std::string& text) { canvas.paragraph(area, 0, text); }
-
 /// A list below its heading. @param empty  in its place where there is none
 void draw_page(Canvas& canvas, const Area& area, const std::vector<ListRow>& rows, const ListPlace& place,
                const std::string& heading, const std::string& empty) {
-  if (rows.empty()) return draw_paragraph(canvas, area.below(1).between_margins(), empty);
+  if (rows.empty()) return static_cast<void>(canvas.paragraph(area.below(1).between_margins(), 0, empty));
   canvas.text(area, 0, 2, heading, Tone::faint);
   draw_list(canvas, area.below(1), rows, place);
 }
@@ -187,9 +185,9 @@ void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
 void MemoryScreen::draw_bytes(Canvas& canvas, const Area& area) const {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) {
-    draw_paragraph(canvas, {area.row + 1, area.column + 1, area.rows - 1, area.columns - 2},
-                   "The unit's memory is shown as soon as a unit answers (LINK says why it does not). o opens a dump "
-                   "that `ecs memory dump` or s wrote.");
+    canvas.paragraph(area.below(1).between_margins(), 0,
+                     "The unit's memory is shown as soon as a unit answers (LINK says why it does not). o opens a dump "
+                     "that `ecs memory dump` or s wrote.");
     return;
   }
   rows_ = rows_for(*region, cursor_, area.rows, area.columns, rows_.first);
@@ -264,7 +262,7 @@ void MemoryScreen::draw_targets(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const Target& target : targets()) rows.push_back({target.text, Tone::plain});
   if (rows.empty()) {
-    draw_paragraph(canvas, area.between_margins(), "no memory and no name like this");
+    canvas.paragraph(area.between_margins(), 0, "no memory and no name like this");
     return;
   }
   draw_list(canvas, area, rows, target_);
