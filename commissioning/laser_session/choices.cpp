@@ -1,33 +1,12 @@
 #include "commissioning/laser_session/choices.hpp"
 
-#include <type_traits>
 #include <utility>
-#include <variant>
 
 #include "base/json.hpp"
-#include "base/text.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::commissioning {
 namespace {
-
-/// An answer as text, whatever its kind; empty: not given.
-std::string text_of(const cli::Argument& answer) {
-  return std::visit(
-      [](const auto& value) -> std::string {
-        using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, std::string*>) return *value;
-        if constexpr (std::is_same_v<Value, std::optional<double>*>) return *value ? shortest(**value) : "";
-        if constexpr (std::is_same_v<Value, int*>) return *value > 0 ? std::to_string(*value) : "";
-        if constexpr (std::is_same_v<Value, bool*>) return *value ? "yes" : "";
-        return {};
-      },
-      answer.into);
-}
-
-/// The options of `laser import`, as they stand in these answers.
-cli::Arguments options_of(ImportArguments& answers) { return cli::fields_of<ImportArguments>().arguments_for(answers); }
-std::string name_of(const cli::Argument& option) { return option.name.substr(2); }
 
 Json json_of(const LaserLineChoice& line) {
   Json runs = Json::array(), readings = Json::array();
@@ -75,7 +54,7 @@ LaserChoices choices_of(const Json& object) {
   LaserChoices choices;
   for (const Json& one : object.at("files")) {
     LaserFileChoice file{one.at("path").get<std::string>(), {}};
-    for (const auto& [name, value] : one.at("answers").items()) set_answer(file.answers, name, value);
+    for (const auto& [name, value] : one.at("answers").items()) (void)set_answer(file.answers, name, value);
     file.places = one.value("places", file.places);
     choices.files.push_back(std::move(file));
   }
@@ -111,74 +90,6 @@ std::optional<LaserChoices> choices_in(const std::string& text) {
   } catch (const Json::exception&) {
     return std::nullopt;
   }
-}
-
-std::map<std::string, std::string> given_answers(const ImportArguments& answers) {
-  std::map<std::string, std::string> given;
-  ImportArguments copy = answers;
-  for (const cli::Argument& option : options_of(copy))
-    if (std::string text = text_of(option); !text.empty()) given[name_of(option)] = std::move(text);
-  return given;
-}
-
-std::vector<std::string> import_words(const ImportArguments& answers) {
-  std::map<std::string, std::vector<std::string>> by_name;
-  ImportArguments copy = answers;
-  for (const cli::Argument& option : options_of(copy))
-    if (std::string text = text_of(option); !text.empty())
-      by_name[option.name] = option.is_flag() ? std::vector{option.name} : std::vector{option.name, std::move(text)};
-  std::vector<std::string> words;
-  for (const auto& [name, with_value] : by_name) words.insert(words.end(), with_value.begin(), with_value.end());
-  return words;
-}
-
-void set_answer(ImportArguments& answers, const std::string& name, const std::string& value) {
-  for (const cli::Argument& option : options_of(answers)) {
-    if (name_of(option) != name) continue;
-    if (auto* const* text = std::get_if<std::string*>(&option.into)) **text = value;
-    if (auto* const* number = std::get_if<std::optional<double>*>(&option.into)) **number = number_in(value);
-    if (auto* const* count = std::get_if<int*>(&option.into)) **count = static_cast<int>(integer_in(value).value_or(0));
-    if (auto* const* flag = std::get_if<bool*>(&option.into)) **flag = value == "yes";
-  }
-}
-
-const std::vector<AnswerField>& answer_fields() {
-  static const std::vector<AnswerField> fields{
-      {"axis", "the axis that was moved, where the file does not say", {"", "X", "Y", "Z"}},
-      {"sense",
-       "what was measured: EX EY EZ um along, EA EB EC um/m about an axis",
-       {"", "EX", "EY", "EZ", "EA", "EB", "EC"}},
-      {"parked", "where the other axes stood [mm], as in y=-1400,z=0", {}},
-      {"columns", "a table: which column is what, as in x_mm=1,reading=3*0.001,run=2,approach=4", {}},
-      {"skip", "lines before the table", {}, AnswerField::Kind::number},
-      {"rows", "rows of the table to take; empty: all", {}, AnswerField::Kind::number},
-      {"delimiter", "between the columns: one character, or blank, tab, comma, semicolon", {}},
-      {"decimal", "decimal sign of the table", {"", "point", "comma"}},
-      {"values", "what the readings of the table are", {"", "error", "actual", "compensation"}},
-      {"target-unit", "unit of the targets where it is not the usual one: mm, in", {}},
-      {"reading-unit", "unit of the readings where it is not the usual one: um, mil, arcsec", {}},
-      {"channel", "of a log that holds several channels", {}},
-      {"channels", "of a log: several channels joined by time, as in x_mm=ENC[mm],reading=AI1[um]", {}},
-      {"join", "how channels meet in time; empty: linear", {"", "linear", "nearest", "previous"}},
-      {"max-gap",
-       "the greatest gap [s] over which channels are joined; empty: 5 usual intervals",
-       {},
-       AnswerField::Kind::number},
-      {"at-rest", "only rows whose position stays within this [mm]", {}, AnswerField::Kind::number},
-      {"average", "readings at rest become one, their mean", {"", "yes"}},
-      {"environment", "air and temperatures over time: a .pos, or a table with headings", {}, AnswerField::Kind::path},
-      {"environment-every",
-       "seconds between the rows of the environment, where it has no time",
-       {},
-       AnswerField::Kind::number},
-      {"keep-set-up", "shift and rotation of measured positions stay in the errors", {"", "yes"}},
-      {"encoding",
-       "code page of the texts; by itself if empty",
-       {"", "UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
-      {"accept-truncated", "take what is left of a file that ends too early", {"", "yes"}},
-      {"table-holds-errors", "a .REN table holds errors, not compensation", {"", "yes"}},
-      {"profile", "import answers saved under this name, or a path", {}}};
-  return fields;
 }
 
 }  // namespace ecs::commissioning

@@ -65,19 +65,4 @@ struct LaserChoices {
   return choices_text(a) == choices_text(b);
 }
 
-/// The answers that are given, by the names of the options: "axis" → "X".
-[[nodiscard]] std::map<std::string, std::string> given_answers(const ImportArguments& answers);
-/// The same as words of a command line: "--axis", "X".
-[[nodiscard]] std::vector<std::string> import_words(const ImportArguments& answers);
-void set_answer(ImportArguments& answers, const std::string& name, const std::string& value);
-
-/// A field of ImportArguments as a form asks it.
-struct AnswerField {
-  const char* name;  ///< "axis"
-  const char* help;
-  std::vector<std::string> choices;  ///< empty: any text
-  enum class Kind { text, number, path } kind = Kind::text;
-};
-[[nodiscard]] const std::vector<AnswerField>& answer_fields();
-
 }  // namespace ecs::commissioning

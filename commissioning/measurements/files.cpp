@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <type_traits>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -230,6 +233,56 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
         {"--environment", &A::environment, "air and temperatures over time: .pos, or a table with headings"},
         {"--environment-every", &A::environment_every_s, "between its rows, where it has no time [s]"}}
           .under("Of a log, and of a run with readings at rest")};
+}
+
+namespace {
+
+/// An answer as text, whatever its kind; empty: not given.
+std::string answer_text(const cli::Argument& option) {
+  return std::visit(
+      [](const auto& value) -> std::string {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, std::string*>) return *value;
+        if constexpr (std::is_same_v<Value, std::optional<double>*>) return *value ? shortest(**value) : "";
+        if constexpr (std::is_same_v<Value, int*>) return *value > 0 ? std::to_string(*value) : "";
+        if constexpr (std::is_same_v<Value, bool*>) return *value ? "yes" : "";
+        return {};
+      },
+      option.into);
+}
+
+}  // namespace
+
+std::map<std::string, std::string> given_answers(ImportArguments arguments) {
+  std::map<std::string, std::string> given;
+  for (const cli::Argument& option : cli::fields_of<ImportArguments>().arguments_for(arguments))
+    if (std::string text = answer_text(option); !text.empty()) given[option.name.substr(2)] = std::move(text);
+  return given;
+}
+
+std::vector<std::string> import_words(ImportArguments arguments) {
+  std::map<std::string, std::vector<std::string>> by_name;
+  for (const cli::Argument& option : cli::fields_of<ImportArguments>().arguments_for(arguments))
+    if (std::string text = answer_text(option); !text.empty())
+      by_name[option.name] = option.is_flag() ? std::vector{option.name} : std::vector{option.name, std::move(text)};
+  std::vector<std::string> words;
+  for (const auto& [name, with_value] : by_name) words.insert(words.end(), with_value.begin(), with_value.end());
+  return words;
+}
+
+std::string set_answer(ImportArguments& arguments, const std::string& name, const std::string& value) {
+  for (const cli::Argument& option : cli::fields_of<ImportArguments>().arguments_for(arguments)) {
+    if (option.name.substr(2) != name) continue;
+    auto* const* number = std::get_if<std::optional<double>*>(&option.into);
+    auto* const* count = std::get_if<int*>(&option.into);
+    if ((number != nullptr || count != nullptr) && !value.empty() && !number_in(value))
+      return fmt::format("{}: expected a number, found \"{}\"", name, value);
+    if (number != nullptr) **number = number_in(value);
+    if (count != nullptr) **count = static_cast<int>(integer_in(value).value_or(0));
+    if (auto* const* text = std::get_if<std::string*>(&option.into)) **text = value;
+    if (auto* const* flag = std::get_if<bool*>(&option.into)) **flag = value == "yes";
+  }
+  return {};
 }
 
 Result<laser::Imported> read_with_notes(MessageSink& messages, const std::string& file,

@@ -1,6 +1,7 @@
 // Measurement files: what a file does not say, given as words; reading one; joining several; folders in place of files.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,13 @@ struct ImportArguments {
   /// @param sense_option  where --sense means something else to the action
   static cli::Fields<ImportArguments> fields(const std::string& sense_option = "--sense");
 };
+
+/// The options of `laser import` that are given, without their dashes: "axis" → "X"; of a flag "yes".
+[[nodiscard]] std::map<std::string, std::string> given_answers(ImportArguments arguments);
+/// The same as words of a command line: "--axis", "X".
+[[nodiscard]] std::vector<std::string> import_words(ImportArguments arguments);
+/// One of them from its text; what was expected where that is no number. Another name is passed over.
+std::string set_answer(ImportArguments& arguments, const std::string& name, const std::string& value);
 
 /// A `usage` problem names the option that is wrong.
 [[nodiscard]] Result<laser::ImportOptions> import_options(const ImportArguments& arguments);

@@ -5,7 +5,7 @@
 #include "base/answer_table.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "commissioning/laser_session/choices.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"

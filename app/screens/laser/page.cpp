@@ -389,29 +389,28 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   const auto& files = controller.choices().files;
   const auto choice = std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.path == path; });
   if (choice == files.end()) return;
-  const auto given = given_answers(choice->answers);
+  auto given = given_answers(choice->answers);
   std::vector<LaserField> fields;
-  for (const commissioning::AnswerField& one : answer_fields()) {
-    const auto value = given.find(one.name);
-    fields.push_back({one.name, one.help, value == given.end() ? "" : value->second, one.choices,
-                      one.kind == commissioning::AnswerField::Kind::path});
+  ImportArguments asked;
+  for (cli::Argument& option : cli::fields_of<ImportArguments>().arguments_for(asked)) {
+    const std::string name = option.name.substr(2);
+    if (option.is_flag()) option.choices = {"yes"};
+    if (!option.choices.empty()) option.choices.insert(option.choices.begin(), "");
+    fields.push_back({name, option.help, given[name], option.choices, name == "environment"});
   }
   const std::string name = std::filesystem::path(path).filename().string();
-  LaserForm form("what " + name + " does not say", std::move(fields), [this, path](const std::vector<std::string>& v) {
+  const auto take = [this, path, fields](const std::vector<std::string>& v) {
     ImportArguments answers;
-    for (std::size_t k = 0; k < v.size(); ++k) {
-      const commissioning::AnswerField& asked = answer_fields()[k];
-      if (asked.kind == commissioning::AnswerField::Kind::number && !v[k].empty() && !number_in(v[k]))
-        return fmt::format("{}: expected a number, found \"{}\"", asked.name, v[k]);
-      set_answer(answers, asked.name, v[k]);
-    }
+    for (std::size_t k = 0; k < v.size(); ++k)
+      if (std::string wrong = set_answer(answers, fields[k].name, v[k]); !wrong.empty()) return wrong;
     if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
     controller.change("answers for a file", [&](LaserChoices& c) {
       for (LaserFileChoice& file : c.files)
         if (file.path == path) file.answers = answers;
     });
     return std::string();
-  });
+  };
+  LaserForm form("what " + name + " does not say", fields, take);
   if (!field.empty()) form.go_to(field);
   fill(std::move(form));
 }

@@ -18,7 +18,6 @@
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
-#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/session/commands.hpp"

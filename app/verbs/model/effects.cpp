@@ -12,7 +12,6 @@
 #include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
-#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/json.hpp"

@@ -250,21 +250,18 @@ TEST_CASE("Esc asks before unsaved work is left, and leaves at once where there 
   CHECK(driver.type("y") == Step::Kind::back);
 }
 
-std::size_t field_named(const std::string& name) {
-  const auto& fields = answer_fields();
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.name == name; });
-  REQUIRE(found != fields.end());
-  return static_cast<std::size_t>(found - fields.begin());
-}
+cli::Arguments import_fields(ImportArguments& into) { return cli::fields_of<ImportArguments>().arguments_for(into); }
 
 TEST_CASE("every answer is kept as it was given") {
   ImportArguments answers;
-  for (const commissioning::AnswerField& field : answer_fields()) {
-    const std::string value = !field.choices.empty()                                   ? field.choices.back()
-                              : field.kind == commissioning::AnswerField::Kind::number ? "3"
-                                                                                       : "some";
-    set_answer(answers, field.name, value);
-    CHECK_MESSAGE(given_answers(answers).at(field.name) == value, field.name);
+  for (const cli::Argument& field : import_fields(answers)) {
+    const bool number =
+        std::holds_alternative<int*>(field.into) || std::holds_alternative<std::optional<double>*>(field.into);
+    const std::string value = !field.choices.empty() ? field.choices.back()
+                              : field.is_flag()      ? "yes"
+                                                     : (number ? "3" : "some");
+    CHECK(set_answer(answers, field.name.substr(2), value).empty());
+    CHECK_MESSAGE(given_answers(answers).at(field.name.substr(2)) == value, field.name);
   }
   CHECK(answers.channels == "some");
   CHECK(answers.environment == "some");
@@ -277,7 +274,10 @@ TEST_CASE("the form asks for the channels of a log and its environment, and refu
   LaserScreenDriver driver;
   driver.take_files({folder.with("log.txt", "nothing that is known\n")});
   driver.type("\n");
-  driver.press(Key::Name::down, static_cast<int>(field_named("at-rest")));
+  ImportArguments none;
+  const auto fields = import_fields(none);
+  const auto at_rest = std::ranges::find(fields, "--at-rest", &cli::Argument::name);
+  driver.press(Key::Name::down, static_cast<int>(at_rest - fields.begin()));
   driver.type("still\n");
   CHECK(contains(driver.seen(), "at-rest: expected a number, found \"still\""));
   CHECK(contains(driver.seen(), "channels"));
