@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "commissioning/measurements/files.hpp"
-#include "laser/analysis/process.hpp"
+#include "laser/map/recipe.hpp"
 
 namespace ecs::commissioning {
 
@@ -28,32 +28,15 @@ struct LaserLineChoice {
   friend bool operator==(const LaserLineChoice&, const LaserLineChoice&) = default;
 };
 
-struct LaserComponentChoice {
-  std::optional<laser::SlopeMethod> slope;  ///< absent: the method recommended for the component
-  double smoothing_mm = 0.0;                ///< window; 0: none
-  std::optional<double> increment_mm;       ///< of the tables; absent: the spacing of the targets
-  std::string zero_reason;                  ///< why it is declared zero; empty: it is not
-  friend bool operator==(const LaserComponentChoice&, const LaserComponentChoice&) = default;
-};
-
-struct LaserHeaderChoice {
-  std::string customer;
-  std::string machine;        ///< empty: from the files, else from the parameters
-  std::string serial_number;  ///< the same
-  std::string engineer;
-  std::string date;
-  std::string remarks;
-  friend bool operator==(const LaserHeaderChoice&, const LaserHeaderChoice&) = default;
-};
-
 struct LaserChoices {
   std::vector<LaserFileChoice> files;
-  std::map<std::string, LaserLineChoice> lines;            ///< by LaserLine::key
-  std::map<std::string, LaserComponentChoice> components;  ///< by code
+  std::map<std::string, LaserLineChoice> lines;  ///< by LaserLine::key
+  /// Its header (empty: from the files, else from the parameters), what is done to each component, what is declared
+  /// zero; which files the components have follows from the lines.
+  laser::MapRecipe recipe;
   std::string opened_map;  ///< an error map taken as it is, in place of one from the lines; empty: none
   std::string params_file;
   std::string scope;  ///< "linear", "planar", "volumetric"; empty: as in the parameters
-  LaserHeaderChoice header;
   std::string map_file = "map.csv";
 };
 

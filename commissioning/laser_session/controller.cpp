@@ -3,13 +3,10 @@
 #include "commissioning/laser_session/controller.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
@@ -22,21 +19,6 @@ namespace ecs::commissioning {
 namespace {
 
 constexpr const char* kDraft = "laser";
-
-/// A folder for this controller; those of programs that are gone are cleared away.
-std::filesystem::path new_work_folder() {
-  static int count = 0;
-  const auto state = state_folder();
-  const auto parent = (state ? *state : std::filesystem::temp_directory_path()) / "laser-work";
-  std::error_code error;
-  for (const auto& folder : std::filesystem::directory_iterator(parent, error)) {
-    const std::string name = folder.path().filename().string();
-    const auto pid = integer_in(name.substr(0, name.find('-')));
-    if (pid && *pid > 0 && ::kill(static_cast<pid_t>(*pid), 0) != 0 && errno == ESRCH)
-      std::filesystem::remove_all(folder.path(), error);
-  }
-  return parent / fmt::format("{}-{}", ::getpid(), ++count);
-}
 
 /// As the time of a draft: "2026-05-04 14:05".
 std::string written_at(const std::string& file) {
@@ -52,7 +34,7 @@ std::string absolute(const std::string& path) {
 
 /// The machine that work belongs to: as the header, the parameters or a measured file name it, else the files' folder.
 std::string owner_of(const LaserChoices& choices) {
-  if (!choices.header.machine.empty()) return choices.header.machine;
+  if (!choices.recipe.machine.empty()) return choices.recipe.machine;
   if (const auto read = params::read_parameters(choices.params_file); read && !read->identity.machine.empty())
     return read->identity.machine;
   if (choices.files.empty()) return {};
@@ -66,16 +48,8 @@ LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : L
 
 }  // namespace
 
-struct LaserController::WorkFolder {
-  std::filesystem::path path = new_work_folder();
-  ~WorkFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path, error);
-  }
-};
-
 LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
-    : unit_(std::move(unit)), folder_(std::make_unique<WorkFolder>()), work_(std::make_shared<const LaserWork>()) {
+    : unit_(std::move(unit)), work_(std::make_shared<const LaserWork>()) {
   offer(offered_draft(kDraft));
 }
 
@@ -190,8 +164,8 @@ void LaserController::work_out(bool with_map) {
     return;
   }
   pending_ = false;
-  const auto work = [choices = choices_, before = work_, folder = folder_->path, with_map](JobControl& control) {
-    return worked_out(choices, before, folder, with_map, control);
+  const auto work = [choices = choices_, before = work_, with_map](JobControl& control) {
+    return worked_out(choices, before, with_map, control);
   };
   working_out_.start("working out", work, [this, with_map](LaserWorkPtr done) {
     work_ = std::move(done);
@@ -305,8 +279,8 @@ void LaserController::take_saved(const SavedMap& saved, const LaserChoices& choi
 
 void LaserController::save() {
   if (!can_save()) return;
-  const auto work = [work = work_, choices = choices_, folder = folder_->path](JobControl&) {
-    return save_laser_map(work->map, choices, folder);
+  const auto work = [work = work_, choices = choices_](JobControl&) {
+    return save_laser_map(work->map, choices, work->lines);
   };
   task_.start("saving", work, [this, choices = choices_, made = work_](const Result<SavedMap>& saved) {
     if (!saved) return say_failed("saving", saved.error());
@@ -324,8 +298,8 @@ void LaserController::prepare() {
     Result<SavedMap> saved;
     Result<ReadyMap> ready;
   };
-  const auto work = [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobControl& control) {
-    auto saved = save_laser_map(work->map, choices, folder);
+  const auto work = [work = work_, choices = choices_, unit = unit_](JobControl& control) {
+    auto saved = save_laser_map(work->map, choices, work->lines);
     auto ready = saved ? ready_map(*unit, control, saved->files) : tl::unexpected(saved.error());
     return Prepared{std::move(saved), std::move(ready)};
   };

@@ -131,8 +131,6 @@ class LaserController {
 
   std::shared_ptr<UnitConnection> unit_;
   std::string mismatch_, other_unit_;
-  struct WorkFolder;
-  std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;
   EditHistory<LaserChoices> history_;
   void offer(std::optional<Draft> draft);

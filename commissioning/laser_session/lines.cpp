@@ -106,7 +106,7 @@ void take_place(LaserLine& line, const PerAxis<bool>& known) {
 struct Part {
   laser::MeasurementSet set;
   std::string file;
-  bool whole_file = false;
+  std::string whole_file_sha256;  ///< empty: the file holds other lines too, or needs answers
   bool square = false;
   PerAxis<bool> position_known{};
   std::string stated;  ///< key of the line as the file states it
@@ -125,12 +125,13 @@ void put_at(Part& part, const std::string& parked) {
       if (const std::size_t k = index_of(a); named[k] && a != reading.axis)
         reading.position_mm[k] = options->parked_mm[k];
   for (std::size_t k = 0; k < named.size(); ++k) part.position_known[k] = part.position_known[k] || named[k];
-  part.whole_file = false;
+  part.whole_file_sha256.clear();
 }
 
 /// The line as a file states it, or at the place that corrects that.
 Part part_of(const LaserFile& file, const laser::Group& group, bool square, bool alone) {
-  Part part{set_of(*file.set, group), file.choice.path,     alone && given_answers(file.choice.answers).empty(), square,
+  const bool says_all = alone && given_answers(file.choice.answers).empty();
+  Part part{set_of(*file.set, group), file.choice.path,     says_all ? file.sha256 : "", square,
             file.position_known,      key_of(group, square)};
   const auto corrected = file.choice.places.find(part.stated);
   if (corrected == file.choice.places.end()) return part;
@@ -169,7 +170,7 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
       for (std::size_t k = 0; k < known.size(); ++k) known[k] = known[k] && part.position_known[k];
     }
     take_place(lines.back(), known);
-    lines.back().whole_file = parts.size() == 1 && parts.front().whole_file;
+    if (parts.size() == 1) lines.back().whole_file_sha256 = parts.front().whole_file_sha256;
     if (parts.size() > 1) lines.back().notes.push_back(fmt::format("{} files are one line here", parts.size()));
     return lines;
   }
@@ -177,7 +178,7 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
     lines.push_back(line_of(k == 0 ? key : fmt::format("{}, file {}", key, k + 1), parts[k].set, parts[k]));
     lines.back().files = {parts[k].file};
     lines.back().stated = {parts[k].stated};
-    lines.back().whole_file = parts[k].whole_file;
+    lines.back().whole_file_sha256 = parts[k].whole_file_sha256;
     lines.back().notes.push_back("not joined: " + to_text(all.error()));
   }
   return lines;
@@ -225,6 +226,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
       names.size() > 4 ? fmt::format("{} lines", names.size()) : fmt::format("{}", fmt::join(different, " "));
   file.summary += fmt::format(", {} readings", imported->set.readings.size());
   file.set = std::make_shared<const laser::MeasurementSet>(std::move(imported->set));
+  file.sha256 = std::move(imported->sha256);
   return file;
 }
 
@@ -240,7 +242,7 @@ Result<void> correct_place(LaserChoices& choices, const LaserLine& line, const s
         else
           file.places[line.stated[k]] = parked;
       }
-  Part moved{*line.set, {}, false, line.square, {}, {}};
+  Part moved{*line.set, {}, {}, line.square, {}, {}};
   put_at(moved, parked);
   if (auto left_out = choices.lines.extract(line.key)) {  // stays with the line
     left_out.key() = key_of(laser::groups_of(moved.set).front(), line.square);

@@ -21,10 +21,11 @@ struct LaserFile {
   std::string format;                                ///< "measurement CSV"
   std::string summary;                               ///< "EXX, 498 readings"
   std::shared_ptr<const laser::MeasurementSet> set;  ///< null: not read
-  std::string problem;                               ///< why not
-  bool wants_answers = false;                        ///< it would be read with answers
-  bool is_map = false;                               ///< no measurement, but an error map
-  PerAxis<bool> position_known{};                    ///< file or answers say where this axis stood
+  std::string sha256;
+  std::string problem;             ///< why not
+  bool wants_answers = false;      ///< it would be read with answers
+  bool is_map = false;             ///< no measurement, but an error map
+  PerAxis<bool> position_known{};  ///< file or answers say where this axis stood
 };
 [[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);
 /// Size and time of writing; empty: there is no such file.
@@ -42,7 +43,8 @@ struct LaserLine {
   std::vector<std::string> files;
   std::vector<std::string> stated;  ///< the key of the line as each of the files states it
   std::vector<std::string> notes;
-  bool whole_file = false;  ///< the one file holds this line alone and says all of it: a map can name it as it is
+  /// Of the one file that holds this line alone and says all of it: a map can name it as it is. Empty: there is none.
+  std::string whole_file_sha256;
   std::vector<std::size_t> suspects;  ///< readings far from their repeats; nothing is done to them
 };
 

@@ -31,40 +31,50 @@ LaserLineChoice choice_for_line(const LaserChoices& choices, const LaserLine& li
   return found == choices.lines.end() ? LaserLineChoice{} : found->second;
 }
 
-LaserComponentChoice choice_for_component(const LaserChoices& choices, Component component) {
-  const auto found = choices.components.find(std::string(name_of(component)));
-  return found == choices.components.end() ? LaserComponentChoice{} : found->second;
-}
-
-fs::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at, const fs::path& folder) {
-  const std::string stem = fs::path(lines[at].files.front()).stem().string();
-  return folder / fmt::format("{}_line{}.csv", stem, at + 1);
-}
-
 namespace {
+
+constexpr const char* kScopeKey = "compensation.scope";
+/// Stands for the folder of the prepared files until the map is saved.
+constexpr const char* kPrepared = "(prepared)";
 
 bool is_compensated(const LaserLine& line) { return line.group.compensated.value_or(false); }
 
+/// A name of its own for each line of the list.
+fs::path prepared_path(const std::vector<LaserLine>& lines, std::size_t at) {
+  return kPrepared / fs::path(fmt::format("{}_line{}.csv", fs::path(lines[at].files.front()).stem().string(), at + 1));
+}
+bool is_prepared(const fs::path& file) { return file.parent_path() == kPrepared; }
+
 /// The file that a map names for a line: its own where that says all of it.
-fs::path source_of(const LaserChoices& choices, const std::vector<LaserLine>& lines, std::size_t at,
-                   const fs::path& folder) {
-  const bool as_it_is = lines[at].whole_file && choice_for_line(choices, lines[at]).readings.empty();
-  return as_it_is ? fs::path(lines[at].files.front()) : prepared_path(lines, at, folder);
+fs::path source_of(const LaserChoices& choices, const std::vector<LaserLine>& lines, std::size_t at) {
+  const bool as_it_is = !lines[at].whole_file_sha256.empty() && choice_for_line(choices, lines[at]).readings.empty();
+  return as_it_is ? fs::path(lines[at].files.front()) : prepared_path(lines, at);
 }
 
-Result<void> prepare(const LaserChoices& choices, const std::vector<LaserLine>& lines, std::size_t at,
-                     const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  const std::string csv = laser::to_csv(prepared_set(lines[at], choice_for_line(choices, lines[at])));
-  const fs::path path = prepared_path(lines, at, folder);
-  if (const auto there = read_file(path); there && *there == csv) return {};
-  return write_file(path, csv);
+std::string prepared_csv(const LaserChoices& choices, const LaserLine& line) {
+  return laser::to_csv(prepared_set(line, choice_for_line(choices, line)));
 }
 
-std::string from_lines(const LaserAssignment& assignment, Component component) {
+/// As the files will be read once the map is saved.
+laser::FileReader reader_of(const LaserChoices& choices, const std::vector<LaserLine>& lines) {
+  return [&](const fs::path& path) -> Result<laser::Imported> {
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const LaserLine& line = lines[k];
+      if (!line.whole_file_sha256.empty() && line.files.front() == path)
+        return laser::Imported{nullptr, *line.set, {}, line.whole_file_sha256};
+      if (prepared_path(lines, k) != path) continue;
+      const std::string csv = prepared_csv(choices, line);
+      ECS_TRY(imported, laser::parse_any(csv, path.string(), {}));
+      imported.sha256 = sha256_hex(csv);
+      return imported;
+    }
+    return laser::read_plain(path);
+  };
+}
+
+std::string from_lines(const laser::SuggestedRecipe& suggested, Component component) {
   std::vector<std::string> names;
-  for (const laser::ComponentRecipe& one : assignment.recipe.components)
+  for (const laser::ComponentRecipe& one : suggested.recipe.components)
     if (one.component == component)
       for (const fs::path& file : one.files)
         if (names.empty() || names.back() != file.filename()) names.push_back(file.filename().string());
@@ -72,12 +82,12 @@ std::string from_lines(const LaserAssignment& assignment, Component component) {
 }
 
 /// Why the lines that measure a curve are not used for it; empty: there are none.
-std::string why_unused(const LaserAssignment& assignment, Component component) {
+std::string why_unused(const laser::SuggestedRecipe& suggested, Component component) {
   if (is_squareness(component)) return {};
   const std::string measured =
       fmt::format("({} along {}): ", name_of(sense_of(component)), letter_of(moving_axis(component)));
   std::vector<std::string> reasons;
-  for (const std::string& unused : assignment.unused)
+  for (const std::string& unused : suggested.unused)
     if (const std::size_t at = unused.find(measured); at != std::string::npos)
       reasons.push_back(unused.substr(at + measured.size()));
   return fmt::format("{}", fmt::join(reasons, "; "));
@@ -85,9 +95,9 @@ std::string why_unused(const LaserAssignment& assignment, Component component) {
 
 LaserComponent state_of(const LaserMapWork& work, Component component) {
   LaserComponent out{component, ComponentState::missing, {}};
-  for (const laser::DeclaredZero& zero : work.recipe.declared_zero)
-    if (zero.component == component) return {component, ComponentState::zero, zero.reason};
-  const std::string files = from_lines(work.assignment, component);
+  if (std::string reason = laser::zero_reason(work.recipe, component); !reason.empty())
+    return {component, ComponentState::zero, std::move(reason)};
+  const std::string files = from_lines(work.suggested, component);
   const std::string code = std::string(name_of(component)) + ":";
   for (const std::string& refusal : work.refusals)
     if (!files.empty() && refusal.find(code) != std::string::npos) return {component, ComponentState::refused, refusal};
@@ -95,7 +105,7 @@ LaserComponent state_of(const LaserMapWork& work, Component component) {
   const double held = is_squareness(component) ? squareness_um_per_m(work.parameters->parameters, component) : 0.0;
   if (held != 0.0)
     return {component, ComponentState::in_parameters, fmt::format("{:.2f} um/m in the parameters", held)};
-  out.detail = why_unused(work.assignment, component);
+  out.detail = why_unused(work.suggested, component);
   return out;
 }
 
@@ -106,53 +116,31 @@ void take_components(LaserMapWork& work) {
       work.components.push_back(state_of(work, static_cast<Component>(k)));
 }
 
-std::vector<laser::DeclaredZero> zeros_in(const LaserChoices& choices) {
-  std::vector<laser::DeclaredZero> zeros;
-  for (const auto& [code, choice] : choices.components)
-    if (const auto component = component_of(code); component && !choice.zero_reason.empty())
-      zeros.push_back({*component, choice.zero_reason});
-  return zeros;
-}
-
-/// What the recipe says besides files: slope, smoothing, increments, runs left out, zeros.
-laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
-                             const fs::path& folder, std::vector<std::string>& refusals) {
-  laser::MapRecipe recipe = work.assignment.recipe;
-  std::erase_if(recipe.components, [&](const laser::ComponentRecipe& one) {
-    return !choice_for_component(choices, one.component).zero_reason.empty();
-  });
-  for (laser::ComponentRecipe& one : recipe.components) {
-    const LaserComponentChoice choice = choice_for_component(choices, one.component);
-    one.slope = choice.slope;
-    one.smoothing_mm = choice.smoothing_mm;
-    one.increment_mm = choice.increment_mm;
-    const auto behind = lines_behind(one, lines, folder);
+/// What is chosen, for the files that are suggested.
+laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choices,
+                             const std::vector<LaserLine>& lines) {
+  laser::MapRecipe recipe = choices.recipe;
+  const laser::MapRecipe header = header_with_files(choices.recipe, lines);
+  recipe.customer = header.customer;
+  recipe.engineer = header.engineer;
+  recipe.date = header.date;
+  recipe.components.clear();
+  for (const laser::ComponentRecipe& suggested : work.suggested.recipe.components) {
+    if (!laser::zero_reason(choices.recipe, suggested.component).empty()) continue;
+    laser::ComponentRecipe one = laser::settings_of(choices.recipe, suggested.component);
+    one.files = suggested.files;
+    const auto behind = lines_behind(one, lines);
     for (std::size_t k = 0; k < std::min(behind.size(), one.files.size()); ++k) {
-      const LaserLine& line = lines[behind[k]];
-      const LaserLineChoice left = choice_for_line(choices, line);
-      const bool prepared = one.files[k].parent_path() == folder;
-      if (left.runs.empty() && !prepared) continue;
-      if (one.files.size() == 1 && !prepared) {
+      const LaserLineChoice left = choice_for_line(choices, lines[behind[k]]);
+      if (left.runs.empty() || is_prepared(one.files[k])) continue;
+      if (one.files.size() > 1)
+        one.files[k] = prepared_path(lines, behind[k]);
+      else
         for (const auto& [run, reason] : left.runs) one.exclude_runs.push_back(run);
-        continue;
-      }
-      one.files[k] = prepared_path(lines, behind[k], folder);
-      if (const auto done = prepare(choices, lines, behind[k], folder); !done)
-        refusals.push_back(to_text(done.error()));
     }
+    recipe.components.push_back(std::move(one));
   }
-  recipe.declared_zero = zeros_in(choices);
   return recipe;
-}
-
-void take_header(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines) {
-  const LaserHeaderChoice header = header_with_files(choices.header, lines);
-  work.recipe.customer = header.customer;
-  work.recipe.engineer = header.engineer;
-  work.recipe.date = header.date;
-  work.recipe.machine = choices.header.machine;
-  work.recipe.serial_number = choices.header.serial_number;
-  work.recipe.remark = choices.header.remarks;
 }
 
 void take_refusal(LaserMapWork& work, const Problem& why) {
@@ -191,8 +179,7 @@ std::string date_of(const std::vector<LaserLine>& lines) {
 
 }  // namespace
 
-LaserHeaderChoice header_with_files(const LaserHeaderChoice& chosen, const std::vector<LaserLine>& lines) {
-  LaserHeaderChoice header = chosen;
+laser::MapRecipe header_with_files(laser::MapRecipe header, const std::vector<LaserLine>& lines) {
   const auto fill = [&](std::string& field, std::initializer_list<const char*> keys) {
     for (const LaserLine& line : lines)
       for (const char* key : keys)
@@ -206,60 +193,42 @@ LaserHeaderChoice header_with_files(const LaserHeaderChoice& chosen, const std::
   return header;
 }
 
+namespace {
+
+/// With the scope chosen.
 void take_parameters(LaserMapWork& work, const LaserChoices& choices) {
-  work.parameters.reset();
-  work.parameters_problem.clear();
   if (choices.params_file.empty()) return;
   auto read = params::read_whole_parameters(choices.params_file);
   if (!read) {
     work.parameters_problem = to_text(read.error());
     return;
   }
-  if (choices.scope == "linear") read->parameters.scope = Scope::linear;
-  if (choices.scope == "planar") read->parameters.scope = Scope::planar;
-  if (choices.scope == "volumetric") read->parameters.scope = Scope::volumetric;
+  if (!choices.scope.empty()) (void)params::set(read->parameters, kScopeKey, choices.scope);
   work.parameters = std::move(*read);
 }
 
-void assign_lines(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
-                  const LaserAssignment& before, const fs::path& folder) {
-  work.assignment = {};
-  if (!work.parameters) return;
+/// Which line serves which component. A line that a map cannot name as it is stands for the file prepared of it.
+void assign_lines(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines) {
   std::vector<fs::path> files;
-  std::string made_from = params::parameters_toml(work.parameters->parameters);
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    if (is_compensated(lines[k])) continue;
-    files.push_back(source_of(choices, lines, k, folder));
-    made_from += fmt::format("{}\n{}\n", files.back().string(), lines[k].key);
-    if (files.back().parent_path() != folder) continue;
-    if (const auto done = prepare(choices, lines, k, folder); !done) work.assignment.problem = to_text(done.error());
-  }
-  if (before.made_from == made_from && work.assignment.problem.empty()) {
-    work.assignment = before;
-    return;
-  }
-  work.assignment.made_from = made_from;
-  auto suggested = laser::suggest_recipe(files, work.parameters->parameters);
-  if (!suggested) {
-    work.assignment.problem = to_text(suggested.error());
-    return;
-  }
-  work.assignment.recipe = std::move(suggested->recipe);
-  std::stable_sort(work.assignment.recipe.components.begin(), work.assignment.recipe.components.end(),
-                   [](const auto& a, const auto& b) { return a.component < b.component; });
-  work.assignment.unused = std::move(suggested->unused);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    if (!is_compensated(lines[k])) files.push_back(source_of(choices, lines, k));
+  auto suggested = laser::suggest_recipe(files, work.parameters->parameters, reader_of(choices, lines));
+  if (!suggested) return work.refusals.push_back(to_text(suggested.error()));
+  work.suggested = std::move(*suggested);
+  std::ranges::stable_sort(work.suggested.recipe.components, {}, &laser::ComponentRecipe::component);
   for (const LaserLine& line : lines)
     if (is_compensated(line))
-      work.assignment.unused.push_back(name_of_line(line) + ": measured with compensation active");
+      work.suggested.unused.push_back(name_of_line(line) + ": measured with compensation active");
 }
 
-std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component, const std::vector<LaserLine>& lines,
-                                      const fs::path& folder) {
+}  // namespace
+
+std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component, const std::vector<LaserLine>& lines) {
   std::vector<std::size_t> behind;
   for (const fs::path& file : component.files)
     for (std::size_t k = 0; k < lines.size(); ++k)
-      if (!is_compensated(lines[k]) && ((lines[k].whole_file && fs::path(lines[k].files.front()) == file) ||
-                                        prepared_path(lines, k, folder) == file)) {
+      if (!is_compensated(lines[k]) && ((!lines[k].whole_file_sha256.empty() && lines[k].files.front() == file) ||
+                                        prepared_path(lines, k) == file)) {
         behind.push_back(k);
         break;
       }
@@ -276,92 +245,49 @@ void take_made(LaserMapWork& work, Result<MadeMap> made) {
 
 /// The tables of the file stand for the components that lines would make.
 void take_opened_map(LaserMapWork& work, const LaserChoices& choices, const laser::Travels& travels) {
-  work.recipe = {};
-  work.assignment = {};
-  take_made(work, opened_map(choices.opened_map, zeros_in(choices), *work.parameters, travels));
+  take_made(work, opened_map(choices.opened_map, choices.recipe.declared_zero, *work.parameters, travels));
   if (!work.made) return;
   const laser::ErrorMap& map = work.made->map.map;
   for (const laser::MapTable& table : map.tables)
-    work.assignment.recipe.components.push_back({table.component, {choices.opened_map}, {}, 0.0, {}, {}});
+    work.suggested.recipe.components.push_back({table.component, {choices.opened_map}, {}, 0.0, {}, {}});
   work.recipe.declared_zero = map.header.declared_zero;
 }
 
 }  // namespace
 
-void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
-                     const fs::path& folder) {
-  work.made.reset();
-  work.refusals.clear();
-  work.components.clear();
-  work.csv.clear();
-  if (!work.parameters) return;
+LaserMapWork laser_map(const LaserChoices& choices, const std::vector<LaserLine>& lines) {
+  LaserMapWork work;
+  take_parameters(work, choices);
+  if (!work.parameters) return work;
   const laser::Travels travels = travels_beside(choices.params_file, *work.parameters);
   if (!choices.opened_map.empty()) {
     take_opened_map(work, choices, travels);
   } else {
-    if (!work.assignment.problem.empty()) work.refusals.push_back(work.assignment.problem);
-    work.recipe = full_recipe(work, choices, lines, folder, work.refusals);
-    take_header(work, choices, lines);
-    if (work.refusals.empty()) take_made(work, made_map(work.recipe, *work.parameters, travels));
+    assign_lines(work, choices, lines);
+    work.recipe = full_recipe(work, choices, lines);
+    if (work.refusals.empty())
+      take_made(work, made_map(work.recipe, *work.parameters, travels, reader_of(choices, lines)));
   }
   take_components(work);
+  return work;
 }
 
 namespace {
 
-constexpr const char* kScopeKey = "compensation.scope";
-
-/// A TOML string.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) >= 0x20) out += c;
-  }
-  return out + "\"";
-}
-
-std::string recipe_text(const laser::MapRecipe& recipe) {
-  std::string text = "# How this map was made; `ecs map build` makes it again from the same files.\n";
-  const auto word = [&](const char* key, const std::string& value) {
-    if (!value.empty()) text += fmt::format("{} = {}\n", key, quoted(value));
-  };
-  word("customer", recipe.customer);
-  word("engineer", recipe.engineer);
-  word("date", recipe.date);
-  word("machine", recipe.machine);
-  word("serial_number", recipe.serial_number);
-  word("remark", recipe.remark);
-  for (const laser::ComponentRecipe& one : recipe.components) {
-    text += fmt::format("\n[[component]]\ncode = \"{}\"\nfiles = [", name_of(one.component));
-    for (std::size_t k = 0; k < one.files.size(); ++k) text += (k == 0 ? "" : ", ") + quoted(one.files[k].string());
-    text += "]\n";
-    if (one.slope) text += fmt::format("slope = \"{}\"\n", laser::name_of(*one.slope));
-    if (one.smoothing_mm > 0.0) text += fmt::format("smoothing_mm = {}\n", shortest(one.smoothing_mm));
-    if (one.increment_mm) text += fmt::format("increment_mm = {}\n", shortest(*one.increment_mm));
-    for (std::size_t k = 0; k < one.exclude_runs.size(); ++k)
-      text += fmt::format("{}{}", k == 0 ? "exclude_runs = [" : ", ", one.exclude_runs[k]);
-    if (!one.exclude_runs.empty()) text += "]\n";
-  }
-  for (const laser::DeclaredZero& zero : recipe.declared_zero)
-    text +=
-        fmt::format("\n[[declared_zero]]\ncode = \"{}\"\nreason = {}\n", name_of(zero.component), quoted(zero.reason));
-  return text;
-}
-
-/// The recipe with its files where they stay: prepared ones beside the map, the others by their whole path.
-Result<laser::MapRecipe> recipe_to_keep(laser::MapRecipe recipe, const fs::path& prepared, const fs::path& keep_in) {
+/// The recipe with its files where they stay: prepared ones, written now, beside the map, the others by their whole
+/// path.
+Result<laser::MapRecipe> kept_recipe(laser::MapRecipe recipe, const LaserChoices& choices,
+                                     const std::vector<LaserLine>& lines, const fs::path& keep_in) {
+  std::error_code error;
   for (laser::ComponentRecipe& one : recipe.components)
     for (fs::path& file : one.files) {
-      std::error_code error;
-      if (file.parent_path() != prepared) {
-        file = fs::absolute(file, error);
-        continue;
+      if (is_prepared(file)) {
+        fs::create_directories(keep_in, error);
+        const std::size_t line = lines_behind({one.component, {file}, {}, 0.0, {}, {}}, lines).front();
+        file = keep_in / file.filename();
+        ECS_DO(write_file(file, prepared_csv(choices, lines[line])));
       }
-      ECS_TRY(content, read_file(file));
-      fs::create_directories(keep_in, error);
-      ECS_DO(write_file(keep_in / file.filename(), content));
-      file = fs::absolute(keep_in / file.filename(), error);
+      file = fs::absolute(file, error);
     }
   return recipe;
 }
@@ -406,14 +332,15 @@ MapFiles files_of_map(const std::string& map_file) {
   return {map_file, stem + "-parameters.toml", stem + "-recipe.toml", stem + "-files"};
 }
 
-Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices, const fs::path& prepared) {
+Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
+                                const std::vector<LaserLine>& lines) {
   const MapFiles files = files_of_map(choices.map_file);
   const std::string opened = choices.opened_map.empty() ? "" : read_file(choices.opened_map).value_or("");
   std::error_code error;
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
-  ECS_TRY(recipe, recipe_to_keep(work.recipe, prepared, files.folder));
+  ECS_TRY(recipe, kept_recipe(work.recipe, choices, lines, files.folder));
   ECS_DO(write_file(files.map, work.csv));
-  if (choices.opened_map.empty()) ECS_DO(write_file(files.recipe, recipe_text(recipe)));
+  if (choices.opened_map.empty()) ECS_DO(write_file(files.recipe, laser::recipe_text(recipe)));
   if (const auto written =
           params::write_parameters(files.parameters, work.made->map.parameters, work.parameters->identity);
       !written)
@@ -441,7 +368,7 @@ std::string recipe_for_script(laser::MapRecipe recipe, const std::string& recipe
     for (fs::path& file : one.files)
       if (const fs::path word = path_word(file.string()); word.is_relative())
         file = fs::absolute(word, error).lexically_normal().lexically_relative(folder);
-  return recipe_text(recipe);
+  return laser::recipe_text(recipe);
 }
 
 /// The files of the recipe that had to be prepared, each by its verb, or as it is where no verb makes it.
@@ -455,7 +382,7 @@ void note_prepared(const SavedMap& saved, const LaserChoices& choices, const std
       noted.push_back(file);
       std::optional<std::vector<std::string>> words;
       for (std::size_t k = 0; k < lines.size(); ++k)
-        if (prepared_path(lines, k, kept) == file)
+        if (prepared_path(lines, k).filename() == file.filename())
           words = prepare_words(lines[k], choice_for_line(choices, lines[k]), choices.files, file.string());
       if (words)
         note_command(std::move(*words));

@@ -4,7 +4,6 @@
 
 #include "commissioning/plot/curves.hpp"
 #include "laser/analysis/pipeline.hpp"
-#include "laser/map/recipe.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -23,43 +22,15 @@ PlotPanel screen_panel(const laser::MeasurementSet& readings, const laser::Curve
   return panel;
 }
 
-/// What the steps made of a curve. @param readings  behind the curve; empty: none
-void finish(LaserCurve& out, const laser::ProcessedCurve& steps, const laser::MeasurementSet& readings) {
-  out.removed_per_m = steps.level.removed.slope_per_m;
-  out.removed_std_error_per_m = steps.level.slope_std_error_per_m;
-  out.smoothed = steps.smooth;
-  if (steps.smooth) out.band_after = laser::band_of(steps.smooth->curve);
-  if (steps.smoothing_fault) out.problem = "smoothing: " + to_text(*steps.smoothing_fault);
-  out.after = screen_panel(readings, steps.curve(), "after");
-  out.unchanged = out.slope == laser::SlopeMethod::none && !out.smoothed;
-  if (out.unchanged) out.before.title = "before and after";
-}
-
-laser::CurveSteps steps_of(const LaserCurve& curve) { return {curve.slope, curve.choice.smoothing_mm}; }
-
-void take_one_line(LaserCurve& out, const LaserLineResult& line) {
-  const auto readings = laser::processed_readings(line.chosen, line.group, steps_of(out));
-  if (!readings) {
-    out.problem = to_text(readings.error());
-    return;
-  }
-  out.band_before = readings->band_before;
-  out.band_after = readings->band;
-  out.before = screen_panel(readings->before, readings->before_curve, "before");
-  finish(out, *readings, readings->after);
-}
-
-void take_two_lines(LaserCurve& out, const LaserLineResult& first, const LaserLineResult& second) {
-  const auto rotation = laser::rotation_from(*first.curve, *second.curve);
-  const auto steps = rotation ? laser::processed(*rotation, steps_of(out)) : tl::unexpected(rotation.error());
-  if (!steps) {
-    out.problem = to_text(steps.error());
-    return;
-  }
-  out.band_before = laser::band_of(*rotation);
-  out.band_after = laser::band_of(steps->level.curve);
-  out.before = screen_panel({}, *rotation, "before");
-  finish(out, *steps, {});
+/// From one line what is done to its readings, from two to the rotation that they show, which has none.
+Result<laser::ProcessedReadings> steps_of(const LaserLineResults& lines, const laser::CurveSteps& steps) {
+  if (lines.size() == 1) return laser::processed_readings(lines.front()->chosen, lines.front()->group, steps);
+  ECS_TRY(rotation, laser::rotation_from(*lines[0]->curve, *lines[1]->curve));
+  ECS_TRY(processed, laser::processed(rotation, steps));
+  laser::ProcessedReadings out{std::move(processed), {}, std::move(rotation), {}, 0.0, 0.0};
+  out.band_before = laser::band_of(out.before_curve);
+  out.band = laser::band_of(out.level.curve);
+  return out;
 }
 
 }  // namespace
@@ -107,7 +78,7 @@ LaserLineResult line_result(const LaserLine& line, const LaserLineChoice& choice
   return result;
 }
 
-LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, const LaserComponentChoice& choice,
+LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, const laser::ComponentRecipe& choice,
                        const LaserLineResults& results) {
   LaserCurve out;
   out.component = component;
@@ -115,15 +86,25 @@ LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, cons
   out.choice = choice;
   out.recommended = laser::default_slope(component);
   out.slope = choice.slope.value_or(out.recommended);
-  for (const auto& result : results)
+  for (const auto& result : results) {
     if (!result->curve) out.problem = result->problem;
-  for (const auto& result : results) out.left_out_of_lines += result->left_out.size();
+    out.left_out_of_lines += result->left_out.size();
+  }
   if (!out.problem.empty()) return out;
   if (results.size() == 1) out.left_out = results.front()->left_out;
-  if (results.size() == 2)
-    take_two_lines(out, *results[0], *results[1]);
-  else
-    take_one_line(out, *results[0]);
+  auto steps = steps_of(results, {out.slope, choice.smoothing_mm});
+  if (!steps) {
+    out.problem = to_text(steps.error());
+    return out;
+  }
+  out.removed_per_m = steps->level.removed.slope_per_m;
+  out.band_before = steps->band_before;
+  out.band_after = steps->smooth ? laser::band_of(steps->smooth->curve) : steps->band;
+  if (steps->smoothing_fault) out.problem = "smoothing: " + to_text(*steps->smoothing_fault);
+  out.unchanged = out.slope == laser::SlopeMethod::none && !steps->smooth;
+  out.before = screen_panel(steps->before, steps->before_curve, out.unchanged ? "before and after" : "before");
+  out.after = screen_panel(steps->after, steps->curve(), "after");
+  out.smoothed = std::move(steps->smooth);
   return out;
 }
 
@@ -169,11 +150,10 @@ struct WantedCurve {
   Component component = Component::EXX;
   std::vector<std::size_t> lines;
 };
-std::vector<WantedCurve> wanted_curves(const LaserWork& work, const std::filesystem::path& folder) {
+std::vector<WantedCurve> wanted_curves(const LaserWork& work) {
   std::vector<WantedCurve> wanted;
-  for (const laser::ComponentRecipe& one : work.map.assignment.recipe.components)
-    if (auto lines = lines_behind(one, work.lines, folder); !lines.empty())
-      wanted.push_back({one.component, std::move(lines)});
+  for (const laser::ComponentRecipe& one : work.map.suggested.recipe.components)
+    if (auto lines = lines_behind(one, work.lines); !lines.empty()) wanted.push_back({one.component, std::move(lines)});
   if (work.map.parameters) return wanted;
   for (std::size_t k = 0; k < work.lines.size(); ++k) wanted.push_back({work.lines[k].component, {k}});
   return wanted;
@@ -187,10 +167,10 @@ bool same_lines(const LaserCurve& curve, const LaserLineResults& then, const std
   return true;
 }
 
-std::vector<LaserCurve> curves_of(const LaserWork& work, const LaserWork* before, const std::filesystem::path& folder) {
+std::vector<LaserCurve> curves_of(const LaserWork& work, const LaserWork* before) {
   std::vector<LaserCurve> curves;
-  for (WantedCurve& one : wanted_curves(work, folder)) {
-    const LaserComponentChoice choice = choice_for_component(work.choices, one.component);
+  for (WantedCurve& one : wanted_curves(work)) {
+    const laser::ComponentRecipe choice = laser::settings_of(work.choices.recipe, one.component);
     const LaserCurve* known = nullptr;
     if (before != nullptr)
       for (const LaserCurve& curve : before->curves)
@@ -211,26 +191,23 @@ std::vector<LaserCurve> curves_of(const LaserWork& work, const LaserWork* before
 
 }  // namespace
 
-LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, const std::filesystem::path& folder,
-                        bool with_map, JobControl& control) {
+LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, bool with_map, JobControl& control) {
   auto work = std::make_shared<LaserWork>();
   work->choices = choices;
   bool changed = true;
   work->files = read_files(choices, before.get(), changed, control);
   work->lines = changed || !before ? laser_lines(work->files) : before->lines;
   work->results = results_of(*work, before.get());
-  const LaserAssignment assignment = before ? before->map.assignment : LaserAssignment{};
-  if (before) work->map = before->map;
-  if (with_map && !control.cancelled) {
-    take_parameters(work->map, choices);
-    assign_lines(work->map, choices, work->lines, assignment, folder);
-  } else if (changed) {
-    work->map.assignment = {};
+  work->map_current = with_map && !control.cancelled;
+  if (work->map_current)
+    work->map = laser_map(choices, work->lines);
+  else if (before)
+    work->map = before->map;
+  if (!work->map_current && changed) {
+    work->map.suggested = {};
     work->map.parameters.reset();
   }
-  work->curves = curves_of(*work, before.get(), folder);
-  if (with_map && !control.cancelled) build_laser_map(work->map, choices, work->lines, folder);
-  work->map_current = with_map && !control.cancelled;
+  work->curves = curves_of(*work, before.get());
   return work;
 }
 

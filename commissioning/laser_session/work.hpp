@@ -3,7 +3,6 @@
 // over from before.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,11 +41,10 @@ using LaserLineResults = std::vector<std::shared_ptr<const LaserLineResult>>;
 struct LaserCurve {
   Component component = Component::EXX;
   std::vector<std::size_t> lines;  ///< places in the list of lines: one, or two for a rotation from parallel lines
-  LaserComponentChoice choice;
+  laser::ComponentRecipe choice;
   laser::SlopeMethod slope = laser::SlopeMethod::none;
   laser::SlopeMethod recommended = laser::SlopeMethod::none;
   double removed_per_m = 0.0;
-  std::optional<double> removed_std_error_per_m;
   double band_before = 0.0;  ///< range of the readings; of the curve where it comes from two lines
   double band_after = 0.0;   ///< the same, slope removed and smoothed (of the curve where it is smoothed)
   std::optional<laser::Smoothed> smoothed;
@@ -58,7 +56,7 @@ struct LaserCurve {
 };
 /// @param results  one or two, of the lines `lines`
 [[nodiscard]] LaserCurve laser_curve(Component component, std::vector<std::size_t> lines,
-                                     const LaserComponentChoice& choice, const LaserLineResults& results);
+                                     const laser::ComponentRecipe& choice, const LaserLineResults& results);
 
 struct LaserWork {
   LaserChoices choices;  ///< what it was worked out from
@@ -72,9 +70,8 @@ struct LaserWork {
 using LaserWorkPtr = std::shared_ptr<const LaserWork>;
 
 /// @param before   what was worked out last; null: nothing yet
-/// @param folder   for files that a map needs prepared
 /// @param with_map false: lines and curves of the readings alone, the map is taken over from before
-[[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
-                                      const std::filesystem::path& folder, bool with_map, JobControl& control);
+[[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, bool with_map,
+                                      JobControl& control);
 
 }  // namespace ecs::commissioning

@@ -140,7 +140,9 @@ Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions
   ECS_TRY(bytes, read_file(path));
   if (!options.mapping && !options.matrix)
     if (auto wrong = wrong_kind(FileKind::measurements, bytes, path.string())) return tl::unexpected(std::move(*wrong));
-  return parse_any(bytes, path.string(), options);
+  auto imported = parse_any(bytes, path.string(), options);
+  if (imported) imported->sha256 = sha256_hex(bytes);
+  return imported;
 }
 
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {

@@ -62,6 +62,7 @@ struct Imported {
   const FileFormat* format = nullptr;  ///< never null in an answer
   MeasurementSet set;                  ///< what had to be assumed stands in `set.notes`
   EnvironmentSeries environment;       ///< of an environment log, whose set has no readings
+  std::string sha256{};                ///< of the bytes that were read
 };
 
 /// Why a text of no known format is not read: what it seems to be and where it says so, the table found in it, and the
@@ -76,7 +77,7 @@ struct Imported {
 /// The same from a file.
 [[nodiscard]] Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options = {});
 
-/// How the files of a piece of work are read: what the caller knows about them is in it.
+/// How the files of a piece of work are read, with the checksum of each: what the caller knows about them is in it.
 using FileReader = std::function<Result<Imported>(const std::filesystem::path&)>;
 
 /// Files that say everything themselves.

@@ -4,9 +4,11 @@
 #include <array>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/clock.hpp"
 #include "base/file_kind.hpp"
+#include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/findings.hpp"
 
@@ -14,6 +16,15 @@ namespace ecs::laser {
 namespace {
 
 constexpr std::array<std::string_view, 3> kSlopeNames{"none", "end_points", "least_squares"};
+
+/// Who, when, which machine: in the order of the file.
+constexpr std::array<std::pair<std::string_view, std::string MapRecipe::*>, 6> kWords{
+    {{"customer", &MapRecipe::customer},
+     {"engineer", &MapRecipe::engineer},
+     {"date", &MapRecipe::date},
+     {"machine", &MapRecipe::machine},
+     {"serial_number", &MapRecipe::serial_number},
+     {"remark", &MapRecipe::remark}}};
 
 /// Reads one recipe; every method leaves its complaints in `reader_`.
 class RecipeReader {
@@ -27,13 +38,8 @@ class RecipeReader {
         table,
         {"customer", "engineer", "date", "machine", "serial_number", "remark", "shrink", "component", "declared_zero"},
         "recipe");
-    recipe.customer = reader_.word(table, "customer").value_or("");
-    recipe.engineer = reader_.word(table, "engineer").value_or("");
-    recipe.date = reader_.word(table, "date").value_or("");
+    for (const auto& [key, member] : kWords) recipe.*member = reader_.word(table, key).value_or("");
     if (const auto wrong = wrong_date(recipe.date)) reader_.complain(*table.get("date"), "date: " + *wrong);
-    recipe.machine = reader_.word(table, "machine").value_or("");
-    recipe.serial_number = reader_.word(table, "serial_number").value_or("");
-    recipe.remark = reader_.word(table, "remark").value_or("");
     if (const toml::node* shrink = table.get("shrink")) {
       if (!shrink->is_boolean()) reader_.complain(*shrink, "shrink: expected true or false");
       recipe.shrink = shrink->value_or(false);
@@ -166,6 +172,61 @@ Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& fil
 Result<MapRecipe> read_map_recipe(const std::filesystem::path& path) {
   ECS_TRY(text, read_file_of(FileKind::recipe, path));
   return parse_map_recipe(text, path.string(), path.parent_path());
+}
+
+ComponentRecipe settings_of(const MapRecipe& recipe, Component component) {
+  const auto found = std::ranges::find(recipe.components, component, &ComponentRecipe::component);
+  return found == recipe.components.end() ? ComponentRecipe{component, {}, {}, 0.0, {}, {}} : *found;
+}
+
+ComponentRecipe& settings_in(MapRecipe& recipe, Component component) {
+  const auto found = std::ranges::find(recipe.components, component, &ComponentRecipe::component);
+  return found == recipe.components.end() ? recipe.components.emplace_back(settings_of(recipe, component)) : *found;
+}
+
+std::string zero_reason(const MapRecipe& recipe, Component component) {
+  const auto found = std::ranges::find(recipe.declared_zero, component, &DeclaredZero::component);
+  return found == recipe.declared_zero.end() ? std::string() : found->reason;
+}
+
+void declare_zero(MapRecipe& recipe, Component component, const std::string& reason) {
+  std::erase_if(recipe.declared_zero, [&](const DeclaredZero& zero) { return zero.component == component; });
+  if (!reason.empty()) recipe.declared_zero.push_back({component, reason});
+  std::ranges::sort(recipe.declared_zero, {}, [](const DeclaredZero& zero) { return name_of(zero.component); });
+}
+
+namespace {
+
+/// A TOML string.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20) out += c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+std::string recipe_text(const MapRecipe& recipe) {
+  std::string text = "# How this map was made; `ecs map build` makes it again from the same files.\n";
+  for (const auto& [key, member] : kWords)
+    if (!(recipe.*member).empty()) text += fmt::format("{} = {}\n", key, quoted(recipe.*member));
+  if (recipe.shrink) text += "shrink = true\n";
+  for (const ComponentRecipe& one : recipe.components) {
+    text += fmt::format("\n[[component]]\ncode = \"{}\"\nfiles = [", name_of(one.component));
+    for (std::size_t k = 0; k < one.files.size(); ++k) text += (k == 0 ? "" : ", ") + quoted(one.files[k].string());
+    text += "]\n";
+    if (one.slope) text += fmt::format("slope = \"{}\"\n", name_of(*one.slope));
+    if (one.smoothing_mm > 0.0) text += fmt::format("smoothing_mm = {}\n", shortest(one.smoothing_mm));
+    if (one.increment_mm) text += fmt::format("increment_mm = {}\n", shortest(*one.increment_mm));
+    if (!one.exclude_runs.empty()) text += fmt::format("exclude_runs = [{}]\n", fmt::join(one.exclude_runs, ", "));
+  }
+  for (const DeclaredZero& zero : recipe.declared_zero)
+    text +=
+        fmt::format("\n[[declared_zero]]\ncode = \"{}\"\nreason = {}\n", name_of(zero.component), quoted(zero.reason));
+  return text;
 }
 
 }  // namespace ecs::laser

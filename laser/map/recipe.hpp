@@ -33,6 +33,7 @@ struct ComponentRecipe {
   double smoothing_mm = 0.0;         ///< window of the local quadratic; 0: none
   std::vector<int> exclude_runs;
   std::optional<double> increment_mm;  ///< of the tables; absent: the spacing of the targets
+  friend bool operator==(const ComponentRecipe&, const ComponentRecipe&) = default;
 };
 
 struct MapRecipe {
@@ -47,6 +48,15 @@ struct MapRecipe {
   std::string remark{};  ///< kept with the steps of the map
 };
 
+/// What is done to a component, without its files where the recipe names none.
+[[nodiscard]] ComponentRecipe settings_of(const MapRecipe& recipe, Component component);
+/// The same to be changed; added where the recipe lacks it.
+[[nodiscard]] ComponentRecipe& settings_in(MapRecipe& recipe, Component component);
+/// Why a component is declared zero; empty: it is not.
+[[nodiscard]] std::string zero_reason(const MapRecipe& recipe, Component component);
+/// Zeros stay in the order of their codes. @param reason  empty: it is no longer declared zero
+void declare_zero(MapRecipe& recipe, Component component, const std::string& reason);
+
 /// Reads a recipe (docs/laser.md):
 ///   customer, engineer, date, machine, serial_number, remark, shrink (true or false)
 ///   [[component]] code, files (relative to the recipe), slope, smoothing_mm, exclude_runs, increment_mm
@@ -55,6 +65,8 @@ struct MapRecipe {
 [[nodiscard]] Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& file_name,
                                                  const std::filesystem::path& folder);
 [[nodiscard]] Result<MapRecipe> read_map_recipe(const std::filesystem::path& path);
+/// The same recipe as a file; files as they are named.
+[[nodiscard]] std::string recipe_text(const MapRecipe& recipe);
 
 /// The recipe that the files themselves suggest for a unit with these parameters: each file by its axis and sense; a
 /// rotation without a file of its own from two linear runs on parallel lines, if there are such; straightness by

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
 #include "laser/groups.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/measurement_set.hpp"
@@ -100,9 +99,8 @@ Problem refusal(const std::filesystem::path& file, Component component, const st
 
 Result<const MeasuredFiles::Loaded*> MeasuredFiles::load(const std::filesystem::path& path) {
   if (const auto known = files_.find(path); known != files_.end()) return &known->second;
-  ECS_TRY(bytes, read_file(path));
   ECS_TRY(imported, read_(path));
-  Loaded loaded{std::move(imported.set), sha256_hex(bytes)};
+  Loaded loaded{std::move(imported.set), std::move(imported.sha256)};
   const MeasuredMachine machine = measured_machine(loaded.set.metadata);
   remember(machines_, machine.name, path);
   remember(serial_numbers_, machine.serial_number, path);

@@ -139,8 +139,7 @@ class LeaveOutPage final : public LaserPage {
 
   /// As chosen now, also while the curves are still worked out.
   [[nodiscard]] LaserLineChoice choice_of(const LaserLine& line) const {
-    const auto found = controller().choices().lines.find(line.key);
-    return found == controller().choices().lines.end() ? LaserLineChoice{} : found->second;
+    return choice_for_line(controller().choices(), line);
   }
 
   [[nodiscard]] std::vector<TreeRow> tree_of(const LaserLine& line) const {
@@ -313,7 +312,8 @@ class CurvesPage final : public LaserPage {
     if (is_letter(key, U' ')) {
       const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
       controller().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
-        c.components[code].slope = next == curve.recommended ? std::nullopt : std::optional(next);
+        laser::settings_in(c.recipe, curve.component).slope =
+            next == curve.recommended ? std::nullopt : std::optional(next);
       });
     } else if (key.name == Key::Name::enter) {
       host().fill(form_for(curve));
@@ -353,14 +353,13 @@ class CurvesPage final : public LaserPage {
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().curves.size()); }
 
   /// The choice of now, while the curve may still be that of before.
-  [[nodiscard]] LaserComponentChoice choice_of(const LaserCurve& curve) const {
-    const auto found = controller().choices().components.find(std::string(name_of(curve.component)));
-    return found == controller().choices().components.end() ? LaserComponentChoice{} : found->second;
+  [[nodiscard]] laser::ComponentRecipe choice_of(const LaserCurve& curve) const {
+    return laser::settings_of(controller().choices().recipe, curve.component);
   }
 
   /// Without parameters a row is a line, and several may measure the same component: the place tells them apart.
   [[nodiscard]] ListRow row_of(const LaserWork& work, const LaserCurve& curve) const {
-    const LaserComponentChoice choice = choice_of(curve);
+    const laser::ComponentRecipe choice = choice_of(curve);
     const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
     const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
     if (!work.map.parameters)
@@ -433,7 +432,7 @@ class CurvesPage final : public LaserPage {
 
   LaserForm form_for(const LaserCurve& curve) const {
     const std::string code(name_of(curve.component));
-    const LaserComponentChoice now = choice_of(curve);
+    const laser::ComponentRecipe now = choice_of(curve);
     const auto number = [](double value) { return value > 0.0 ? shortest(value) : std::string(); };
     std::vector<LaserField> fields{
         {"smoothing [mm]", "width of the local parabola; empty: none", number(now.smoothing_mm)},
@@ -444,16 +443,16 @@ class CurvesPage final : public LaserPage {
         {"grid [mm]", "spacing of the points in the map; empty: that of the targets",
          number(now.increment_mm.value_or(0.0))}};
     return LaserForm(fmt::format("{}  {}", code, laser::description_of(curve.component)), std::move(fields),
-                     [this, code](const std::vector<std::string>& v) { return take_form(code, v); });
+                     [this, of = curve.component](const std::vector<std::string>& v) { return take_form(of, v); });
   }
 
-  std::string take_form(const std::string& code, const std::vector<std::string>& v) const {
+  std::string take_form(Component component, const std::vector<std::string>& v) const {
     const auto smoothing = v[0].empty() ? std::optional(0.0) : number_in(v[0]);
     const auto grid = v[2].empty() ? std::optional(0.0) : number_in(v[2]);
     if (!smoothing || *smoothing < 0.0) return "smoothing: a width in mm, as in 100, or nothing";
     if (!grid || *grid < 0.0) return "grid: a spacing in mm, as in 50, or nothing";
-    controller().change("slope, smoothing and grid of " + code, [&](LaserChoices& c) {
-      LaserComponentChoice& choice = c.components[code];
+    controller().change(fmt::format("slope, smoothing and grid of {}", name_of(component)), [&](LaserChoices& c) {
+      laser::ComponentRecipe& choice = laser::settings_in(c.recipe, component);
       choice.smoothing_mm = *smoothing;
       choice.slope = laser::slope_method_named(v[1]);
       choice.increment_mm = *grid > 0.0 ? grid : std::nullopt;

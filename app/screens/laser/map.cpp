@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/plot/curves.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::app {
 namespace {
@@ -29,10 +30,6 @@ const char* word_for(ComponentState state) {
       break;
   }
   return "MISSING";
-}
-
-const char* word_for(Scope scope) {
-  return scope == Scope::linear ? "linear" : (scope == Scope::planar ? "planar" : "volumetric");
 }
 
 class MapPage final : public LaserPage {
@@ -122,7 +119,8 @@ class MapPage final : public LaserPage {
     const UnitParameters& p = map.parameters->parameters;
     const std::string name = std::filesystem::path(controller().choices().params_file).filename().string();
     std::string text =
-        fmt::format("{} ({}, {}): {} needed", name, configuration_of(p), word_for(p.scope), map.components.size());
+        fmt::format("{} ({}, {}): {} needed", name, configuration_of(p),
+                    params::text_of(*params::field_named("compensation.scope"), p), map.components.size());
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
     if (!map.complete()) return text + ", see the findings";
     text += ", nothing is missing";
@@ -187,7 +185,7 @@ class MapPage final : public LaserPage {
       add((finding.objection ? "objection: " : "remark: ") + finding.message);
     if (map.made)
       for (const std::string& note : map.made->map.notes) add("note: " + note);
-    for (const std::string& unused : map.assignment.unused) add("not used: " + unused);
+    for (const std::string& unused : map.suggested.unused) add("not used: " + unused);
     return lines;
   }
 
@@ -197,9 +195,9 @@ class MapPage final : public LaserPage {
     return LaserForm(
         fmt::format("declare {} zero: {}", code, laser::description_of(one.component)),
         {{"reason", "why it may be taken as zero; the map's header keeps it. Empty: it is not declared zero", now}},
-        [this, code](const std::vector<std::string>& v) {
+        [this, code, of = one.component](const std::vector<std::string>& v) {
           controller().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
-                              [&](LaserChoices& c) { c.components[code].zero_reason = std::string(trimmed(v[0])); });
+                              [&](LaserChoices& c) { laser::declare_zero(c.recipe, of, std::string(trimmed(v[0]))); });
           return std::string();
         });
   }
@@ -219,16 +217,16 @@ namespace {
 struct HeaderField {
   const char* name;
   const char* help;
-  std::string LaserHeaderChoice::*value;
+  std::string laser::MapRecipe::*value;
 };
 constexpr std::array<HeaderField, 6> kFields{{
-    {"customer", "whose machine it is", &LaserHeaderChoice::customer},
-    {"machine", "its type; empty: as the files or the parameters say", &LaserHeaderChoice::machine},
+    {"customer", "whose machine it is", &laser::MapRecipe::customer},
+    {"machine", "its type; empty: as the files or the parameters say", &laser::MapRecipe::machine},
     {"serial number", "of the machine; a map goes only into the unit with this number",
-     &LaserHeaderChoice::serial_number},
-    {"engineer", "who measured and commissioned", &LaserHeaderChoice::engineer},
-    {"date", "year-month-day, as in 2026-03-12; preset: of the measurement", &LaserHeaderChoice::date},
-    {"remarks", "anything worth knowing; a line of the header", &LaserHeaderChoice::remarks},
+     &laser::MapRecipe::serial_number},
+    {"engineer", "who measured and commissioned", &laser::MapRecipe::engineer},
+    {"date", "year-month-day, as in 2026-03-12; preset: of the measurement", &laser::MapRecipe::date},
+    {"remarks", "anything worth knowing; a line of the header", &laser::MapRecipe::remark},
 }};
 
 class HeaderPage final : public LaserPage {
@@ -237,13 +235,13 @@ class HeaderPage final : public LaserPage {
 
   void draw(Canvas& canvas, const Area& area) const override {
     canvas.text(area, 0, 1, "The header travels with the map into the unit.", Tone::faint);
-    const LaserHeaderChoice shown = in_effect();
+    const laser::MapRecipe shown = in_effect();
     for (std::size_t k = 0; k < kFields.size(); ++k) {
       const int row = static_cast<int>(k) + 2;
       const bool here = k == at();
       canvas.text(area, row, 1, here ? ">" : " ", Tone::strong);
       canvas.text(area, row, 3, kFields[k].name, here ? Tone::strong : Tone::plain);
-      const std::string& chosen = controller().choices().header.*kFields[k].value;
+      const std::string& chosen = controller().choices().recipe.*kFields[k].value;
       const std::string& value = shown.*kFields[k].value;
       if (editing_ && here) {
         line_.draw(canvas, area, row, kValues, std::max(1, area.columns - kValues - 1), true);
@@ -286,8 +284,8 @@ class HeaderPage final : public LaserPage {
   static constexpr int kValues = 20;
   [[nodiscard]] std::size_t at() const { return place_within(place_, kFields.size()); }
 
-  [[nodiscard]] LaserHeaderChoice in_effect() const {
-    LaserHeaderChoice shown = header_with_files(controller().choices().header, controller().work().lines);
+  [[nodiscard]] laser::MapRecipe in_effect() const {
+    laser::MapRecipe shown = header_with_files(controller().choices().recipe, controller().work().lines);
     const LaserMapWork& map = controller().work().map;
     if (map.parameters && shown.machine.empty()) shown.machine = map.parameters->identity.machine;
     if (map.parameters && shown.serial_number.empty()) shown.serial_number = map.parameters->identity.serial_number;
@@ -322,13 +320,13 @@ class HeaderPage final : public LaserPage {
     }
     const HeaderField& field = kFields[at()];
     const std::string value = line_.text();
-    if (field.value == &LaserHeaderChoice::date)
+    if (field.value == &laser::MapRecipe::date)
       if (const auto wrong = wrong_date(value)) {
         controller().message().say("date: " + *wrong, Tone::bad);
         return true;
       }
     if (value != in_effect().*field.value)
-      controller().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
+      controller().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.recipe.*field.value = value; });
     editing_ = false;
     if (key.name == Key::Name::tab && at() + 1 < kFields.size()) {
       ++place_.selected;

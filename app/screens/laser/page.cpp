@@ -12,6 +12,7 @@
 #include "app/ui/chart.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "params/fields.hpp"
 
 namespace ecs::app {
 
@@ -424,16 +425,16 @@ void LaserHost::ask_parameters() {
   const auto state = state_folder();
   const std::string unit_file =
       ((state ? *state : std::filesystem::temp_directory_path()) / "unit-parameters.toml").string();
-  std::vector<LaserField> fields{{"parameters",
-                                  "the unit's parameter file; leave it empty to take what the unit holds",
-                                  now.params_file,
-                                  {},
-                                  true,
-                                  {{FileKind::parameters}}},
-                                 {"scope",
-                                  "what the unit shall correct; empty: as the parameters say",
-                                  now.scope,
-                                  {"", "linear", "planar", "volumetric"}}};
+  std::vector<std::string> scopes = params::field_named("compensation.scope")->choices;
+  scopes.insert(scopes.begin(), "");
+  std::vector<LaserField> fields{
+      {"parameters",
+       "the unit's parameter file; leave it empty to take what the unit holds",
+       now.params_file,
+       {},
+       true,
+       {{FileKind::parameters}}},
+      {"scope", "what the unit shall correct; empty: as the parameters say", now.scope, scopes}};
   fill(LaserForm("parameters of the unit", std::move(fields), [this, unit_file](const std::vector<std::string>& v) {
     if (v[0].empty()) {
       controller.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });

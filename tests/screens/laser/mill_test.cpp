@@ -48,7 +48,6 @@ void commission_on_keys(LaserScreenDriver& driver, const StateFolder& folder) {
   driver.type("psamples/mill/parameters.toml\n");
   REQUIRE(driver.settled());
   const auto smooth = [&](Component component, const std::string& width) {
-    const std::string code(name_of(component));
     driver.type("4");
     driver.press(Key::Name::home);
     for (const LaserCurve& curve : driver.controller().work().curves) {
@@ -57,7 +56,7 @@ void commission_on_keys(LaserScreenDriver& driver, const StateFolder& folder) {
     }
     driver.type("\n" + width + "\n");
     REQUIRE(driver.settled());
-    REQUIRE(driver.controller().choices().components.at(code).smoothing_mm > 0.0);
+    REQUIRE(laser::settings_of(driver.controller().choices().recipe, component).smoothing_mm > 0.0);
   };
   for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
   smooth(Component::EBX, "300");
@@ -233,9 +232,8 @@ TEST_CASE("the wizard and the verb make the same maps of all samples, bit for bi
     driver.take_files(measured_by_plan(folder, sample), params);
     driver.controller().change("the rest", [&](LaserChoices& c) {
       for (const LaserComponent& one : driver.controller().work().map.components)
-        if (one.state == ComponentState::missing)
-          c.components[std::string(name_of(one.component))].zero_reason = "not measured";
-      c.header.customer = "Works";
+        if (one.state == ComponentState::missing) laser::declare_zero(c.recipe, one.component, "not measured");
+      c.recipe.customer = "Works";
       c.map_file = (folder.path / "screen.csv").string();
     });
     REQUIRE(driver.settled());

@@ -333,7 +333,7 @@ TEST_CASE("the date of the header is a date; another text is not taken, and what
   driver.type("\nN. Comer\n");
   CHECK(driver.seen(24, 120).find("expected year-month-day, as in 2026-03-12, found \"2024-05-06N. Comer\"") !=
         std::string::npos);
-  CHECK(driver.controller().choices().header.date.empty());
+  CHECK(driver.controller().choices().recipe.date.empty());
   driver.press(Key::Name::backspace, 8);
   driver.type("\n");
   REQUIRE(driver.settled());

@@ -25,7 +25,8 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
     driver.type("9\n");
     REQUIRE(driver.shows("the unit holds this map and its parameters"));
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
-    driver.controller().change("smoothing", [](LaserChoices& c) { c.components["EXX"].smoothing_mm = 300.0; });
+    driver.controller().change(
+        "smoothing", [](LaserChoices& c) { laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 300.0; });
     REQUIRE(driver.settled());
     CHECK(driver.controller().mark(LaserStep::send) == LaserMark::doubtful);
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::doubtful);
@@ -48,7 +49,8 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   const std::uint32_t old_check = driver.controller().sent()->check;
 
   driver.controller().change("finer", [](LaserChoices& c) {
-    for (const char* code : {"EXX", "EYY", "EZZ"}) c.components[code].increment_mm = 4.0;
+    for (const Component each : {Component::EXX, Component::EYY, Component::EZZ})
+      laser::settings_in(c.recipe, each).increment_mm = 4.0;
   });
   REQUIRE(driver.settled());
   driver.type("\n");
@@ -61,7 +63,7 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
   CHECK(driver.seen().find("not sent: ") != std::string::npos);
   CHECK(driver.seen().find("The unit keeps the map it had") != std::string::npos);
-  CHECK(driver.controller().choices().components.at("EXX").increment_mm == 4.0);
+  CHECK(laser::settings_of(driver.controller().choices().recipe, Component::EXX).increment_mm == 4.0);
   unit.start();
   REQUIRE(driver.until(
       [&] { return driver.seen().find("the map it had before is still active and whole") != std::string::npos; }, 60));
@@ -135,7 +137,7 @@ Result<void> map_sent_over(UnitLink& link, const std::string& map, const std::st
 void save_another_map(LaserScreenDriver& driver, const StateFolder& folder) {
   const LaserChoices before = driver.controller().choices();
   driver.controller().change("other values", [&](LaserChoices& c) {
-    c.components["EXX"].smoothing_mm = 800.0;
+    laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 800.0;
     c.map_file = (folder.path / "other.csv").string();
   });
   REQUIRE(driver.settled());
@@ -206,7 +208,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   }
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
     driver.controller().change("the other map", [&](LaserChoices& c) {
-      c.components["EXX"].smoothing_mm = 800.0;
+      laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 800.0;
       c.map_file = (folder.path / "other.csv").string();
     });
     REQUIRE(driver.settled());

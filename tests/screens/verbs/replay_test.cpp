@@ -244,12 +244,12 @@ TEST_CASE("a map of joined, corrected and thinned lines, with a scope and a rema
     c.lines[kExx].runs[2] = "it's cold";
     c.lines[kExx].readings[5] = "";
     c.lines["EY along Y at X 0, Z 0"].runs[1] = "warming up";
-    c.components["EXX"].smoothing_mm = 300.0;
-    c.components["EYY"].increment_mm = 50.0;
+    laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 300.0;
+    laser::settings_in(c.recipe, Component::EYY).increment_mm = 50.0;
     c.params_file = "mill.toml";
     c.scope = "linear";
-    c.header.engineer = "S. R. Postlethwaite";
-    c.header.remarks = "for training";
+    c.recipe.engineer = "S. R. Postlethwaite";
+    c.recipe.remark = "for training";
     c.map_file = "out/map.csv";
   });
   REQUIRE(driver.settled());
@@ -264,7 +264,7 @@ TEST_CASE("a map of joined, corrected and thinned lines, with a scope and a rema
   for (const char* file : {"out/map.csv", "out/map-parameters.toml"}) session.check_same(file);
 
   SUBCASE("and saved again after a change: the script overwrites its own file") {
-    driver.controller().change("another engineer", [](LaserChoices& c) { c.header.engineer = "Jo Fitter"; });
+    driver.controller().change("another engineer", [](LaserChoices& c) { c.recipe.engineer = "Jo Fitter"; });
     REQUIRE(driver.settled());
     driver.controller().save();
     REQUIRE(driver.settled());
@@ -285,7 +285,7 @@ TEST_CASE("a map that was opened, with a component declared zero since") {
   driver.controller().open_map("two.csv");
   driver.controller().change("the rest", [](LaserChoices& c) {
     c.params_file = "linear.toml";
-    c.components["EZZ"].zero_reason = "not measured";
+    laser::declare_zero(c.recipe, Component::EZZ, "not measured");
     c.map_file = "three.csv";
   });
   REQUIRE(driver.settled());
