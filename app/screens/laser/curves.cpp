@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "app/screens/laser/page.hpp"
+#include "app/screens/laser/screen.hpp"
 #include "base/text.hpp"
 #include "laser/map/recipe.hpp"
 
@@ -21,13 +21,29 @@ struct TreeRow {
 
 class LeaveOutPage final : public LaserPage {
  public:
-  explicit LeaveOutPage(LaserHost& host) : LaserPage(host) {}
+  explicit LeaveOutPage(LaserHost& host) : LaserPage(host) {
+    const auto lines = [this] { return !in_tree_; };
+    const auto tree = [this] { return in_tree_; };
+    const auto change_side = [this] { in_tree_ = !in_tree_; };
+    rows_ = {{"up/down", "line", {}, lines},
+             {"Enter", "its runs", change_side, lines},
+             {"Space", "out or in", [this] { toggle(line(), row()); }, tree},
+             {"Enter", "readings of a run", [this] { open_or_close(row()); }, tree},
+             {"w", "why", [this] { ask_reason(line(), row()); }, tree},
+             {"o", "next outlier", [this] { to_next_suspect(line()); }},
+             {"Tab", "lines", change_side, tree, true},
+             {"Shift-Tab", "", change_side},
+             {"u", "undo"},
+             {"left/right", "cursor", {}, lines},
+             {"+ - 0", "zoom", {}, lines},
+             {"e", "picture", [this] { export_line(line(), *controller().work().results[at()]); }, lines, true}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: step 1 takes the files.");
     const LaserHalves halves = laser_halves(area);
-    const LaserLine& line = work.lines[at()];
+    const LaserLine& line = this->line();
     const auto tree = tree_of(line);
     const int tree_rows = std::min(static_cast<int>(tree.size()) + 1, halves.list.rows / 2);
     const int upper = std::min(static_cast<int>(work.lines.size()), halves.list.rows - tree_rows);
@@ -55,41 +71,13 @@ class LeaveOutPage final : public LaserPage {
   bool on_key(const Key& key) override {
     const LaserWork& work = controller().work();
     if (work.lines.empty()) return false;
-    const LaserLine& line = work.lines[at()];
-    const auto tree = tree_of(line);
-    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
-      in_tree_ = !in_tree_;
-      return true;
-    }
-    if (is_letter(key, U'o')) return to_next_suspect(line);
-    if (is_letter(key, U'e')) {
-      const LaserLineResult& result = *work.results[at()];
-      host().export_picture({name_of_line(line) + ", " + line.place,
-                             {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
-                             1,
-                             true},
-                            std::string(name_of(line.component)));
-      return true;
-    }
-    if (!in_tree_) {
-      if (key.name == Key::Name::enter) {
-        in_tree_ = true;
-        return true;
-      }
-      if (line_.on_key(key, static_cast<int>(work.lines.size()))) {
-        tree_ = {};
-        open_.clear();
-        view_ = {};
-        return true;
-      }
-      return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
-    }
-    if (tree_.on_key(key, static_cast<int>(tree.size()))) return true;
-    const TreeRow row = tree[place_within(tree_, tree.size())];
-    if (is_letter(key, U' ')) return toggle(line, row);
-    if (is_letter(key, U'w')) return ask_reason(line, row);
-    if (key.name == Key::Name::enter && !row.reading) {
-      if (!open_.erase(row.run)) open_.insert(row.run);
+    if (act_on(rows_, key)) return true;
+    if (in_tree_) {
+      if (tree_.on_key(key, static_cast<int>(tree_of(line()).size()))) return true;
+    } else if (line_.on_key(key, static_cast<int>(work.lines.size()))) {
+      tree_ = {};
+      open_.clear();
+      view_ = {};
       return true;
     }
     return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
@@ -97,14 +85,6 @@ class LeaveOutPage final : public LaserPage {
 
   bool on_escape() override { return std::exchange(in_tree_, false); }
 
-  std::vector<KeyHelp> keys() const override {
-    if (!in_tree_)
-      return {{"up/down", "line"},      {"Enter", "its runs"}, {"o", "next outlier"}, {"u", "undo"},
-              {"left/right", "cursor"}, {"+ - 0", "zoom"},     {"e", "picture"}};
-    return {{"Space", "out or in"}, {"Enter", "readings of a run"},
-            {"w", "why"},           {"o", "next outlier"},
-            {"Tab", "lines"},       {"u", "undo"}};
-  }
   std::string help() const override {
     return "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
            "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
@@ -136,6 +116,12 @@ class LeaveOutPage final : public LaserPage {
   }
 
   [[nodiscard]] std::size_t at() const { return place_within(line_, controller().work().lines.size()); }
+  /// @pre there are lines
+  [[nodiscard]] const LaserLine& line() const { return controller().work().lines[at()]; }
+  [[nodiscard]] TreeRow row() const {
+    const auto tree = tree_of(line());
+    return tree[place_within(tree_, tree.size())];
+  }
 
   /// As chosen now, also while the curves are still worked out.
   [[nodiscard]] LaserLineChoice choice_of(const LaserLine& line) const {
@@ -175,12 +161,22 @@ class LeaveOutPage final : public LaserPage {
             out ? Tone::warning : Tone::plain};
   }
 
-  bool toggle(const LaserLine& line, const TreeRow& row) {
-    if (row.reading && choice_of(line).runs.contains(row.run)) {
-      controller().message().say(fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run),
-                                 Tone::warning);
-      return true;
-    }
+  void open_or_close(const TreeRow& row) {
+    if (!row.reading && open_.erase(row.run) == 0) open_.insert(row.run);
+  }
+
+  void export_line(const LaserLine& line, const LaserLineResult& result) {
+    host().export_picture({name_of_line(line) + ", " + line.place,
+                           {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
+                           1,
+                           true},
+                          std::string(name_of(line.component)));
+  }
+
+  void toggle(const LaserLine& line, const TreeRow& row) {
+    if (row.reading && choice_of(line).runs.contains(row.run))
+      return controller().message().say(
+          fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run), Tone::warning);
     const bool is_out =
         row.reading ? choice_of(line).readings.contains(*row.reading) : choice_of(line).runs.contains(row.run);
     const std::string what = row.reading ? fmt::format("a reading of {}", name_of_line(line))
@@ -192,16 +188,12 @@ class LeaveOutPage final : public LaserPage {
       if (!row.reading && is_out) choice.runs.erase(row.run);
       if (!row.reading && !is_out) choice.runs.emplace(row.run, "");
     });
-    return true;
   }
 
-  bool ask_reason(const LaserLine& line, const TreeRow& row) {
+  void ask_reason(const LaserLine& line, const TreeRow& row) {
     const LaserLineChoice choice = choice_of(line);
     const bool is_out = row.reading ? choice.readings.contains(*row.reading) : choice.runs.contains(row.run);
-    if (!is_out) {
-      controller().message().say("leave it out first (Space), then say why", Tone::warning);
-      return true;
-    }
+    if (!is_out) return controller().message().say("leave it out first (Space), then say why", Tone::warning);
     const std::string now = row.reading ? choice.readings.at(*row.reading) : choice.runs.at(row.run);
     host().fill(LaserForm("why it is left out", {{"reason", "kept with the map: cold machine, beam broken, ...", now}},
                           [this, key = line.key, row](const std::vector<std::string>& v) {
@@ -213,15 +205,11 @@ class LeaveOutPage final : public LaserPage {
                             });
                             return std::string();
                           }));
-    return true;
   }
 
   /// The next reading of this line that stands out, its run opened.
-  bool to_next_suspect(const LaserLine& line) {
-    if (line.suspects.empty()) {
-      controller().message().say("No reading of this line differs from its repeats.");
-      return true;
-    }
+  void to_next_suspect(const LaserLine& line) {
+    if (line.suspects.empty()) return controller().message().say("No reading of this line differs from its repeats.");
     const auto before = tree_of(line);
     const std::size_t here = place_within(tree_, before.size());
     const std::size_t from = in_tree_ && here < before.size() && before[here].reading ? *before[here].reading + 1 : 0;
@@ -232,7 +220,6 @@ class LeaveOutPage final : public LaserPage {
     for (std::size_t k = 0; k < tree.size(); ++k)
       if (tree[k].reading == *next) tree_.selected = static_cast<int>(k);
     in_tree_ = true;
-    return true;
   }
 
   ListPlace line_, tree_;
@@ -266,7 +253,16 @@ std::string short_words(laser::SlopeMethod method) {
 
 class CurvesPage final : public LaserPage {
  public:
-  explicit CurvesPage(LaserHost& host) : LaserPage(host) {}
+  explicit CurvesPage(LaserHost& host) : LaserPage(host) {
+    rows_ = {{"Space", "slope", [this] { next_slope(curve()); }},
+             {"Enter", "smoothing, slope, grid", [this] { this->host().fill(form_for(curve())); }},
+             {"up/down", "curve"},
+             {"v", "before, after, both", [this] { shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3); }},
+             {"u", "undo"},
+             {"+ - 0", "zoom"},
+             {"left/right", "cursor"},
+             {"e", "picture", [this] { export_curve(curve()); }}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
@@ -298,50 +294,14 @@ class CurvesPage final : public LaserPage {
 
   bool on_key(const Key& key) override {
     const auto& curves = controller().work().curves;
-    if (is_letter(key, U'p')) {
-      host().ask_parameters();
-      return true;
-    }
     if (curves.empty()) return false;
     if (place_.on_key(key, static_cast<int>(curves.size()))) {
       view_ = {};
       return true;
     }
-    const LaserCurve& curve = curves[at()];
-    const std::string code(name_of(curve.component));
-    if (is_letter(key, U' ')) {
-      const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
-      controller().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
-        laser::settings_in(c.recipe, curve.component).slope =
-            next == curve.recommended ? std::nullopt : std::optional(next);
-      });
-    } else if (key.name == Key::Name::enter) {
-      host().fill(form_for(curve));
-    } else if (is_letter(key, U'v')) {
-      shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3);
-    } else if (is_letter(key, U'e')) {
-      PlotFigure figure{fmt::format("{}  {}", code, laser::description_of(curve.component)),
-                        {with_left_out(curve.before, curve.left_out, unit_of(curve.component))},
-                        1,
-                        false};
-      if (!curve.unchanged) figure.panels.push_back(curve.after);
-      host().export_picture(std::move(figure), code);
-    } else {
-      return on_laser_chart_key(key, curve.before, curve.left_out, view_);
-    }
-    return true;
+    return act_on(rows_, key) || on_laser_chart_key(key, curve().before, curve().left_out, view_);
   }
 
-  std::vector<KeyHelp> keys() const override {
-    return {{"Space", "slope"},
-            {"Enter", "smoothing, slope, grid"},
-            {"up/down", "curve"},
-            {"v", "before, after, both"},
-            {"u", "undo"},
-            {"+ - 0", "zoom"},
-            {"left/right", "cursor"},
-            {"e", "picture"}};
-  }
   std::string help() const override {
     return "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
            "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
@@ -351,6 +311,26 @@ class CurvesPage final : public LaserPage {
 
  private:
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().curves.size()); }
+  /// @pre there are curves
+  [[nodiscard]] const LaserCurve& curve() const { return controller().work().curves[at()]; }
+
+  void next_slope(const LaserCurve& curve) {
+    const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
+    controller().change(fmt::format("{} of {}", words_for(next), name_of(curve.component)), [&](LaserChoices& c) {
+      laser::settings_in(c.recipe, curve.component).slope =
+          next == curve.recommended ? std::nullopt : std::optional(next);
+    });
+  }
+
+  void export_curve(const LaserCurve& curve) {
+    const std::string code(name_of(curve.component));
+    PlotFigure figure{fmt::format("{}  {}", code, laser::description_of(curve.component)),
+                      {with_left_out(curve.before, curve.left_out, unit_of(curve.component))},
+                      1,
+                      false};
+    if (!curve.unchanged) figure.panels.push_back(curve.after);
+    host().export_picture(std::move(figure), code);
+  }
 
   /// The choice of now, while the curve may still be that of before.
   [[nodiscard]] laser::ComponentRecipe choice_of(const LaserCurve& curve) const {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/files/prompt.hpp"
-#include "app/screens/laser/page.hpp"
+#include "app/screens/laser/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/session/remembered.hpp"
@@ -16,19 +16,28 @@
 namespace ecs::app {
 namespace {
 
-constexpr const char* kSteps[] = {"1 Files      of any instrument, several or a whole folder",
-                                  "2 Lines      what was measured, where, under which conditions",
-                                  "3 Leave out  runs and readings, and back again",
-                                  "4 Slope      slope and smoothing, before and after",
-                                  "5 ISO 230    accuracy and repeatability by ISO 230-2",
-                                  "6 Map        parameters of the unit; what is there, what is missing",
-                                  "7 Header     customer, machine, engineer, date",
-                                  "8 Send       saved to disc, checked, sent to the unit",
-                                  "9 Verify     read back and compared"};
-
 class FilesPage final : public LaserPage {
  public:
-  explicit FilesPage(LaserHost& host) : LaserPage(host) {}
+  explicit FilesPage(LaserHost& host) : LaserPage(host) {
+    const auto choose = [this] {
+      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_,
+                       FileWish{{FileKind::measurements, FileKind::map}, true});
+    };
+    const auto answer = [this, choose] {
+      if (const auto& files = controller().choices().files; files.empty())
+        choose();
+      else
+        this->host().ask_answers(files[place_within(place_, files.size())].path);
+    };
+    const auto take_off = [this] { this->take_off(); };
+    rows_ = {{"a", "add files", choose},
+             {"e", "measure", [this] { ask_to_measure(); }, [this] { return emulated(); }, true},
+             {"Enter", "what a file does not say", answer},
+             {"x", "take off", take_off},
+             {"Del", "", take_off},
+             {"p", "parameters"},
+             {"r", "read again", [this] { controller().read_again(); }}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     if (chooser_) return chooser_->draw(canvas, area);
@@ -53,7 +62,9 @@ class FilesPage final : public LaserPage {
           emulated() ? "; e measures the emulated machine by a plan" : "");
       draw_nothing_yet(canvas, area, begin);
       int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
-      for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
+      for (int k = 0; k < kLaserSteps; ++k)
+        canvas.text(area, row++, 3, fmt::format("{} {:<10} {}", k + 1, kLaserStepRows[k].name, kLaserStepRows[k].what),
+                    Tone::faint);
       return;
     }
     const int below = std::min(4, area.rows / 3);
@@ -66,28 +77,7 @@ class FilesPage final : public LaserPage {
 
   bool on_key(const Key& key) override {
     if (chooser_) return on_chooser_key(key);
-    const auto& files = controller().choices().files;
-    if (place_.on_key(key, static_cast<int>(files.size()))) return true;
-    const std::size_t at = place_within(place_, files.size());
-    if (is_letter(key, U'a') || (key.name == Key::Name::enter && files.empty())) {
-      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_,
-                       FileWish{{FileKind::measurements, FileKind::map}, true});
-    } else if (is_letter(key, U'p')) {
-      host().ask_parameters();
-    } else if (is_letter(key, U'e')) {
-      ask_to_measure();
-    } else if (is_letter(key, U'r')) {
-      controller().read_again();
-    } else if (key.name == Key::Name::enter) {
-      host().ask_answers(files[at].path);
-    } else if (!files.empty() && (is_letter(key, U'x') || key.name == Key::Name::erase)) {
-      controller().change("a file taken off",
-                          [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
-      place_.selected = static_cast<int>(place_within(place_, controller().choices().files.size()));
-    } else {
-      return false;
-    }
-    return true;
+    return place_.on_key(key, static_cast<int>(controller().choices().files.size())) || act_on(rows_, key);
   }
 
   bool advance() override {
@@ -106,15 +96,7 @@ class FilesPage final : public LaserPage {
   }
 
   std::vector<KeyHelp> keys() const override {
-    if (!chooser_) {
-      std::vector<KeyHelp> keys{{"a", "add files"},
-                                {"Enter", "what a file does not say"},
-                                {"x", "take off"},
-                                {"p", "parameters"},
-                                {"r", "read again"}};
-      if (emulated()) keys.insert(keys.begin() + 1, {"e", "measure"});
-      return keys;
-    }
+    if (!chooser_) return helps_of(rows_);
     std::vector<KeyHelp> keys;
     for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
     return keys;
@@ -130,6 +112,14 @@ class FilesPage final : public LaserPage {
   [[nodiscard]] bool emulated() const {
     const WatchedUnit unit = controller().unit().snapshot();
     return unit.emulator && !unit.workshop.empty();
+  }
+
+  void take_off() {
+    const auto& files = controller().choices().files;
+    if (files.empty()) return;
+    const auto at = static_cast<std::ptrdiff_t>(place_within(place_, files.size()));
+    controller().change("a file taken off", [&](LaserChoices& c) { c.files.erase(c.files.begin() + at); });
+    place_.selected = static_cast<int>(place_within(place_, files.size()));
   }
 
   /// The emulated laser measures what a plan asks for; the files are added.
@@ -343,7 +333,15 @@ std::vector<std::string> details_of(const LaserLine& line, int columns) {
 
 class LinesPage final : public LaserPage {
  public:
-  explicit LinesPage(LaserHost& host) : LaserPage(host) {}
+  explicit LinesPage(LaserHost& host) : LaserPage(host) {
+    const auto answer = [this] {
+      this->host().ask_answers(file_to_ask(controller().work(), line()), line().place_unknown.empty() ? "" : "parked");
+    };
+    rows_ = {{"up/down", "line"},
+             {"Enter", "what is missing", answer},
+             {"c", "correct the place", [this] { ask_place(line()); }},
+             {"PgUp/PgDn", "its details"}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
@@ -360,28 +358,15 @@ class LinesPage final : public LaserPage {
     draw_list(canvas, {area.row + 1, area.column, list_rows, area.columns}, rows, place_);
     const int top = 2 + list_rows;
     const Area below{area.row + top, area.column + 1, std::max(0, area.rows - top), area.columns - 2};
-    const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
-    draw_scrolled(canvas, below, details_of(line, below.columns - 1), scroll_);
+    draw_scrolled(canvas, below, details_of(line(), below.columns - 1), scroll_);
   }
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 4);
-    const LaserWork& work = controller().work();
-    if (key.name == Key::Name::enter && !work.lines.empty()) {
-      const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
-      host().ask_answers(file_to_ask(work, line), line.place_unknown.empty() ? "" : "parked");
-      return true;
-    }
-    if (is_letter(key, U'c') && !work.lines.empty()) {
-      ask_place(work.lines[place_within(place_, work.lines.size())]);
-      return true;
-    }
-    if (!place_.on_key(key, static_cast<int>(work.lines.size()))) return false;
+    const auto& lines = controller().work().lines;
+    if (!lines.empty() && act_on(rows_, key)) return true;
+    if (!place_.on_key(key, static_cast<int>(lines.size()))) return false;
     scroll_ = {};
     return true;
-  }
-  std::vector<KeyHelp> keys() const override {
-    return {
-        {"up/down", "line"}, {"Enter", "what is missing"}, {"c", "correct the place"}, {"PgUp/PgDn", "its details"}};
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
@@ -392,6 +377,11 @@ class LinesPage final : public LaserPage {
   }
 
  private:
+  /// @pre there are lines
+  [[nodiscard]] const LaserLine& line() const {
+    return controller().work().lines[place_within(place_, controller().work().lines.size())];
+  }
+
   /// Where the other axes stood, as the file states it or as it was corrected before.
   void ask_place(const LaserLine& line) {
     std::string now;
@@ -443,7 +433,9 @@ std::string fitting(std::string name, int room) {
 
 class IsoPage final : public LaserPage {
  public:
-  explicit IsoPage(LaserHost& host) : LaserPage(host) {}
+  explicit IsoPage(LaserHost& host) : LaserPage(host) {
+    rows_ = {{"up/down", "line"}, {"PgUp/PgDn", "the rest of the values and notes"}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
@@ -461,9 +453,6 @@ class IsoPage final : public LaserPage {
     if (!place_.on_key(key, static_cast<int>(controller().work().lines.size()))) return false;
     scroll_ = {};
     return true;
-  }
-  std::vector<KeyHelp> keys() const override {
-    return {{"up/down", "line"}, {"PgUp/PgDn", "the rest of the values and notes"}};
   }
   std::string help() const override {
     return "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "

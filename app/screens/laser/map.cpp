@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "app/screens/laser/page.hpp"
+#include "app/screens/laser/screen.hpp"
 #include "base/clock.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -34,7 +34,20 @@ const char* word_for(ComponentState state) {
 
 class MapPage final : public LaserPage {
  public:
-  explicit MapPage(LaserHost& host) : LaserPage(host) {}
+  explicit MapPage(LaserHost& host) : LaserPage(host) {
+    const auto change_side = [this] { in_findings_ = !in_findings_; };
+    const auto declare = [this] { declare_zero(controller().work().map.components[at()]); };
+    rows_ = {{"p", "parameters, scope"},
+             {"z", "declare zero", declare},
+             {"Enter", "", declare},
+             {"up/down", "component"},
+             {"Tab", "findings", change_side},
+             {"Shift-Tab", "", change_side},
+             {"u", "undo"},
+             {"left/right", "cursor"},
+             {"+ - 0", "zoom"},
+             {"e", "picture", [this] { export_table(); }}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserMapWork& map = controller().work().map;
@@ -66,46 +79,17 @@ class MapPage final : public LaserPage {
 
   bool on_key(const Key& key) override {
     const LaserMapWork& map = controller().work().map;
-    if (is_letter(key, U'p')) {
-      host().ask_parameters();
-      return true;
-    }
     if (!map.parameters || map.components.empty()) return false;
-    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
-      in_findings_ = !in_findings_;
-      return true;
-    }
-    if (in_findings_) return scroll_.on_key(key, 5);
+    if (in_findings_ && key.name != Key::Name::tab && key.name != Key::Name::back_tab) return scroll_.on_key(key, 5);
+    if (act_on(rows_, key)) return true;
     if (place_.on_key(key, static_cast<int>(map.components.size()))) {
       view_ = {};
       return true;
     }
-    if (is_letter(key, U'z') || key.name == Key::Name::enter) {
-      const LaserComponent one = map.components[at()];
-      if (one.state != ComponentState::present) {
-        host().fill(zero_form(one));
-        return true;
-      }
-      host().ask({fmt::format("{} is measured. Declare it zero all the same?", name_of(one.component)),
-                  "Its measurement then stays out of the map.", "declare it zero", "keep the measurement"},
-                 [this, one] { host().fill(zero_form(one)); });
-      return true;
-    }
     const auto panel = panel_of_component(map, map.components[at()].component);
-    if (!panel) return false;
-    if (is_letter(key, U'e')) {
-      const std::string code(name_of(map.components[at()].component));
-      host().export_picture({"compensation " + code, {*panel}, 1, true}, "map-" + code);
-      return true;
-    }
-    return on_chart_key(key, *panel, view_);
+    return panel && on_chart_key(key, *panel, view_);
   }
 
-  std::vector<KeyHelp> keys() const override {
-    return {{"p", "parameters, scope"}, {"z", "declare zero"}, {"up/down", "component"},
-            {"Tab", "findings"},        {"u", "undo"},         {"left/right", "cursor"},
-            {"+ - 0", "zoom"},          {"e", "picture"}};
-  }
   std::string help() const override {
     return "Step 6: the components that the scope of the parameters needs. A missing one is measured, or declared zero "
            "with a reason; a map that lacks one cannot be sent. Curves show compensation: minus the error. Squareness "
@@ -114,6 +98,21 @@ class MapPage final : public LaserPage {
 
  private:
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
+
+  void declare_zero(const LaserComponent& one) {
+    if (one.state != ComponentState::present) return host().fill(zero_form(one));
+    host().ask({fmt::format("{} is measured. Declare it zero all the same?", name_of(one.component)),
+                "Its measurement then stays out of the map.", "declare it zero", "keep the measurement"},
+               [this, one] { host().fill(zero_form(one)); });
+  }
+
+  void export_table() {
+    const LaserMapWork& map = controller().work().map;
+    const Component component = map.components[at()].component;
+    const std::string code(name_of(component));
+    if (const auto panel = panel_of_component(map, component))
+      host().export_picture({"compensation " + code, {*panel}, 1, true}, "map-" + code);
+  }
 
   std::string state_text(const LaserMapWork& map) const {
     const UnitParameters& p = map.parameters->parameters;
@@ -231,7 +230,9 @@ constexpr std::array<HeaderField, 6> kFields{{
 
 class HeaderPage final : public LaserPage {
  public:
-  explicit HeaderPage(LaserHost& host) : LaserPage(host) {}
+  explicit HeaderPage(LaserHost& host) : LaserPage(host) {
+    rows_ = {{"up/down", "field"}, {"Enter", "edit", [this] { begin_edit(); }}, {"u", "undo"}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     canvas.text(area, 0, 1, "The header travels with the map into the unit.", Tone::faint);
@@ -258,10 +259,7 @@ class HeaderPage final : public LaserPage {
 
   bool on_key(const Key& key) override {
     if (editing_) return on_edit_key(key);
-    if (place_.on_key(key, static_cast<int>(kFields.size()))) return true;
-    if (key.name != Key::Name::enter) return false;
-    begin_edit();
-    return true;
+    return place_.on_key(key, static_cast<int>(kFields.size())) || act_on(rows_, key);
   }
 
   bool typing() const override { return editing_; }
@@ -273,7 +271,7 @@ class HeaderPage final : public LaserPage {
   }
   std::vector<KeyHelp> keys() const override {
     if (editing_) return {{"Enter", "take it"}, {"Tab", "take it, edit the next"}, {"Esc", "leave it as it was"}};
-    return {{"up/down", "field"}, {"Enter", "edit"}, {"u", "undo"}};
+    return helps_of(rows_);
   }
   std::string help() const override {
     return "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "

@@ -1,5 +1,3 @@
-#include "app/screens/laser/page.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/plot/gnuplot.hpp"
+#include "app/screens/laser/screen.hpp"
 #include "app/ui/chart.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -414,6 +413,13 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   LaserForm form("what " + name + " does not say", fields, take);
   if (!field.empty()) form.go_to(field);
   fill(std::move(form));
+}
+
+void LaserHost::unless_there(std::function<void()> save) {
+  if (!controller.would_overwrite()) return save();
+  ask({fmt::format("Replace {}?", controller.choices().map_file),
+       "A file of that name exists. Its parameters and recipe are replaced as well.", "replace", "keep it"},
+      std::move(save));
 }
 
 void LaserHost::export_picture(PlotFigure figure, const std::string& stem) {

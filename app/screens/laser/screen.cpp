@@ -9,9 +9,6 @@
 namespace ecs::app {
 namespace {
 
-constexpr const char* kStepNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
-                                                 "Map",   "Header", "Send",      "Verify"};
-
 constexpr int kRoomForNames = 78;
 
 char sign_of(LaserMark mark) {
@@ -72,11 +69,9 @@ std::string next_to_do(const LaserController& controller) {
 
 }  // namespace
 
-LaserScreen::LaserScreen(std::shared_ptr<UnitConnection> unit)
-    : host_(std::make_unique<LaserHost>(std::move(unit))),
-      pages_{laser_files_page(*host_),  laser_lines_page(*host_), laser_leave_out_page(*host_),
-             laser_curves_page(*host_), laser_iso_page(*host_),   laser_map_page(*host_),
-             laser_header_page(*host_), laser_send_page(*host_),  laser_verify_page(*host_)} {}
+LaserScreen::LaserScreen(std::shared_ptr<UnitConnection> unit) : host_(std::make_unique<LaserHost>(std::move(unit))) {
+  for (std::size_t k = 0; k < pages_.size(); ++k) pages_[k] = kLaserStepRows[k].page(*host_);
+}
 
 /// Two, or as many as a long message needs: it is to be read whole.
 int LaserScreen::message_rows(const Area& area) const {
@@ -97,7 +92,7 @@ std::array<LaserScreen::Tab, kLaserSteps> LaserScreen::tabs(int columns) const {
   int column = 0;
   for (std::size_t k = 0; k < tabs.size(); ++k) {
     const bool here = static_cast<LaserStep>(k) == step_;
-    tabs[k] = {column, columns >= kRoomForNames || here ? kStepNames[k] : ""};
+    tabs[k] = {column, columns >= kRoomForNames || here ? kLaserStepRows[k].name : ""};
     column += 3 + width_of(tabs[k].name) + (here ? 1 : 0);
   }
   return tabs;
@@ -163,33 +158,34 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   }
   if (host_->form_) host_->form_->draw(canvas, area);
   draw_question(canvas, area, host_->asking_);
-  if (leaving_)
-    draw_question(
-        canvas, area,
-        {"Leave? The map is not saved.", "The choices are kept and offered again next time.", "leave", "stay"});
 }
 
 CellPosition LaserScreen::cursor(const Area& area) const {
-  if (host_->asking_.active() || leaving_ || host_->controller.offered()) return {-1, -1};
+  if (host_->asking_.active() || host_->controller.offered()) return {-1, -1};
   return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
+}
+
+std::vector<KeyRow> LaserScreen::offered_table() {
+  LaserController& controller = host_->controller;
+  const auto take_up = [&controller] { controller.take_up_offered(); };
+  const auto drop = [this, &controller] {
+    host_->ask({"Drop the work?", fmt::format("What was chosen at {} is lost.", controller.offered()->kept), "drop",
+                "keep it"},
+               [&controller] { controller.drop_offered(); });
+  };
+  return {{"Enter", "take it up", take_up},
+          {"y Y", "", take_up},
+          {"b", "begin anew, keep it", [&controller] { controller.set_offered_aside(); }},
+          {"o", "another", [&controller] { controller.offer_another(); }},
+          {"d", "drop it", drop},
+          {"Esc", "back"}};
 }
 
 /// What lies over the step gets every key. @return whether something did
 bool LaserScreen::on_lying_over(const Key& key) {
-  LaserController& controller = host_->controller;
   if (answers(host_->asking_, key)) return true;
-  if (controller.offered()) {
-    const Reply reply = reply_to(key);
-    if (reply == Reply::yes || key.name == Key::Name::enter)
-      controller.take_up_offered();
-    else if (is_letter(key, U'b'))
-      controller.set_offered_aside();
-    else if (is_letter(key, U'o'))
-      controller.offer_another();
-    else if (is_letter(key, U'd'))
-      host_->ask({"Drop the work?", fmt::format("What was chosen at {} is lost.", controller.offered()->kept), "drop",
-                  "keep it"},
-                 [&controller] { controller.drop_offered(); });
+  if (host_->controller.offered()) {
+    (void)act_on(offered_keys_, key);
     return true;
   }
   if (host_->form_) {
@@ -210,45 +206,21 @@ void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind) {
   });
 }
 
-void LaserScreen::save() {
-  if (!host_->controller.would_overwrite()) return host_->controller.save();
-  host_->ask({fmt::format("Replace {}?", host_->controller.choices().map_file),
-              "A file of that name exists. Its parameters and recipe are replaced as well.", "replace", "keep it"},
-             [this] { host_->controller.save(); });
-}
-
-/// The keys of every step. @return whether it was one of them
-bool LaserScreen::on_own_key(const Key& key) {
-  const int now = static_cast<int>(step_);
-  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
-    go(static_cast<int>(key.letter - U'1'));
-  } else if (key.name == Key::Name::tab || is_letter(key, U'n')) {
-    go(now + 1);
-  } else if (key.name == Key::Name::back_tab) {
-    go(now - 1);
-  } else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) {
-    host_->controller.undo();
-  } else if (is_letter(key, U'y')) {
-    host_->controller.redo();
-  } else if (is_letter(key, U's')) {
-    save();
-  } else if (is_letter(key, U'p')) {
-    host_->ask_parameters();
-  } else {
-    return false;
-  }
-  return true;
+std::vector<KeyRow> LaserScreen::key_table() {
+  const auto step = [this](int by) { return [this, by] { go(static_cast<int>(step_) + by); }; };
+  return {{"n", "next step", step(1)},
+          {"y", "redo", [this] { host_->controller.redo(); }},
+          {"s", "save the map", [this] { host_->unless_there([this] { host_->controller.save(); }); }},
+          {"Tab", "", step(1)},
+          {"Shift-Tab", "", step(-1)},
+          {"u Ctrl-Z", "", [this] { host_->controller.undo(); }},
+          {"p", "", [this] { host_->ask_parameters(); }}};
 }
 
 Step LaserScreen::on_key(const Key& key) {
   LaserController& controller = host_->controller;
-  if (leaving_) {
-    const Reply reply = reply_to(key);
-    if (reply != Reply::none) leaving_ = false;
-    return reply == Reply::yes ? back() : stay();
-  }
   if (controller.offered() && !host_->asking_.active() && reply_to(key) == Reply::no) return back();
-  if (on_lying_over(key)) return stay();
+  if (on_lying_over(key)) return leaving_ ? back() : stay();
   if (controller.busy() && key.name == Key::Name::escape) {
     controller.cancel();
     return stay();
@@ -260,15 +232,15 @@ Step LaserScreen::on_key(const Key& key) {
   }
   if (key.name == Key::Name::escape && page().on_escape()) return stay();
   if (key.name == Key::Name::escape) {
-    leaving_ = !controller.unsaved().empty() && !controller.offered();
-    return leaving_ ? stay() : back();
-  }
-  if (key.name == Key::Name::mouse) {
+    if (controller.unsaved().empty()) return back();
+    host_->ask({"Leave? The map is not saved.", "The choices are kept and offered again next time.", "leave", "stay"},
+               [this] { leaving_ = true; });
+  } else if (key.name == Key::Name::mouse) {
     click(key);
   } else if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
-    (void)on_own_key(key);
+    go(static_cast<int>(key.letter - U'1'));
   } else if (!page().on_key(key)) {
-    (void)on_own_key(key);
+    (void)act_on(keys_, key);
   }
   return stay();
 }
@@ -282,19 +254,13 @@ bool LaserScreen::advance() {
 }
 
 std::vector<KeyHelp> LaserScreen::keys() const {
-  if (host_->asking_.active() || leaving_) return {{"y", "yes"}, {"n", "no"}};
-  if (host_->controller.offered())
-    return {{"Enter", "take it up"}, {"b", "begin anew, keep it"}, {"o", "another"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (host_->asking_.active()) return {{"y", "yes"}, {"n", "no"}};
+  if (host_->controller.offered()) return helps_of(offered_keys_);
   if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
   std::vector<KeyHelp> keys = page().keys();
   if (page().holds_keys()) return keys;
-  if (keys.size() > 3)
-    keys.insert(keys.begin() + 3, {"1-9", "step"});
-  else
-    keys.push_back({"1-9", "step"});
-  keys.push_back({"n", "next step"});
-  keys.push_back({"y", "redo"});
-  keys.push_back({"s", "save the map"});
+  keys.insert(keys.begin() + std::min<std::ptrdiff_t>(3, std::ssize(keys)), {"1-9", "step"});
+  for (KeyHelp& own : helps_of(keys_)) keys.push_back(std::move(own));
   return keys;
 }
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/screens/laser/page.hpp"
+#include "app/screens/laser/screen.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "params/fields.hpp"
@@ -37,7 +37,12 @@ class LineWriter {
 
 class SendPage final : public LaserPage {
  public:
-  explicit SendPage(LaserHost& host) : LaserPage(host) {}
+  explicit SendPage(LaserHost& host) : LaserPage(host) {
+    rows_ = {{"Enter", "check and send", [this] { check_and_send(); }},
+             {"s", "save only"},
+             {"f", "file", [this] { ask_file(); }},
+             {"u", "undo"}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserController& d = controller();
@@ -65,36 +70,6 @@ class SendPage final : public LaserPage {
               Tone::faint);
   }
 
-  bool on_key(const Key& key) override {
-    if (is_letter(key, U'f')) {
-      host().fill(LaserForm("where the map is saved",
-                            {{"file",
-                              "the map as CSV; parameters and recipe are written beside it",
-                              controller().choices().map_file,
-                              {},
-                              true}},
-                            [this](const std::vector<std::string>& v) {
-                              if (v[0].empty()) return std::string("the map needs the name of a file");
-                              controller().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
-                              return std::string();
-                            }));
-      return true;
-    }
-    if (key.name != Key::Name::enter) return false;
-    if (!controller().work().map.complete()) {
-      controller().message().say("the map is not complete: a unit takes none that lacks a component; step 6 says what",
-                                 Tone::bad);
-      return true;
-    }
-    if (controller().would_overwrite())
-      host().ask({fmt::format("Replace {}?", controller().choices().map_file),
-                  "A file of that name exists. Its parameters and recipe are replaced as well.", "replace", "keep it"},
-                 [this] { controller().prepare(); });
-    else
-      controller().prepare();
-    return true;
-  }
-
   bool advance() override {
     if (!controller().ready() || controller().busy()) asked_ = false;
     if (!controller().ready() || controller().busy() || asked_) return false;
@@ -105,9 +80,6 @@ class SendPage final : public LaserPage {
     return true;
   }
 
-  std::vector<KeyHelp> keys() const override {
-    return {{"Enter", "check and send"}, {"s", "save only"}, {"f", "file"}, {"u", "undo"}};
-  }
   std::string help() const override {
     return "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
            "all: a broken link, a cancel or a power cut leaves the old map active. The unit checks every byte in its "
@@ -115,6 +87,27 @@ class SendPage final : public LaserPage {
   }
 
  private:
+  void ask_file() {
+    host().fill(LaserForm("where the map is saved",
+                          {{"file",
+                            "the map as CSV; parameters and recipe are written beside it",
+                            controller().choices().map_file,
+                            {},
+                            true}},
+                          [this](const std::vector<std::string>& v) {
+                            if (v[0].empty()) return std::string("the map needs the name of a file");
+                            controller().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
+                            return std::string();
+                          }));
+  }
+
+  void check_and_send() {
+    if (!controller().work().map.complete())
+      return controller().message().say(
+          "the map is not complete: a unit takes none that lacks a component; step 6 says what", Tone::bad);
+    host().unless_there([this] { controller().prepare(); });
+  }
+
   static std::string map_text(const LaserMapWork& map) {
     if (!map.parameters) return "none yet: step 6 takes the parameters";
     if (!map.made) return "cannot be built: step 6 says why";
@@ -158,7 +151,20 @@ class SendPage final : public LaserPage {
 
 class VerifyPage final : public LaserPage {
  public:
-  explicit VerifyPage(LaserHost& host) : LaserPage(host) {}
+  explicit VerifyPage(LaserHost& host) : LaserPage(host) {
+    const auto compensate = [this] {
+      if (controller().may_compensate())
+        this->host().ask({"Switch the unit to compensation?",
+                          "The unit is asked once more whether it holds the map that was compared or sent. It then "
+                          "tests its memory, closes the relays once every axis is referenced, and from then on moves "
+                          "the axes by the values of that map.",
+                          "switch", "not now"},
+                         [this] { controller().compensate(); });
+    };
+    rows_ = {{"Enter", "read back and compare", [this] { controller().verify(); }},
+             {"c", "compensation", compensate},
+             {"up/down", "differences"}};
+  }
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserController& d = controller();
@@ -205,26 +211,7 @@ class VerifyPage final : public LaserPage {
     return false;
   }
 
-  bool on_key(const Key& key) override {
-    if (key.name == Key::Name::enter) {
-      controller().verify();
-      return true;
-    }
-    if (is_letter(key, U'c')) {
-      if (!controller().may_compensate()) return true;
-      host().ask({"Switch the unit to compensation?",
-                  "The unit is asked once more whether it holds the map that was compared or sent. It then tests its "
-                  "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "
-                  "values of that map.",
-                  "switch", "not now"},
-                 [this] { controller().compensate(); });
-      return true;
-    }
-    return scroll_.on_key(key);
-  }
-  std::vector<KeyHelp> keys() const override {
-    return {{"Enter", "read back and compare"}, {"c", "compensation"}, {"up/down", "differences"}};
-  }
+  bool on_key(const Key& key) override { return act_on(rows_, key) || scroll_.on_key(key); }
   std::string help() const override {
     return "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
            "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "

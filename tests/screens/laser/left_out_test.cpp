@@ -1,5 +1,4 @@
 // What is left out stays visible in the curves; where lines were measured is told wherever the file knows it.
-#include "app/screens/laser/page.hpp"
 #include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {
