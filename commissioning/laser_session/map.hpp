@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/laser_session/lines.hpp"
-#include "commissioning/maps/build.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {

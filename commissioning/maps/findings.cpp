@@ -1,12 +1,16 @@
 #include "commissioning/maps/findings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file_watch.hpp"
 #include "base/text.hpp"
+#include "laser/map/csv.hpp"
 
 namespace ecs::commissioning {
 
@@ -71,6 +75,142 @@ Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
         ProblemKind::usage,
         fmt::format("--zero: expected CODE=\"reason\", as in EBY=\"too small to measure\", got \"{}\"", word));
   return laser::DeclaredZero{*component, reason};
+}
+
+bool MadeMap::complete() const {
+  return std::none_of(findings.begin(), findings.end(), [](const auto& finding) { return finding.objection; });
+}
+
+Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::ParametersFile& parameters,
+                         const laser::Travels& travels, const laser::FileReader& read) {
+  ECS_TRY(built, laser::build_map(recipe, parameters.parameters, read));
+  laser::MapHeader& header = built.map.header;
+  if (header.machine.empty()) header.machine = parameters.identity.machine;
+  if (header.serial_number.empty()) header.serial_number = parameters.identity.serial_number;
+  auto findings = laser::findings_for(built.map, built.parameters, travels);
+  return MadeMap{std::move(built), std::move(findings)};
+}
+
+Result<MadeMap> opened_map(const std::string& file, const std::vector<laser::DeclaredZero>& zero,
+                           const params::ParametersFile& parameters, const laser::Travels& travels) {
+  ECS_TRY(map, laser::read_map_csv(file));
+  map.header.declared_zero.insert(map.header.declared_zero.end(), zero.begin(), zero.end());
+  auto findings = laser::findings_for(map, parameters.parameters, travels);
+  return MadeMap{{std::move(map), parameters.parameters, {}, {}}, std::move(findings)};
+}
+
+namespace {
+
+constexpr double kSameIncrement_mm = 1e-6;
+
+std::optional<double> increment_mm(const laser::MapTable& table) {
+  const auto& p = table.position_mm;
+  if (p.size() < 2) return std::nullopt;
+  const double step_mm = (p.back() - p.front()) / static_cast<double>(p.size() - 1);
+  for (std::size_t i = 1; i < p.size(); ++i)
+    if (std::abs(p[i] - p[i - 1] - step_mm) > kSameIncrement_mm) return std::nullopt;
+  return step_mm;
+}
+
+struct Extremes {
+  double least = 0.0;
+  double most = 0.0;
+};
+Extremes extremes_of(const laser::MapTable& table) {
+  if (table.compensation.empty()) return {};
+  const auto [least, most] = std::minmax_element(table.compensation.begin(), table.compensation.end());
+  return {*least, *most};
+}
+
+Cell table_cell(const laser::MapTable& table, bool with_values) {
+  const auto& p = table.position_mm;
+  const auto step_mm = increment_mm(table);
+  const Extremes extremes = extremes_of(table);
+  return record_cell(
+      "{component:<4} {approach:<8} {start_mm:>12} {increment_mm:>14} {points:>7} {min:>11} {max:>11} {unit}\n",
+      {{"component", word_cell(name_of(table.component))},
+       {"approach", word_cell(word_for(table.approach))},
+       {"unit", word_cell(unit_of(table.component))},
+       {"start_mm", p.empty() ? null_cell("-") : Cell{number_or_null(p.front()), fmt::format("{:.6g}", p.front())}},
+       {"increment_mm", {number_or_null(step_mm), step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"}},
+       {"points", count_cell(p.size())},
+       {"min", number_cell(extremes.least, 2)},
+       {"max", number_cell(extremes.most, 2)},
+       {"position_mm", with_values ? Cell{p, {}} : shown_cell({})},
+       {"compensation", with_values ? Cell{table.compensation, {}} : shown_cell({})}});
+}
+
+}  // namespace
+
+std::string_view word_for(Approach approach) {
+  if (approach == Approach::unknown) return "both";
+  return approach == Approach::forward ? "forward" : "reverse";
+}
+
+Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values) {
+  return list_cell(
+      tables, [&](const laser::MapTable& table) { return table_cell(table, with_values); },
+      "     approach   start [mm] increment [mm]  points    smallest     largest unit\n");
+}
+
+Cell header_cell(const laser::MapHeader& header) {
+  const std::string text = laser::header_text(header);
+  return {object_of({{"customer", text_cell(header.customer)},
+                     {"machine", text_cell(header.machine)},
+                     {"serial_number", text_cell(header.serial_number)},
+                     {"date", text_cell(header.date)},
+                     {"engineer", text_cell(header.engineer)},
+                     {"configuration", text_cell(header.configuration)},
+                     {"sources", list_cell(header.sources,
+                                           [](const laser::SourceFile& s) {
+                                             return record_cell({}, {{"component", word_cell(s.component)},
+                                                                     {"name", word_cell(s.name)},
+                                                                     {"sha256", word_cell(s.sha256)}});
+                                           })},
+                     {"declared_zero", list_cell(header.declared_zero,
+                                                 [](const laser::DeclaredZero& z) {
+                                                   return record_cell({},
+                                                                      {{"component", word_cell(name_of(z.component))},
+                                                                       {"reason", word_cell(z.reason)}});
+                                                 })},
+                     {"processing", lines_cell(header.processing, "")}}),
+          text.empty() ? "no header\n" : text};
+}
+
+Cell findings_cell(const std::vector<laser::MapFinding>& findings) {
+  return list_cell(findings, [](const laser::MapFinding& finding) {
+    return record_cell("{objection}: {message}\n", {{"objection", yes_cell(finding.objection, "objection", "remark")},
+                                                    {"message", word_cell(finding.message)}});
+  });
+}
+
+std::vector<std::string> objections_in(const std::vector<laser::MapFinding>& findings) {
+  std::vector<std::string> messages;
+  for (const laser::MapFinding& finding : findings)
+    if (finding.objection) messages.push_back(finding.message);
+  return messages;
+}
+
+Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view begin) {
+  Cell cell{Json::object(), {}};
+  for (const auto& [component, um_per_m] : values) {
+    const std::string key = fmt::format("{}_um_per_m", name_of(component));
+    cell.json[key] = number_or_null(um_per_m);
+    cell.text += fmt::format("{}compensation.squareness.{} = {:.4f}\n", begin, key, um_per_m);
+  }
+  return cell;
+}
+
+Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view origin,
+                     const std::string& params_out) {
+  Cell cell = squareness_cell(values, "  ");
+  if (values.empty()) return cell;
+  cell.text = (params_out.empty() ? fmt::format("squareness {}; without --params-out add these to the parameters by "
+                                                "hand:\n",
+                                                origin)
+                                  : fmt::format("squareness {}, in {}:\n", origin, params_out)) +
+              cell.text;
+  return cell;
 }
 
 }  // namespace ecs::commissioning

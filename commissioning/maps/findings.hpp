@@ -1,11 +1,16 @@
-// What the verbs, the screens and the report know of a map beside its tables: the travels that it should cover, how its
-// findings are summed up in a word, a component declared zero with its reason.
+// Error maps: made by a recipe, or opened, and judged; the travels that a map should cover; header, tables and findings
+// as text and JSON, how findings are summed up in a word.
+// Does not live here: how a map is made (laser/map/build.hpp), maps of models (from_model.hpp).
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/result.hpp"
+#include "laser/map/build.hpp"
 #include "laser/map/error_map.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
@@ -38,5 +43,40 @@ namespace ecs::commissioning {
 
 /// A `usage` problem for anything but CODE=reason.
 [[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);
+
+struct MadeMap {
+  laser::BuiltMap map;
+  std::vector<laser::MapFinding> findings;
+  /// Nothing is objected to.
+  [[nodiscard]] bool complete() const;
+};
+
+/// As laser::build_map(); machine and serial number are those of the parameters where neither recipe nor files state
+/// them. @param travels  that the map should cover
+[[nodiscard]] Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::ParametersFile& parameters,
+                                       const laser::Travels& travels,
+                                       const laser::FileReader& read = laser::read_plain);
+
+/// A map that is there already, with what was declared zero since.
+[[nodiscard]] Result<MadeMap> opened_map(const std::string& file, const std::vector<laser::DeclaredZero>& zero,
+                                         const params::ParametersFile& parameters, const laser::Travels& travels);
+
+[[nodiscard]] std::string_view word_for(Approach approach);  ///< "forward", "reverse", "both"
+
+/// In the text a line for each table: component, approach, start, increment ("varies"), points, smallest and largest
+/// compensation. @param with_values  positions and values of each table in JSON as well
+[[nodiscard]] Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values);
+[[nodiscard]] Cell header_cell(const laser::MapHeader& header);
+/// A line each.
+[[nodiscard]] Cell findings_cell(const std::vector<laser::MapFinding>& findings);
+/// What the objections among them say.
+[[nodiscard]] std::vector<std::string> objections_in(const std::vector<laser::MapFinding>& findings);
+
+/// {"C0Y_um_per_m": 12.5}; in the text a line each as parameter files have it. @param begin  of each line
+[[nodiscard]] Cell squareness_cell(const std::vector<std::pair<Component, double>>& values,
+                                   std::string_view begin = {});
+/// The same below a heading. @param origin  "measured"  @param params_out  the file that holds them; empty: none
+[[nodiscard]] Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view origin,
+                                   const std::string& params_out);
 
 }  // namespace ecs::commissioning

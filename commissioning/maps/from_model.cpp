@@ -14,7 +14,6 @@
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/work.hpp"

@@ -8,7 +8,6 @@
 
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/csv.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/version.hpp"
-#include "commissioning/maps/view.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/unit/status.hpp"
 #include "modules/report/page.hpp"

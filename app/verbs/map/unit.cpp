@@ -12,7 +12,6 @@
 #include "base/file.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
-#include "commissioning/maps/view.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
