@@ -1,18 +1,21 @@
 #include "commissioning/laser_session/lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/work.hpp"
-#include "commissioning/measurements/import_profile.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/import/import.hpp"
@@ -21,16 +24,97 @@
 namespace ecs::commissioning {
 namespace {
 
-/// The squareness that an indicator of `sense` shows on a square while `axis` moves.
-std::optional<Component> squareness_shown(Axis axis, Sense sense) {
-  if (is_rotation(sense) || direction_of(sense) == axis) return std::nullopt;
-  const std::size_t normal = 3 - index_of(axis) - index_of(direction_of(sense));
-  return normal == 0 ? Component::A0Z : (normal == 1 ? Component::B0Z : Component::C0Y);
+constexpr std::array<std::pair<const char*, std::string laser::MapRecipe::*>, 6> kHeaderKeys{
+    {{"customer", &laser::MapRecipe::customer},
+     {"machine", &laser::MapRecipe::machine},
+     {"serial_number", &laser::MapRecipe::serial_number},
+     {"engineer", &laser::MapRecipe::engineer},
+     {"date", &laser::MapRecipe::date},
+     {"remarks", &laser::MapRecipe::remark}}};
+
+Json json_of(const LaserLineChoice& line) {
+  Json runs = Json::array(), readings = Json::array();
+  for (const auto& [run, reason] : line.runs) runs.push_back({run, reason});
+  for (const auto& [place, reason] : line.readings) readings.push_back({place, reason});
+  return {{"runs", runs}, {"readings", readings}};
 }
 
-bool is_square(const laser::MeasurementSet& set) {
-  return laser::metadata_value(set, "instrument").value_or("").find("square") != std::string::npos;
+LaserLineChoice line_in(const Json& object) {
+  LaserLineChoice line;
+  for (const Json& one : object.at("runs")) line.runs.emplace(one.at(0).get<int>(), one.at(1).get<std::string>());
+  for (const Json& one : object.at("readings"))
+    line.readings.emplace(one.at(0).get<std::size_t>(), one.at(1).get<std::string>());
+  return line;
 }
+
+/// By code: what is done to it, or why it is declared zero.
+std::map<std::string, Json> components_of(const laser::MapRecipe& recipe) {
+  std::map<std::string, Json> components;
+  for (std::size_t k = 0; k < kComponents; ++k) {
+    const auto component = static_cast<Component>(k);
+    const laser::ComponentRecipe one = laser::settings_of(recipe, component);
+    const std::string reason = laser::zero_reason(recipe, component);
+    if (one == laser::settings_of({}, component) && reason.empty()) continue;
+    Json& object = components[std::string(name_of(component))];
+    object = {{"smoothing_mm", one.smoothing_mm}, {"zero_reason", reason}};
+    if (one.slope) object["slope"] = laser::name_of(*one.slope);
+    if (one.increment_mm) object["increment_mm"] = *one.increment_mm;
+  }
+  return components;
+}
+
+void take_component(laser::MapRecipe& recipe, Component component, const Json& object) {
+  laser::ComponentRecipe& one = laser::settings_in(recipe, component);
+  one.smoothing_mm = object.at("smoothing_mm").get<double>();
+  laser::declare_zero(recipe, component, object.at("zero_reason").get<std::string>());
+  if (object.contains("slope")) one.slope = laser::slope_method_named(object["slope"].get<std::string>());
+  if (object.contains("increment_mm")) one.increment_mm = object["increment_mm"].get<double>();
+}
+
+LaserChoices choices_of(const Json& object) {
+  LaserChoices choices;
+  for (const Json& one : object.at("files")) {
+    LaserFileChoice file{one.at("path").get<std::string>(), {}};
+    for (const auto& [name, value] : one.at("answers").items()) (void)set_answer(file.answers, name, value);
+    file.places = one.value("places", file.places);
+    choices.files.push_back(std::move(file));
+  }
+  for (const auto& [key, line] : object.at("lines").items()) choices.lines[key] = line_in(line);
+  for (const auto& [code, one] : object.at("components").items())
+    if (const auto component = component_of(code)) take_component(choices.recipe, *component, one);
+  choices.params_file = object.at("params").get<std::string>();
+  choices.scope = object.at("scope").get<std::string>();
+  for (const auto& [key, member] : kHeaderKeys) choices.recipe.*member = object.at("header").at(key).get<std::string>();
+  choices.map_file = object.at("map").get<std::string>();
+  choices.opened_map = object.value("opened_map", "");
+  return choices;
+}
+
+}  // namespace
+
+std::string choices_text(const LaserChoices& choices) {
+  Json header;
+  for (const auto& [key, member] : kHeaderKeys) header[key] = choices.recipe.*member;
+  Json object{
+      {"files", Json::array()},        {"lines", Json::object()},         {"components", components_of(choices.recipe)},
+      {"params", choices.params_file}, {"scope", choices.scope},          {"header", header},
+      {"map", choices.map_file},       {"opened_map", choices.opened_map}};
+  for (const LaserFileChoice& file : choices.files)
+    object["files"].push_back({{"path", file.path}, {"answers", given_answers(file.answers)}, {"places", file.places}});
+  for (const auto& [key, line] : choices.lines)
+    if (!(line == LaserLineChoice{})) object["lines"][key] = json_of(line);
+  return one_line(object);
+}
+
+std::optional<LaserChoices> choices_in(const std::string& text) {
+  try {
+    return choices_of(Json::parse(text));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+namespace {
 
 std::string key_of(const laser::Group& group, bool square) {
   std::string key = fmt::format("{} along {} at {}", name_of(group.sense), letter_of(group.axis), parked_text(group));
@@ -150,7 +234,7 @@ LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first)
   line.group = line.summary.group;
   line.component = curve_of(line.group.sense, line.group.axis);
   take_place(line, first.position_known);
-  if (line.square) line.component = squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
+  if (line.square) line.component = laser::squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
   line.suspects = laser::outliers_of(*line.set, line.group);
   return line;
 }
@@ -218,7 +302,8 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   file.position_known = take_places(*imported, with_found_profile(choice.path, choice.answers));
   std::vector<std::string> names;
   for (const laser::Group& group : laser::groups_of(imported->set)) {
-    const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;
+    const auto square =
+        laser::is_square(imported->set) ? laser::squareness_shown(group.axis, group.sense) : std::nullopt;
     names.emplace_back(name_of(square.value_or(curve_of(group.sense, group.axis))));
   }
   const std::set<std::string> different(names.begin(), names.end());
@@ -268,7 +353,7 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
   for (const LaserFile& file : files) {
     if (!file.set) continue;
     const auto groups = laser::groups_of(*file.set);
-    const bool square = is_square(*file.set);
+    const bool square = laser::is_square(*file.set);
     for (const laser::Group& group : groups) {
       Part part = part_of(file, group, square, groups.size() == 1);
       const std::string key = key_of(laser::groups_of(part.set).front(), square);

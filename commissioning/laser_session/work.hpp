@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/laser_session/choices.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/laser_session/map.hpp"
 #include "commissioning/plot/figure.hpp"

@@ -13,7 +13,6 @@
 #include "base/file_kind.hpp"
 #include "base/file_watch.hpp"
 #include "base/text.hpp"
-#include "commissioning/measurements/import_profile.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/import/environment.hpp"
 #include "laser/import/format.hpp"

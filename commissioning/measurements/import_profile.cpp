@@ -1,9 +1,11 @@
-#include "commissioning/measurements/import_profile.hpp"
-
+// Import profiles: named answers to what a kind of file does not say, and those that come with the program, found by
+// what a file contains.
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <sstream>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,46 +17,70 @@
 #include "base/overwriting.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
+#include "commissioning/measurements/files.hpp"
 
 namespace ecs::commissioning {
 namespace fs = std::filesystem;
 namespace {
 
-using Text = std::pair<const char*, std::string ImportArguments::*>;
-constexpr std::array<Text, 21> kTexts{{{"columns", &ImportArguments::columns},
-                                       {"delimiter", &ImportArguments::delimiter},
-                                       {"decimal", &ImportArguments::decimal},
-                                       {"values", &ImportArguments::values},
-                                       {"axis", &ImportArguments::axis},
-                                       {"sense", &ImportArguments::sense},
-                                       {"parked", &ImportArguments::parked},
-                                       {"encoding", &ImportArguments::encoding},
-                                       {"target_unit", &ImportArguments::target_unit},
-                                       {"reading_unit", &ImportArguments::reading_unit},
-                                       {"channel", &ImportArguments::channel},
-                                       {"channels", &ImportArguments::channels},
-                                       {"join", &ImportArguments::join},
-                                       {"matrix", &ImportArguments::matrix},
-                                       {"section", &ImportArguments::section},
-                                       {"line_prefix", &ImportArguments::line_prefix},
-                                       {"absent", &ImportArguments::absent},
-                                       {"row_begins", &ImportArguments::row_begins},
-                                       {"target_lines", &ImportArguments::target_lines},
-                                       {"note", &ImportArguments::note},
-                                       {"recognised_by", &ImportArguments::recognised_by}}};
-using Count = std::pair<const char*, int ImportArguments::*>;
-constexpr std::array<Count, 3> kCounts{{{"skip", &ImportArguments::skip},
-                                        {"rows", &ImportArguments::rows},
-                                        {"channel_column", &ImportArguments::channel_column}}};
-using Flag = std::pair<const char*, bool ImportArguments::*>;
-constexpr std::array<Flag, 4> kFlags{{{"accept_truncated", &ImportArguments::accept_truncated},
-                                      {"table_holds_errors", &ImportArguments::table_holds_errors},
-                                      {"average", &ImportArguments::average},
-                                      {"keep_set_up", &ImportArguments::keep_set_up}}};
-using Number = std::pair<const char*, std::optional<double> ImportArguments::*>;
-constexpr std::array<Number, 3> kNumbers{{{"max_gap_s", &ImportArguments::max_gap_s},
-                                          {"at_rest_mm", &ImportArguments::at_rest_mm},
-                                          {"environment_every_s", &ImportArguments::environment_every_s}}};
+using Answers = ImportArguments;
+using AnswerMember =
+    std::variant<std::string Answers::*, int Answers::*, bool Answers::*, std::optional<double> Answers::*>;
+/// The keys of profiles, as a problem lists them.
+const std::array<std::pair<std::string_view, AnswerMember>, 31> kProfileKeys{
+    {{"columns", &Answers::columns},
+     {"skip", &Answers::skip},
+     {"rows", &Answers::rows},
+     {"delimiter", &Answers::delimiter},
+     {"decimal", &Answers::decimal},
+     {"values", &Answers::values},
+     {"axis", &Answers::axis},
+     {"sense", &Answers::sense},
+     {"parked", &Answers::parked},
+     {"encoding", &Answers::encoding},
+     {"target_unit", &Answers::target_unit},
+     {"reading_unit", &Answers::reading_unit},
+     {"channel", &Answers::channel},
+     {"channels", &Answers::channels},
+     {"join", &Answers::join},
+     {"max_gap_s", &Answers::max_gap_s},
+     {"at_rest_mm", &Answers::at_rest_mm},
+     {"average", &Answers::average},
+     {"environment_every_s", &Answers::environment_every_s},
+     {"keep_set_up", &Answers::keep_set_up},
+     {"channel_column", &Answers::channel_column},
+     {"row_begins", &Answers::row_begins},
+     {"target_lines", &Answers::target_lines},
+     {"matrix", &Answers::matrix},
+     {"section", &Answers::section},
+     {"line_prefix", &Answers::line_prefix},
+     {"absent", &Answers::absent},
+     {"note", &Answers::note},
+     {"accept_truncated", &Answers::accept_truncated},
+     {"table_holds_errors", &Answers::table_holds_errors},
+     {"recognised_by", &Answers::recognised_by}}};
+
+// The value of a key; nothing, and what was expected of it, where it is none.
+
+std::optional<std::string> profile_value(const toml::node& node, const std::string&, std::string& expected) {
+  expected = "a text";
+  return node.value_exact<std::string>();
+}
+std::optional<int> profile_value(const toml::node& node, int, std::string& expected) {
+  expected = "a whole number from 0 to 1000000";
+  const auto value = node.value_exact<std::int64_t>();
+  if (!value || *value < 0 || *value > 1'000'000) return std::nullopt;
+  return static_cast<int>(*value);
+}
+std::optional<bool> profile_value(const toml::node& node, bool, std::string& expected) {
+  expected = "true or false";
+  return node.value_exact<bool>();
+}
+std::optional<double> profile_value(const toml::node& node, const std::optional<double>&, std::string& expected) {
+  expected = "a number of at least 0";
+  const auto value = node.value<double>();
+  return value && *value >= 0.0 ? value : std::nullopt;
+}
 
 bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".toml"); }
 
@@ -89,39 +115,22 @@ std::string known_profiles() {
 /// Takes one key into what the command line left open; what was expected of it, or nothing.
 std::string take(ImportArguments& arguments, const ImportArguments& given, std::string_view key,
                  const toml::node& node) {
-  const ImportArguments open;
-  for (const auto& [name, member] : kTexts) {
-    if (key != name) continue;
-    const auto value = node.value_exact<std::string>();
-    if (!value) return "a text";
-    if (given.*member == open.*member) arguments.*member = *value;
-    return {};
+  const auto* const known = std::ranges::find(kProfileKeys, key, [](const auto& one) { return one.first; });
+  if (known == kProfileKeys.end()) {
+    std::vector<std::string_view> names;
+    for (const auto& one : kProfileKeys) names.push_back(one.first);
+    return fmt::format("a key of import profiles ({})", fmt::join(names, ", "));
   }
-  for (const auto& [name, member] : kCounts) {
-    if (key != name) continue;
-    const auto value = node.value_exact<std::int64_t>();
-    if (!value || *value < 0 || *value > 1'000'000) return "a whole number from 0 to 1000000";
-    if (given.*member == open.*member) arguments.*member = static_cast<int>(*value);
-    return {};
-  }
-  for (const auto& [name, member] : kFlags) {
-    if (key != name) continue;
-    const auto value = node.value_exact<bool>();
-    if (!value) return "true or false";
-    arguments.*member = given.*member || *value;
-    return {};
-  }
-  for (const auto& [name, member] : kNumbers) {
-    if (key != name) continue;
-    const auto value = node.value<double>();
-    if (!value || *value < 0.0) return "a number of at least 0";
-    if (!(given.*member)) arguments.*member = *value;
-    return {};
-  }
-  return "a key of import profiles (columns, skip, rows, delimiter, decimal, values, axis, sense, parked, encoding, "
-         "target_unit, reading_unit, channel, channels, join, max_gap_s, at_rest_mm, average, environment_every_s, "
-         "keep_set_up, channel_column, row_begins, target_lines, matrix, section, line_prefix, "
-         "absent, note, accept_truncated, table_holds_errors, recognised_by)";
+  std::string expected;
+  std::visit(
+      [&](auto member) {
+        const auto value = profile_value(node, given.*member, expected);
+        if (!value) return;
+        expected.clear();
+        if (given.*member == ImportArguments{}.*member) arguments.*member = *value;
+      },
+      known->second);
+  return expected;
 }
 
 /// The text holds the mark of the profile or, where it has none, two lines that begin as its rows.
@@ -185,16 +194,17 @@ ImportArguments with_found_profile(const std::string& file, ImportArguments give
 Result<fs::path> save_profile(const std::string& name, const ImportArguments& arguments, bool force) {
   if (name.empty() || name.find_first_of("\"\\\n\r\t") != std::string::npos || name == "." || name == "..")
     return problem(ProblemKind::usage, "--save-profile: expected a name or a path, found \"" + name + "\"");
-  const ImportArguments open;
   toml::table table;
-  for (const auto& [key, member] : kTexts)
-    if (arguments.*member != open.*member) table.insert(key, arguments.*member);
-  for (const auto& [key, member] : kCounts)
-    if (arguments.*member != open.*member) table.insert(key, arguments.*member);
-  for (const auto& [key, member] : kNumbers)
-    if (arguments.*member) table.insert(key, *(arguments.*member));
-  for (const auto& [key, member] : kFlags)
-    if (arguments.*member) table.insert(key, true);
+  for (const auto& [key, member] : kProfileKeys)
+    std::visit(
+        [&, name = key](auto of) {
+          if (arguments.*of == ImportArguments{}.*of) return;
+          if constexpr (std::is_same_v<decltype(of), std::optional<double> Answers::*>)
+            table.insert(name, *(arguments.*of));
+          else
+            table.insert(name, arguments.*of);
+        },
+        member);
   if (table.empty())
     return problem(ProblemKind::usage,
                    "--save-profile: expected --columns or another import option to keep, found none");

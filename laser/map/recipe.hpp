@@ -68,6 +68,12 @@ void declare_zero(MapRecipe& recipe, Component component, const std::string& rea
 /// The same recipe as a file; files as they are named.
 [[nodiscard]] std::string recipe_text(const MapRecipe& recipe);
 
+/// Read against a square: its slope is the squareness.
+[[nodiscard]] bool is_square(const MeasurementSet& set);
+/// The squareness that an indicator of `sense` shows on a square while `axis` moves; nothing for a rotation and for the
+/// axis's own direction.
+[[nodiscard]] std::optional<Component> squareness_shown(Axis axis, Sense sense);
+
 /// The recipe that the files themselves suggest for a unit with these parameters: each file by its axis and sense; a
 /// rotation without a file of its own from two linear runs on parallel lines, if there are such; straightness by
 /// least squares; no smoothing. Files that serve nothing are named in `unused`, with the reason.

@@ -2,6 +2,7 @@
 #include "laser/map/sources.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -150,19 +151,6 @@ std::optional<Axis> axis_off_line(const MeasuredLine& line, const UnitParameters
 
 bool on_line(const MeasuredLine& line, const UnitParameters& p) { return !axis_off_line(line, p); }
 
-/// Squareness that an indicator run of `sense` along `axis` shows; nothing for the axis's own direction.
-std::optional<Component> squareness_shown(Axis axis, Sense sense) {
-  if (is_rotation(sense) || direction_of(sense) == axis) return std::nullopt;
-  switch (3 - index_of(axis) - index_of(direction_of(sense))) {  // the axis normal to both
-    case 0:
-      return Component::A0Z;
-    case 1:
-      return Component::B0Z;
-    default:
-      return Component::C0Y;
-  }
-}
-
 /// The rotation that the difference of two parallel lines shows: about the normal of sense and offset.
 std::optional<Sense> rotation_shown(const MeasuredLine& a, const MeasuredLine& b) {
   std::optional<Axis> offset;
@@ -263,6 +251,16 @@ class Suggestion {
 
 }  // namespace
 
+bool is_square(const MeasurementSet& set) {
+  return metadata_value(set, "instrument").value_or("").find("square") != std::string::npos;
+}
+
+std::optional<Component> squareness_shown(Axis axis, Sense sense) {
+  if (is_rotation(sense) || direction_of(sense) == axis) return std::nullopt;
+  constexpr std::array kByNormal{Component::A0Z, Component::B0Z, Component::C0Y};  // of the axis normal to both
+  return kByNormal[3 - index_of(axis) - index_of(direction_of(sense))];
+}
+
 Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>& files,
                                        const UnitParameters& parameters, const FileReader& read) {
   std::vector<MeasuredLine> lines;
@@ -273,7 +271,7 @@ Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>&
       problems.push_back(imported.error());
       continue;
     }
-    const bool square = metadata_value(imported->set, "instrument").value_or("").find("square") != std::string::npos;
+    const bool square = is_square(imported->set);
     for (const Group& group : groups_of(imported->set))
       lines.push_back({file, group.axis, group.sense, group.parked_mm, square, false});
   }

@@ -13,7 +13,6 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/measurements/import_profile.hpp"
 #include "laser/import/format.hpp"
 
 namespace ecs::app {
