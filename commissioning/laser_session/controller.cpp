@@ -65,7 +65,7 @@ void LaserController::change(const std::string& what, const std::function<void(L
   if (next == choices_) return;
   history_.did(what, std::exchange(choices_, std::move(next)));
   keep();
-  work_out(false);
+  work_out();
 }
 
 void LaserController::open_map(const std::string& file) {
@@ -89,7 +89,7 @@ void LaserController::stepped(const char* how, const std::optional<std::string>&
   if (!what) return message_.say(nothing, Tone::warning);
   message_.say(how + *what);
   keep();
-  work_out(false);
+  work_out();
 }
 
 void LaserController::keep() {
@@ -109,7 +109,7 @@ void LaserController::take_up_offered() {
   warn_of_newer_files(offered_->kept);
   offered_.reset();
   changed_ = true;
-  work_out(false);
+  work_out();
 }
 
 void LaserController::offer(std::optional<Draft> draft) {
@@ -154,25 +154,21 @@ void LaserController::read_again() {
       warn_of_newer_files("");
       break;
     }
-  work_out(false);
+  work_out();
 }
 
-void LaserController::work_out(bool with_map) {
-  if (working_out_.running()) {
-    pending_ = true;
-    working_out_.cancel();
-    return;
-  }
-  pending_ = false;
-  const auto work = [choices = choices_, before = work_, with_map](JobControl& control) {
-    return worked_out(choices, before, with_map, control);
+void LaserController::work_out() {
+  pending_ = working_out_.running();
+  if (pending_) return working_out_.cancel();
+  const auto work = [choices = choices_, before = work_](JobControl& control) {
+    return worked_out(choices, before, control);
   };
-  working_out_.start("working out", work, [this, with_map](LaserWorkPtr done) {
+  working_out_.start("working out", work, [this](LaserWorkPtr done) {
     work_ = std::move(done);
     const auto& parameters = work_->map.parameters;
     mismatch_ = parameters ? mismatch_of(*parameters, work_->lines) : "";
     other_unit_ = parameters ? other_unit_for(parameters->parameters, unit_->snapshot()) : "";
-    if (pending_ || !with_map) work_out(!pending_);
+    if (pending_) work_out();
   });
 }
 
@@ -195,7 +191,7 @@ LaserMark LaserController::mark(LaserStep step) const {
       if (w.lines.empty()) return LaserMark::open;
       bool doubtful = false;
       for (std::size_t k = 0; k < w.lines.size(); ++k) {
-        const LaserLineResult& result = *w.results[k];
+        const LaserLineResult& result = w.results[k];
         doubtful = doubtful || !result.problem.empty();
         for (const std::size_t i : w.lines[k].suspects)
           doubtful = doubtful || !left_out(result.choice, *w.lines[k].set, i);
@@ -210,7 +206,7 @@ LaserMark LaserController::mark(LaserStep step) const {
     case LaserStep::iso:
       if (w.results.empty()) return LaserMark::open;
       return done_unless(std::any_of(w.results.begin(), w.results.end(),
-                                     [](const auto& result) { return !result->iso || !result->iso->notes.empty(); }));
+                                     [](const auto& result) { return !result.iso || !result.iso->notes.empty(); }));
     case LaserStep::map:
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
       return done_unless(!w.map.complete() || !w.map.findings().empty());
@@ -255,7 +251,7 @@ bool LaserController::idle() {
 
 bool LaserController::can_save() {
   if (!idle()) return false;
-  if (working() || !work_->map_current)
+  if (working())
     message_.say("The map is still being computed. Try again in a moment.", Tone::warning);
   else if (!work_->map.made)
     message_.say("there is no map to save yet: step 6 says what is missing", Tone::bad);

@@ -112,7 +112,7 @@ class LaserController {
 
  private:
   void stepped(const char* how, const std::optional<std::string>& what, const char* nothing);
-  void work_out(bool with_map);
+  void work_out();
   void keep();
   [[nodiscard]] bool idle();
   [[nodiscard]] bool can_save();

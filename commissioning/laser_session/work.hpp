@@ -1,6 +1,6 @@
 // Everything that follows from the choices: files read, lines without what was left out, curves of the components
-// before and after slope removal and smoothing, the map. Worked out beside the screen; what did not change is taken
-// over from before.
+// before and after slope removal and smoothing, the map. Worked out beside the screen, each time from the beginning but
+// for the files, which are read again only where they changed.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,7 @@ namespace ecs::commissioning {
 
 /// One line without the readings that are left out.
 struct LaserLineResult {
-  LaserLineChoice choice;                           ///< what it was computed with
-  std::shared_ptr<const laser::MeasurementSet> of;  ///< and from
+  LaserLineChoice choice;  ///< what it was computed with
   laser::MeasurementSet chosen;
   laser::Group group;  ///< in `chosen`
   std::optional<laser::Curve> curve;
@@ -30,7 +29,6 @@ struct LaserLineResult {
   std::vector<PlotPoint> left_out;  ///< position and error of the readings left out
   std::string problem;              ///< why there is no curve
 };
-using LaserLineResults = std::vector<std::shared_ptr<const LaserLineResult>>;
 
 [[nodiscard]] bool left_out(const LaserLineChoice& choice, const laser::MeasurementSet& set, std::size_t reading);
 [[nodiscard]] std::size_t count_left_out(const LaserLineChoice& choice, const laser::MeasurementSet& set);
@@ -40,7 +38,6 @@ using LaserLineResults = std::vector<std::shared_ptr<const LaserLineResult>>;
 struct LaserCurve {
   Component component = Component::EXX;
   std::vector<std::size_t> lines;  ///< places in the list of lines: one, or two for a rotation from parallel lines
-  laser::ComponentRecipe choice;
   laser::SlopeMethod slope = laser::SlopeMethod::none;
   laser::SlopeMethod recommended = laser::SlopeMethod::none;
   double removed_per_m = 0.0;
@@ -53,24 +50,17 @@ struct LaserCurve {
   std::size_t left_out_of_lines = 0;  ///< readings left out of all its lines
   std::string problem;
 };
-/// @param results  one or two, of the lines `lines`
-[[nodiscard]] LaserCurve laser_curve(Component component, std::vector<std::size_t> lines,
-                                     const laser::ComponentRecipe& choice, const LaserLineResults& results);
-
 struct LaserWork {
   LaserChoices choices;  ///< what it was worked out from
   std::vector<LaserFile> files;
   std::vector<LaserLine> lines;
-  LaserLineResults results;        ///< as many as lines
+  std::vector<LaserLineResult> results;  ///< as many as lines
   std::vector<LaserCurve> curves;  ///< of the components that the map takes; of every line as long as there is no map
   LaserMapWork map;
-  bool map_current = false;  ///< false: `map` is still that of older choices
 };
 using LaserWorkPtr = std::shared_ptr<const LaserWork>;
 
-/// @param before   what was worked out last; null: nothing yet
-/// @param with_map false: lines and curves of the readings alone, the map is taken over from before
-[[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, bool with_map,
-                                      JobControl& control);
+/// @param before  what was worked out last; null: nothing yet
+[[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, JobControl& control);
 
 }  // namespace ecs::commissioning

@@ -36,7 +36,7 @@ class LeaveOutPage final : public LaserPage {
              {"u", "undo"},
              {"left/right", "cursor", {}, lines},
              {"+ - 0", "zoom", {}, lines},
-             {"e", "picture", [this] { export_line(line(), *controller().work().results[at()]); }, lines, true}};
+             {"e", "picture", [this] { export_line(line(), controller().work().results[at()]); }, lines, true}};
   }
 
   void draw(Canvas& canvas, const Area& area) const override {
@@ -56,7 +56,7 @@ class LeaveOutPage final : public LaserPage {
       draw_list(canvas, lower.below(1), rows, tree_, in_tree_);
     }
     if (halves.rest.columns == 0) return;
-    const LaserLineResult& result = *work.results[at()];
+    const LaserLineResult& result = work.results[at()];
     ChartView view = view_;
     if (in_tree_ && place_within(tree_, tree.size()) < tree.size())
       if (const auto& reading = tree[place_within(tree_, tree.size())].reading)
@@ -80,7 +80,7 @@ class LeaveOutPage final : public LaserPage {
       view_ = {};
       return true;
     }
-    return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
+    return on_laser_chart_key(key, work.results[at()].panel, work.results[at()].left_out, view_);
   }
 
   bool on_escape() override { return std::exchange(in_tree_, false); }

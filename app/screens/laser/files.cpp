@@ -353,7 +353,7 @@ class LinesPage final : public LaserPage {
                 Tone::faint);
     std::vector<ListRow> rows;
     for (std::size_t k = 0; k < work.lines.size(); ++k)
-      rows.push_back(summary_row(work.lines[k], *work.results[k], places));
+      rows.push_back(summary_row(work.lines[k], work.results[k], places));
     const int list_rows = std::max(1, std::min(static_cast<int>(rows.size()), (area.rows - 1) / 2));
     draw_list(canvas, {area.row + 1, area.column, list_rows, area.columns}, rows, place_);
     const int top = 2 + list_rows;
@@ -446,7 +446,7 @@ class IsoPage final : public LaserPage {
     const std::size_t at = place_within(place_, work.lines.size());
     const LaserLine& line = work.lines[at];
     canvas.text(halves.rest, 0, 0, fmt::format("{}, {}", name_of_line(line), line.place), Tone::strong);
-    draw_scrolled(canvas, halves.rest.below(1), text_of(line, *work.results[at], halves.rest.columns - 1), scroll_);
+    draw_scrolled(canvas, halves.rest.below(1), text_of(line, work.results[at], halves.rest.columns - 1), scroll_);
   }
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 6);

@@ -367,12 +367,12 @@ std::vector<ListRow> rows_of_lines(const LaserWork& work) {
   std::vector<ListRow> rows;
   for (std::size_t k = 0; k < work.lines.size(); ++k) {
     const LaserLine& line = work.lines[k];
-    const std::size_t out = count_left_out(work.results[k]->choice, *line.set);
+    const std::size_t out = count_left_out(work.results[k].choice, *line.set);
     std::string mark = " ";
     Tone tone = Tone::plain;
     if (!line.suspects.empty()) mark = "?";
     if (out > 0) mark = "-";
-    if (!work.results[k]->problem.empty()) {
+    if (!work.results[k].problem.empty()) {
       mark = "!";
       tone = Tone::bad;
     }

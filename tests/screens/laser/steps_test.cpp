@@ -15,9 +15,9 @@ const LaserLine& line_named(const LaserWork& work, const std::string& key) {
 }
 const LaserLineResult& result_of(const LaserWork& work, const std::string& key) {
   for (std::size_t k = 0; k < work.lines.size(); ++k)
-    if (work.lines[k].key == key) return *work.results[k];
+    if (work.lines[k].key == key) return work.results[k];
   FAIL("no line " << key);
-  return *work.results.front();
+  return work.results.front();
 }
 const LaserCurve& curve_of_component(const LaserWork& work, Component component) {
   for (const LaserCurve& curve : work.curves)

@@ -130,7 +130,7 @@ class LaserScreenDriver {
     return false;
   }
   bool settled() {
-    return until([&] { return !controller().working() && !controller().busy() && controller().work().map_current; });
+    return until([&] { return !controller().working() && !controller().busy(); });
   }
   bool shows(const std::string& text) {
     return until([&] { return seen().find(text) != std::string::npos; });
