@@ -3,18 +3,167 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/units.hpp"
+#include "laser/analysis/curve.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/analysis/shrinking.hpp"
-#include "laser/map/sources.hpp"
+#include "laser/groups.hpp"
 
 namespace ecs::laser {
 namespace {
+
+/// Which readings a component can be made from: axis moved and sense read.
+struct Wanted {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+};
+
+/// A curve with what must be remembered of its file.
+struct SourceCurve {
+  Curve curve;
+  SourceFile source;
+  double band = 0.0;  ///< range of the readings used [um, um/m]
+  std::size_t readings = 0;
+  std::optional<Repeatability> repeatability;
+};
+
+/// A refusal that names file and component.
+Problem refusal(const std::filesystem::path& file, Component component, const std::string& why) {
+  return Problem{ProblemKind::refused, fmt::format("{}: {}", name_of(component), why), file.string(), 0, 0, {}};
+}
+
+std::string parked_text(const Group& group) {
+  std::string text;
+  for (const Axis a : kAllAxes)
+    if (a != group.axis)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", letter_of(a), group.parked_mm[index_of(a)]);
+  return text;
+}
+
+std::string contents_of(const MeasurementSet& set) {
+  std::string text;
+  for (const Group& group : groups_of(set))
+    text += fmt::format("{}{} along {} at {}", text.empty() ? "" : "; ", name_of(group.sense), letter_of(group.axis),
+                        parked_text(group));
+  return text.empty() ? "no readings" : text;
+}
+
+std::string text_of(const std::vector<Wanted>& wanted) {
+  std::string text;
+  for (const Wanted& want : wanted)
+    text += fmt::format("{}{} along {}", text.empty() ? "" : " or ", name_of(want.sense), letter_of(want.axis));
+  return text;
+}
+
+Result<Group> group_in(const MeasurementSet& set, const std::filesystem::path& path, Component component,
+                       const std::vector<Wanted>& wanted) {
+  std::vector<Group> fitting;
+  for (const Group& group : groups_of(set))
+    for (const Wanted& want : wanted)
+      if (group.axis == want.axis && group.sense == want.sense) fitting.push_back(group);
+  if (fitting.empty())
+    return tl::unexpected(
+        refusal(path, component, fmt::format("expected readings of {}, found {}", text_of(wanted), contents_of(set))));
+  for (const Group& group : fitting)
+    if (group.compensated.value_or(false))
+      return tl::unexpected(
+          refusal(path, component,
+                  "the readings were taken with compensation active (compensated = 1): a map needs the "
+                  "machine's own error; switch the unit to integration mode and measure again"));
+  if (fitting.size() > 1)
+    return tl::unexpected(refusal(path, component,
+                                  fmt::format("expected one measurement line of {}, found {}: split the file",
+                                              text_of(wanted), contents_of(set))));
+  return fitting.front();
+}
+
+double range_of(const MeasurementSet& set, const Group& group) {
+  double lowest = set.readings[group.readings.front()].error;
+  double highest = lowest;
+  for (const std::size_t i : group.readings) {
+    lowest = std::min(lowest, set.readings[i].error);
+    highest = std::max(highest, set.readings[i].error);
+  }
+  return highest - lowest;
+}
+
+/// The readings of all other runs; refused if the file has no such run.
+Result<Selection> without_runs(const MeasurementSet& set, const std::vector<int>& runs) {
+  std::vector<Exclusion> exclusions;
+  for (const int run : runs) exclusions.emplace_back().run = run;
+  Selection selection = selected(set, exclusions);
+  std::set<int> there;
+  for (const Reading& reading : set.readings) there.insert(reading.run);
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (selection.left_out[i] == 0)
+      return problem(ProblemKind::refused, fmt::format("run {} is to be left out, but the file has runs {}", runs[i],
+                                                       fmt::join(there, ", ")));
+  return selection;
+}
+
+void remember(std::map<std::string, std::string>& seen, const std::string& value, const std::filesystem::path& path) {
+  if (!value.empty()) seen.emplace(value, path.filename().string());
+}
+
+class MeasuredFiles {
+ public:
+  explicit MeasuredFiles(FileReader read) : read_(std::move(read)) {}
+
+  /// The averaged curve of the one measurement line in a file that fits, without the excluded runs. Refused, naming
+  /// file and component: no such readings (and what there is), more than one line of them, readings taken with
+  /// compensation active, fewer than two targets, an excluded run that is not there.
+  Result<SourceCurve> curve(const std::filesystem::path& path, Component component, const std::vector<Wanted>& wanted,
+                            const std::vector<int>& exclude_runs) {
+    ECS_TRY(loaded, load(path));
+    const auto selection = without_runs(loaded->set, exclude_runs);
+    if (!selection) return tl::unexpected(refusal(path, component, selection.error().message));
+    ECS_TRY(group, group_in(selection->chosen, path, component, wanted));
+    auto curve = averaged(selection->chosen, group);
+    if (!curve) return tl::unexpected(refusal(path, component, curve.error().message));
+    if (curve->points.size() < 2)
+      return tl::unexpected(refusal(path, component, "expected at least two targets, found one"));
+    SourceCurve source;
+    source.curve = std::move(*curve);
+    source.source = {std::string(name_of(component)), path.filename().string(), loaded->sha256};
+    source.band = range_of(selection->chosen, group);
+    source.readings = group.readings.size();
+    source.repeatability = repeatability_of(selection->chosen, group);
+    return source;
+  }
+
+  /// Names in the metadata of the files used, each with one file that has it.
+  [[nodiscard]] const std::map<std::string, std::string>& machines() const { return machines_; }
+  [[nodiscard]] const std::map<std::string, std::string>& serial_numbers() const { return serial_numbers_; }
+
+ private:
+  struct Loaded {
+    MeasurementSet set;
+    std::string sha256;
+  };
+  Result<const Loaded*> load(const std::filesystem::path& path) {
+    if (const auto known = files_.find(path); known != files_.end()) return &known->second;
+    ECS_TRY(imported, read_(path));
+    Loaded loaded{std::move(imported.set), std::move(imported.sha256)};
+    const MeasuredMachine machine = measured_machine(loaded.set.metadata);
+    remember(machines_, machine.name, path);
+    remember(serial_numbers_, machine.serial_number, path);
+    return &files_.emplace(path, std::move(loaded)).first->second;
+  }
+
+  FileReader read_;
+  std::map<std::filesystem::path, Loaded> files_;
+  std::map<std::string, std::string> machines_;
+  std::map<std::string, std::string> serial_numbers_;
+};
 
 /// Squareness as the contract measures it: C0Y = E_X along Y, B0Z = E_X along Z, A0Z = E_Y along Z; also the other way
 /// round, with the axes exchanged.

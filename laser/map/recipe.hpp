@@ -68,6 +68,9 @@ void declare_zero(MapRecipe& recipe, Component component, const std::string& rea
 /// The same recipe as a file; files as they are named.
 [[nodiscard]] std::string recipe_text(const MapRecipe& recipe);
 
+/// Parked positions closer than this are the same measurement line.
+inline constexpr double kSameLine_mm = 0.5;
+
 /// Read against a square: its slope is the squareness.
 [[nodiscard]] bool is_square(const MeasurementSet& set);
 /// The squareness that an indicator of `sense` shows on a square while `axis` moves; nothing for a rotation and for the
