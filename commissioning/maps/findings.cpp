@@ -39,6 +39,10 @@ std::vector<laser::MapFinding> findings_with_travels(const laser::ErrorMap& map,
   return laser::findings_for(map, parameters.parameters, travels_beside(params_file, parameters));
 }
 
+bool has_objections(const std::vector<laser::MapFinding>& findings) {
+  return std::ranges::any_of(findings, &laser::MapFinding::objection);
+}
+
 std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings) {
   std::vector<std::string> remarks;
   for (const laser::MapFinding& finding : findings)
@@ -51,7 +55,7 @@ std::string remarks_counted(std::size_t remarks) {
 }
 
 std::string completeness(const std::vector<laser::MapFinding>& findings) {
-  if (std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; })) return "not complete";
+  if (has_objections(findings)) return "not complete";
   return findings.empty() ? "complete" : "complete, " + remarks_counted(findings.size());
 }
 
@@ -60,8 +64,7 @@ std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of
     return fmt::format("the map is {}, but `ecs map send` refuses it: map and parameters are of two machines\n",
                        completeness(findings));
   if (findings.empty()) return "nothing is missing: the map can be sent\n";
-  if (remarks_in(findings).size() < findings.size())
-    return "the map is not complete: `ecs map send` will refuse it until this is mended\n";
+  if (has_objections(findings)) return "the map is not complete: `ecs map send` will refuse it until this is mended\n";
   return fmt::format("the map is {}: it can be sent, but read {} first\n", completeness(findings),
                      findings.size() == 1 ? "it" : "them");
 }
@@ -75,10 +78,6 @@ Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
         ProblemKind::usage,
         fmt::format("--zero: expected CODE=\"reason\", as in EBY=\"too small to measure\", got \"{}\"", word));
   return laser::DeclaredZero{*component, reason};
-}
-
-bool MadeMap::complete() const {
-  return std::none_of(findings.begin(), findings.end(), [](const auto& finding) { return finding.objection; });
 }
 
 Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::ParametersFile& parameters,

@@ -28,6 +28,7 @@ namespace ecs::commissioning {
                                                                    const params::ParametersFile& parameters,
                                                                    const std::string& params_file);
 
+[[nodiscard]] bool has_objections(const std::vector<laser::MapFinding>& findings);
 /// Messages of the findings that are no objections.
 [[nodiscard]] std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings);
 
@@ -48,7 +49,7 @@ struct MadeMap {
   laser::BuiltMap map;
   std::vector<laser::MapFinding> findings;
   /// Nothing is objected to.
-  [[nodiscard]] bool complete() const;
+  [[nodiscard]] bool complete() const { return !has_objections(findings); }
 };
 
 /// As laser::build_map(); machine and serial number are those of the parameters where neither recipe nor files state

@@ -13,7 +13,6 @@
 #include "base/file_watch.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
-#include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/work.hpp"

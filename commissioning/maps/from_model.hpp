@@ -1,13 +1,13 @@
 // `ecs map build --from-model`: the error map that a fitted model compiles to.
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/json_fwd.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "commissioning/session/message.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/fit/compiled_model.hpp"
@@ -41,9 +41,7 @@ struct MapFromModel {
   std::vector<std::string> notes;
   std::vector<laser::MapFinding> findings;
   std::vector<Component> missing;  ///< needed by the parameters, without an effect, not declared zero
-  [[nodiscard]] bool complete() const {
-    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
-  }
+  [[nodiscard]] bool complete() const { return !has_objections(findings); }
 };
 
 /// Given or fitted; nothing for an effect that does not come back.

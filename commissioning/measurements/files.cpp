@@ -373,14 +373,8 @@ Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::strin
   ECS_TRY(run_numbers, integers_in(runs, "--exclude-run"));
   ECS_TRY(row_numbers, integers_in(rows, "--exclude-row"));
   std::vector<laser::Exclusion> exclusions;
-  for (const int run : run_numbers) {
-    exclusions.emplace_back();
-    exclusions.back().run = run;
-  }
-  for (const int row : row_numbers) {
-    exclusions.emplace_back();
-    exclusions.back().row = row;
-  }
+  for (const int run : run_numbers) exclusions.emplace_back().run = run;
+  for (const int row : row_numbers) exclusions.emplace_back().row = row;
   return exclusions;
 }
 

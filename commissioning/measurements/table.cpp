@@ -148,20 +148,15 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
 TableRow row_of(const PlannedMeasurement& planned, const std::filesystem::path& before,
                 const std::filesystem::path& after) {
   TableRow row{planned, {}, {}, {}};
-  if (planned.phase != PlanPhase::after) {
-    auto phase = measured(planned, before, false);
+  const auto take = [&](std::optional<MeasuredPhase>& into, const std::filesystem::path& folder, bool compensated) {
+    auto phase = measured(planned, folder, compensated);
     if (phase)
-      row.before = std::move(*phase);
+      into = std::move(*phase);
     else
       row.problems.push_back(phase.error());
-  }
-  if (planned.phase != PlanPhase::before) {
-    auto phase = measured(planned, after, true);
-    if (phase)
-      row.after = std::move(*phase);
-    else
-      row.problems.push_back(phase.error());
-  }
+  };
+  if (planned.phase != PlanPhase::after) take(row.before, before, false);
+  if (planned.phase != PlanPhase::before) take(row.after, after, true);
   return row;
 }
 

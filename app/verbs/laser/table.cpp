@@ -38,12 +38,13 @@ PlotFigure figure_of(const TableRow& row) {
                                 ? ""
                                 : fmt::format(", slope removed ({})", laser::name_of(row.planned.slope));
   const auto unit = laser::unit_of(row.planned.sense);
-  if (row.before)
-    figure.panels.push_back(panel_of(row.before->readings.after, row.before->readings.level.curve,
-                                     fmt::format("before: band {:.1f} {}{}", row.before->readings.band, unit, slope)));
-  if (row.after)
-    figure.panels.push_back(panel_of(row.after->readings.after, row.after->readings.level.curve,
-                                     fmt::format("after: band {:.1f} {}{}", row.after->readings.band, unit, slope)));
+  const auto add = [&](const std::optional<MeasuredPhase>& phase, const char* which) {
+    if (phase)
+      figure.panels.push_back(panel_of(phase->readings.after, phase->readings.level.curve,
+                                       fmt::format("{}: band {:.1f} {}{}", which, phase->readings.band, unit, slope)));
+  };
+  add(row.before, "before");
+  add(row.after, "after");
   return figure;
 }
 

@@ -106,23 +106,18 @@ laser::FileReader reader(const BuildRequest& request) {
   return [import = request.import](const auto& file) { return read_measurements(file.string(), import); };
 }
 
-struct Recipe {
-  laser::MapRecipe recipe;
-  std::string file;  ///< empty: suggested by the files
-  std::vector<std::string> unused;
-};
+bool by_recipe(const BuildRequest& request) { return lower(request.files.front()).ends_with(".toml"); }
 
-Result<Recipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters) {
-  const bool by_recipe = lower(request.files.front()).ends_with(".toml");
-  if (by_recipe && request.files.size() > 1)
+/// As its file says, else as the measurement files suggest it.
+Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters) {
+  if (by_recipe(request) && request.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
-  if (by_recipe) {
+  if (by_recipe(request)) {
     ECS_TRY(recipe, laser::read_map_recipe(request.files.front()));
-    return Recipe{std::move(recipe), request.files.front(), {}};
+    return laser::SuggestedRecipe{std::move(recipe), {}};
   }
   ECS_TRY(given, given_files(request.files));
-  ECS_TRY(suggested, laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, reader(request)));
-  return Recipe{std::move(suggested.recipe), {}, std::move(suggested.unused)};
+  return laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, reader(request));
 }
 
 Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
@@ -146,21 +141,17 @@ Result<void> complete(laser::MapRecipe& recipe, const BuildRequest& request) {
   return declare_zero(recipe, request.zero);
 }
 
-std::vector<std::string> files_for(const Recipe& recipe, Component component) {
+std::vector<std::string> files_for(const laser::MapRecipe& recipe, Component component) {
   std::vector<std::string> names;
-  for (const laser::ComponentRecipe& one : recipe.recipe.components)
-    if (one.component == component)
-      for (const auto& file : one.files) names.push_back(file.string());
+  for (const auto& file : laser::settings_of(recipe, component).files) names.push_back(file.string());
   return names;
 }
 
 /// All that the answer contains.
 struct Built {
-  Recipe recipe;
-  laser::BuiltMap map;
+  laser::SuggestedRecipe by;
+  MadeMap made;
   params::Identity identity;
-  std::vector<laser::MapFinding> findings;
-  bool complete = false;
 };
 
 Result<Built> built(const BuildRequest& request) {
@@ -174,12 +165,11 @@ Result<Built> built(const BuildRequest& request) {
     travels = travels_of(machine.machine);
   }
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, reader(request)));
-  const bool complete = made.complete();
-  return Built{std::move(recipe), std::move(made.map), parameters.identity, std::move(made.findings), complete};
+  return Built{std::move(recipe), std::move(made), parameters.identity};
 }
 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
-  const auto files = files_for(b.recipe, one.component);
+  const auto files = files_for(b.by.recipe, one.component);
   return record_cell(
       "{component:<4} {description:<38} {unit:<4} {band:>6} {largest:>6} {slope_removed_per_m:>6} {smoothed_rms:>5} "
       "{points:>4}\n     from {files} ({readings} readings)\n{notes}",
@@ -198,7 +188,7 @@ Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
 
 std::string declared_text(const Built& b) {
   std::string text;
-  for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
+  for (const laser::DeclaredZero& z : b.made.map.map.header.declared_zero)
     text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
                         z.reason);
   return text;
@@ -206,9 +196,9 @@ std::string declared_text(const Built& b) {
 
 Cell squareness_of(const Built& b, const BuildRequest& request) {
   std::vector<std::pair<Component, double>> values;
-  for (const laser::ComponentOutcome& one : b.map.outcomes)
+  for (const laser::ComponentOutcome& one : b.made.map.outcomes)
     if (is_squareness(one.component))
-      values.emplace_back(one.component, squareness_um_per_m(b.map.parameters, one.component));
+      values.emplace_back(one.component, squareness_um_per_m(b.made.map.parameters, one.component));
   return squareness_cell(values, "measured", request.params_out);
 }
 
@@ -219,32 +209,34 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
       "{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
       {{"map", written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")},
        {"params_out", written_cell("parameters", request.params_out)},
-       {"recipe", text_cell(b.recipe.file)},
-       {"complete", yes_cell(b.complete, "", "")},
+       {"recipe", text_cell(by_recipe(request) ? request.files.front() : "")},
+       {"complete", yes_cell(b.made.complete(), "", "")},
        {"components", list_cell(
-                          b.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
+                          b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
                           fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit",
                                       "band", "most", "slope", "smth", "n"))},
        {"declared", shown_cell(declared_text(b))},
        {"squareness", squareness_of(b, request)},
-       {"missing", lines_cell(objections_in(b.findings), "")},
-       {"findings", findings_cell(b.findings)},
-       {"verdict", shown_cell(verdict_text(b.findings, !made_for_two_machines(b.map.map.header, b.identity).empty()))},
-       {"unused", lines_cell(b.recipe.unused, "not used: ")},
-       {"notes", lines_cell(b.map.notes, "note: ")},
-       {"header", header_cell(b.map.map.header)}});
+       {"missing", lines_cell(objections_in(b.made.findings), "")},
+       {"findings", findings_cell(b.made.findings)},
+       {"verdict",
+        shown_cell(verdict_text(b.made.findings, !made_for_two_machines(b.made.map.map.header, b.identity).empty()))},
+       {"unused", lines_cell(b.by.unused, "not used: ")},
+       {"notes", lines_cell(b.made.map.notes, "note: ")},
+       {"header", header_cell(b.made.map.map.header)}});
 }
 
 Result<void> write(const Built& b, const BuildRequest& request) {
-  if (!request.output.empty()) ECS_DO(write_file(request.output, laser::to_map_csv(b.map.map)));
-  if (!request.params_out.empty()) return params::write_parameters(request.params_out, b.map.parameters, b.identity);
+  if (!request.output.empty()) ECS_DO(write_file(request.output, laser::to_map_csv(b.made.map.map)));
+  if (!request.params_out.empty())
+    return params::write_parameters(request.params_out, b.made.map.parameters, b.identity);
   return {};
 }
 
 void warn_about_header(VerbContext& context, const Built& b) {
-  for (const std::string& objection : made_for_two_machines(b.map.map.header, b.identity))
+  for (const std::string& objection : made_for_two_machines(b.made.map.map.header, b.identity))
     context.console.warn(objection);
-  const laser::MapHeader& header = b.map.map.header;
+  const laser::MapHeader& header = b.made.map.map.header;
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
     if (value.empty())
@@ -254,7 +246,7 @@ void warn_about_header(VerbContext& context, const Built& b) {
 Problem nothing_built(const Built& b) {
   std::vector<Problem> problems{
       {ProblemKind::refused, "no component could be built; nothing was written", {}, 0, 0, {}}};
-  for (const std::string& unused : b.recipe.unused)
+  for (const std::string& unused : b.by.unused)
     problems.push_back({ProblemKind::refused, "not used: " + unused, {}, 0, 0, {}});
   return folded(std::move(problems));
 }
@@ -291,7 +283,8 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
   for (const std::string& output : {request.output, request.params_out})
     ECS_DO(check_output_not_input(output, request.files));
   ECS_TRY(b, built(request));
-  if (b.map.outcomes.empty() && b.map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(b));
+  if (b.made.map.outcomes.empty() && b.made.map.map.header.declared_zero.empty())
+    return tl::unexpected(nothing_built(b));
   ECS_DO(write(b, request));
   warn_about_header(context, b);
   return outcome_of(built_cell(b, request));
