@@ -210,12 +210,9 @@ LaserMark LaserController::mark(LaserStep step) const {
     case LaserStep::map:
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
       return done_unless(!w.map.complete() || !w.map.findings().empty());
-    case LaserStep::header: {
+    case LaserStep::header:
       if (!w.map.made) return LaserMark::open;
-      const laser::MapHeader& h = w.map.made->map.map.header;
-      return done_unless(h.customer.empty() || h.engineer.empty() || h.date.empty() || h.machine.empty() ||
-                         h.serial_number.empty());
-    }
+      return done_unless(!laser::missing_in(w.map.made->map.map.header).empty());
     case LaserStep::send:
       if (sent_is_current()) return LaserMark::done;
       return sent_ || failed_ || saved() ? LaserMark::doubtful : LaserMark::open;
@@ -273,43 +270,37 @@ void LaserController::take_saved(const SavedMap& saved, const LaserChoices& choi
   if (work_->map.csv == saved.csv) changed_ = false;
 }
 
-void LaserController::save() {
-  if (!can_save()) return;
-  const auto work = [work = work_, choices = choices_](JobControl&) {
-    return save_laser_map(work->map, choices, work->lines);
-  };
-  task_.start("saving", work, [this, choices = choices_, made = work_](const Result<SavedMap>& saved) {
-    if (!saved) return say_failed("saving", saved.error());
-    take_saved(*saved, choices, *made);
-    const MapFiles& files = saved->files;
-    const std::string recipe = choices_.opened_map.empty() ? ", the recipe " + files.recipe : "";
-    message_.say(fmt::format("saved: {}, its parameters {}{}", files.map, files.parameters, recipe));
-  });
-}
-
-void LaserController::prepare() {
+void LaserController::save_and(bool check) {
   if (!can_save()) return;
   ready_.reset();
-  struct Prepared {
-    Result<SavedMap> saved;
-    Result<ReadyMap> ready;
+  using Saved = std::pair<Result<SavedMap>, std::optional<Result<ReadyMap>>>;
+  const auto work = [work = work_, choices = choices_, unit = unit_, check](JobControl& control) {
+    Saved done{save_laser_map(work->map, choices, work->lines), std::nullopt};
+    if (check && done.first) done.second = ready_map(*unit, control, done.first->files);
+    return done;
   };
-  const auto work = [work = work_, choices = choices_, unit = unit_](JobControl& control) {
-    auto saved = save_laser_map(work->map, choices, work->lines);
-    auto ready = saved ? ready_map(*unit, control, saved->files) : tl::unexpected(saved.error());
-    return Prepared{std::move(saved), std::move(ready)};
-  };
-  task_.start("saving and checking", work, [this, choices = choices_, made = work_](Prepared done) {
-    if (!done.saved) return say_failed("not saved", done.saved.error());
-    take_saved(*done.saved, choices, *made);
-    if (!done.ready) return say_failed("saved, but not sent", done.ready.error());
-    ready_ = std::move(*done.ready);
-  });
+  task_.start(
+      check ? "saving and checking" : "saving", work,
+      [this, check, choices = choices_, made = work_](const Saved& done) {
+        const auto& [saved, ready] = done;
+        if (!saved) return say_failed(check ? "not saved" : "saving", saved.error());
+        take_saved(*saved, choices, *made);
+        if (ready && !*ready) return say_failed("saved, but not sent", ready->error());
+        if (ready) {
+          ready_ = **ready;
+          return;
+        }
+        const std::string recipe = choices_.opened_map.empty() ? ", the recipe " + saved->files.recipe : "";
+        message_.say(fmt::format("saved: {}, its parameters {}{}", saved->files.map, saved->files.parameters, recipe));
+      });
 }
 
 void LaserController::receive_parameters(const std::string& file) {
   if (!idle()) return;
-  const auto work = [file, unit = unit_](JobControl& control) { return receive_parameters_into(*unit, control, file); };
+  const auto work = [file, unit = unit_](JobControl& control) -> Result<void> {
+    ECS_TRY(received, parameters_of_unit(*unit, control));
+    return params::write_parameters(file, received.parameters, received.identity);
+  };
   task_.start("receiving the parameters", work, [this, file](const Result<void>& received) {
     if (!received) return say_failed("receiving the parameters", received.error());
     name_in_commands(file, file_between("parameters", ".toml"));  // it lies in the state folder

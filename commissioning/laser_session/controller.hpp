@@ -66,9 +66,9 @@ class LaserController {
   void read_again();
 
   // --- disc and unit; each tells message()
-  void save();
+  void save() { save_and(false); }
   /// Saves, checks here and at the unit; then ready() holds what send() would send.
-  void prepare();
+  void prepare() { save_and(true); }
   [[nodiscard]] const std::optional<ReadyMap>& ready() const { return ready_; }
   void send();
   void not_now() { ready_.reset(); }
@@ -116,6 +116,7 @@ class LaserController {
   void keep();
   [[nodiscard]] bool idle();
   [[nodiscard]] bool can_save();
+  void save_and(bool check);
   /// @param choices, lines  as they were then
   void take_saved(const SavedMap& saved, const LaserChoices& choices, const LaserWork& work);
   void take_sent(const SendAttempt& attempt, const ReadyMap& ready);

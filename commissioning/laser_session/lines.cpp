@@ -411,6 +411,16 @@ Result<void> all_there(const LaserLine& line, const LaserLineChoice& left_out) {
   return {};
 }
 
+/// "3=vibration", "3".
+Result<std::pair<int, std::string>> left_out_in(const std::string& word, const char* option) {
+  const std::size_t equals = word.find('=');
+  const auto number = integer_in(word.substr(0, equals));
+  if (!number || *number < 1 || *number > 1'000'000'000)
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: expected a number from 1, or number=reason; found \"{}\"", option, word));
+  return std::pair(static_cast<int>(*number), equals == std::string::npos ? std::string() : word.substr(equals + 1));
+}
+
 std::string with_equals(const std::string& number, const std::string& reason) {
   return reason.empty() ? number : number + "=" + reason;
 }
@@ -433,7 +443,27 @@ laser::MeasurementSet prepared_set(const LaserLine& line, const LaserLineChoice&
   return set;
 }
 
-Result<laser::MeasurementSet> prepared_line(const PreparedLineRequest& request) {
+cli::Fields<PrepareRequest> PrepareRequest::fields() {
+  using R = PrepareRequest;
+  return {{"FILE", &R::files, "files that measured the line; joined", cli::Need::required},
+          {"--line", &R::line, "which line, where they hold several: \"EX along X at Y -1400, Z 0\""},
+          {"--place", &R::place, "where the other axes stood, where the files state it wrongly: y=-1400,z=0"},
+          {"--leave-out-run", &R::runs, "a run to leave out, with the reason: 3=vibration"},
+          {"--leave-out-reading", &R::readings, "a reading of the line to leave out, from 1: \"17=beam broken\""},
+          {"-o,--output", &R::output, "measurement CSV to write", cli::Is::output, cli::Need::required},
+          &R::import};
+}
+
+Result<laser::MeasurementSet> prepared_line(const PrepareRequest& request) {
+  LaserLineChoice left_out;
+  for (const std::string& word : request.runs) {
+    ECS_TRY(run, left_out_in(word, "--leave-out-run"));
+    left_out.runs[run.first] = run.second;
+  }
+  for (const std::string& word : request.readings) {
+    ECS_TRY(reading, left_out_in(word, "--leave-out-reading"));
+    left_out.readings[static_cast<std::size_t>(reading.first) - 1] = reading.second;
+  }
   LaserChoices choices;
   for (const std::string& file : request.files) choices.files.push_back({file, request.import});
   const auto read = [&choices] {
@@ -454,8 +484,8 @@ Result<laser::MeasurementSet> prepared_line(const PreparedLineRequest& request) 
     line = line_stated(lines, stated);
     if (line == nullptr) return tl::unexpected(no_such_line(lines, stated));
   }
-  ECS_DO(all_there(*line, request.left_out));
-  return prepared_set(*line, request.left_out);
+  ECS_DO(all_there(*line, left_out));
+  return prepared_set(*line, left_out);
 }
 
 std::optional<std::vector<std::string>> prepare_words(const LaserLine& line, const LaserLineChoice& left_out,

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "core/axis.hpp"
@@ -104,16 +105,18 @@ struct LaserLine {
 /// The line without what is left out, and said so in its metadata.
 [[nodiscard]] laser::MeasurementSet prepared_set(const LaserLine& line, const LaserLineChoice& choice);
 
-/// The options of `ecs laser prepare`.
-struct PreparedLineRequest {
+/// `ecs laser prepare`.
+struct PrepareRequest {
   std::vector<std::string> files;
-  ImportArguments import;  ///< for all of them
-  std::string line;        ///< as a file states it: "EX along X at Y -1400, Z 0"; empty: the only one
-  std::string place;       ///< that corrects the stated one, "y=-1400,z=0"; empty: it stays
-  LaserLineChoice left_out;
+  std::string line;                         ///< as a file states it; empty: the only one
+  std::string place;                        ///< that corrects the stated one; empty: it stays
+  std::vector<std::string> runs, readings;  ///< left out: "3=vibration", "3"; readings from 1
+  std::string output;
+  ImportArguments import;  ///< for all files
+  static cli::Fields<PrepareRequest> fields();
 };
 /// A `usage` problem where there is no such line, run or reading: it names those that there are.
-[[nodiscard]] Result<laser::MeasurementSet> prepared_line(const PreparedLineRequest& request);
+[[nodiscard]] Result<laser::MeasurementSet> prepared_line(const PrepareRequest& request);
 
 /// The words of `ecs laser prepare` for a line of the screen. Nothing where its files have different answers or places.
 /// @param files  of the screen, with their answers

@@ -205,11 +205,6 @@ Result<params::ParametersFile> parameters_of_unit(UnitConnection& unit, JobContr
   });
 }
 
-Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
-  ECS_TRY(received, parameters_of_unit(unit, control));
-  return params::write_parameters(file, received.parameters, received.identity);
-}
-
 Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, const ExpectedMap& expected) {
   return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
     ECS_TRY(now, holding_over(unit, link));

@@ -88,8 +88,6 @@ void note_sent_map(const UnitConnection& unit, const MapFiles& files);
 [[nodiscard]] Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control);
 /// The parameters that the unit holds, with its serial number as whose they are.
 [[nodiscard]] Result<params::ParametersFile> parameters_of_unit(UnitConnection& unit, JobControl& control);
-/// The same, written into a file.
-[[nodiscard]] Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file);
 /// Compensation mode: the unit tests its memory, then waits for the axes to be referenced. Refused, saying why, unless
 /// the unit is the one, and holds the very map, that is expected.
 [[nodiscard]] Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control,

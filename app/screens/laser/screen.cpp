@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/ui/widgets.hpp"
 
@@ -19,17 +20,6 @@ char sign_of(LaserMark mark) {
 Tone tone_of(LaserMark mark) {
   if (mark == LaserMark::done) return Tone::good;
   return mark == LaserMark::doubtful ? Tone::warning : Tone::faint;
-}
-
-/// What the header lacks: "customer, engineer".
-std::string not_stated(const laser::MapHeader& header) {
-  std::string names;
-  for (const auto& [name, value] : {std::pair{"customer", header.customer},
-                                    {"machine", header.machine},
-                                    {"serial number", header.serial_number},
-                                    {"engineer", header.engineer}})
-    if (value.empty()) names += (names.empty() ? "" : ", ") + std::string(name);
-  return names;
 }
 
 /// What to do next, in one line; empty: everything is done.
@@ -57,7 +47,8 @@ std::string next_to_do(const LaserController& controller) {
   }
   if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what is wrong with this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
-    return "Step 7: not stated in the header: " + not_stated(map.made->map.map.header) + ".";
+    return fmt::format("Step 7: not stated in the header: {}.",
+                       fmt::join(laser::missing_in(map.made->map.map.header), ", "));
   if (controller.verdict() && !controller.stale().empty())
     return "Step 9: the unit has changed since it was compared: verify again.";
   if (controller.verified()) return {};

@@ -255,48 +255,9 @@ Result<Outcome> process(VerbContext& context, const ProcessRequest& request) {
        {"plot", written_cell("plot", request.plot)}}));
 }
 
-struct PrepareRequest {
-  std::vector<std::string> files, runs, readings;
-  std::string line, place, output;
-  ImportArguments import;
-  static Fields<PrepareRequest> fields() {
-    using R = PrepareRequest;
-    return {{"FILE", &R::files, "files that measured the line; joined", Need::required},
-            {"--line", &R::line, "which line, where they hold several: \"EX along X at Y -1400, Z 0\""},
-            {"--place", &R::place, "where the other axes stood, where the files state it wrongly: y=-1400,z=0"},
-            {"--leave-out-run", &R::runs, "a run to leave out, with the reason: 3=vibration"},
-            {"--leave-out-reading", &R::readings, "a reading of the line to leave out, from 1: \"17=beam broken\""},
-            {"-o,--output", &R::output, "measurement CSV to write", Is::output, Need::required},
-            &R::import};
-  }
-};
-
-/// "3=vibration", "3".
-struct LeftOut {
-  int number = 0;
-  std::string reason;
-};
-Result<LeftOut> left_out_in(const std::string& word, const char* option) {
-  const std::size_t equals = word.find('=');
-  const auto number = integer_in(word.substr(0, equals));
-  if (!number || *number < 1 || *number > 1'000'000'000)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a number from 1, or number=reason; found \"{}\"", option, word));
-  return LeftOut{static_cast<int>(*number), equals == std::string::npos ? std::string() : word.substr(equals + 1)};
-}
-
-Result<Outcome> prepare(VerbContext&, const PrepareRequest& request) {
+Result<Outcome> prepare(VerbContext&, const commissioning::PrepareRequest& request) {
   ECS_DO(check_output_not_input(request.output, request.files));
-  commissioning::PreparedLineRequest line{request.files, request.import, request.line, request.place, {}};
-  for (const std::string& word : request.runs) {
-    ECS_TRY(run, left_out_in(word, "--leave-out-run"));
-    line.left_out.runs[run.number] = run.reason;
-  }
-  for (const std::string& word : request.readings) {
-    ECS_TRY(reading, left_out_in(word, "--leave-out-reading"));
-    line.left_out.readings[static_cast<std::size_t>(reading.number) - 1] = reading.reason;
-  }
-  ECS_TRY(set, commissioning::prepared_line(line));
+  ECS_TRY(set, commissioning::prepared_line(request));
   ECS_DO(laser::write_measurement_set(request.output, set));
   AnswerFields fields{{"output", word_cell(request.output)},
                       {"count", shown_cell(fmt::format("{}", set.readings.size()))}};
