@@ -19,29 +19,8 @@ const std::string kLathe = short_lathe("MCM-0107");
 struct MapWorkspace {
   StateFolder folder;
   std::string params = folder.with("p.toml", kLathe);
-  std::string data = folder.with("exx.csv", lathe_readings());
   std::string map = folder / "map.csv";
-  [[nodiscard]] Ran build(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"map", "build", data, "--params", params, "-o", map};
-    words.insert(words.end(), more.begin(), more.end());
-    return ran(words);
-  }
 };
-
-TEST_CASE("a map becomes bytes and comes back with the same content") {
-  const MapWorkspace workspace;
-  REQUIRE(workspace.build().code == 0);
-  const auto map = laser::read_map_csv(workspace.map);
-  const auto params = params::read_parameters(workspace.params);
-  REQUIRE(map);
-  REQUIRE(params);
-  const auto image = laser::image_of(*map, params->parameters);
-  REQUIRE(image);
-  const auto content = laser::content_of(image->bytes);
-  REQUIRE(content);
-  CHECK(content->parameters == params->parameters);
-  CHECK(differences_between(*map, content->map).empty());
-}
 
 TEST_CASE("a map of another machine or serial number is refused; what is not stated is not judged") {
   laser::MapHeader header;
