@@ -33,10 +33,11 @@ laser::Travels travels_beside(const std::string& params_file, const params::Para
   return same ? travels_of(machine) : laser::Travels{};
 }
 
-std::vector<laser::MapFinding> findings_with_travels(const laser::ErrorMap& map,
-                                                     const params::ParametersFile& parameters,
-                                                     const std::string& params_file) {
-  return laser::findings_for(map, parameters.parameters, travels_beside(params_file, parameters));
+Result<laser::Travels> travels_given(const std::string& machine_file, const std::string& params_file,
+                                     const params::ParametersFile& parameters) {
+  if (machine_file.empty()) return travels_beside(params_file, parameters);
+  ECS_TRY(machine, params::read_machine(machine_file));
+  return travels_of(machine.machine);
 }
 
 bool has_objections(const std::vector<laser::MapFinding>& findings) {

@@ -23,10 +23,9 @@ namespace ecs::commissioning {
 /// those parameters: the same chain and, where [identity] states one, the same name. Nothing known otherwise.
 [[nodiscard]] laser::Travels travels_beside(const std::string& params_file, const params::ParametersFile& parameters);
 
-/// Findings of a map and the parameters read from `params_file`, with the travels of travels_beside().
-[[nodiscard]] std::vector<laser::MapFinding> findings_with_travels(const laser::ErrorMap& map,
-                                                                   const params::ParametersFile& parameters,
-                                                                   const std::string& params_file);
+/// Those of a machine file, of none ("") those beside the parameters.
+[[nodiscard]] Result<laser::Travels> travels_given(const std::string& machine_file, const std::string& params_file,
+                                                   const params::ParametersFile& parameters);
 
 [[nodiscard]] bool has_objections(const std::vector<laser::MapFinding>& findings);
 /// Messages of the findings that are no objections.

@@ -47,7 +47,8 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
         "with --accept-resampling";
     return tl::unexpected(std::move(*refused_map(why, map_file)));
   }
-  std::vector<std::string> remarks = remarks_in(findings_with_travels(map, parameters, params_file));
+  std::vector<std::string> remarks =
+      remarks_in(laser::findings_for(map, parameters.parameters, travels_beside(params_file, parameters)));
   for (std::string& taken : params::defaults_taken(parameters)) remarks.push_back(std::move(taken));
   return PreparedMap{map.header, parameters.identity, std::move(image), std::move(remarks)};
 }

@@ -11,6 +11,7 @@
 #include "laser/environment_series.hpp"
 #include "laser/groups.hpp"
 #include "laser/measurement_set.hpp"
+#include "laser/standards/iso230_uncertainty.hpp"
 
 namespace ecs::commissioning {
 
@@ -51,24 +52,32 @@ struct LaserQuantity {
   const char* symbol;
   const char* name;
   std::optional<double> laser::Iso230::*value;
+  std::optional<double> laser::Iso230Uncertainty::*uncertainty;  ///< null: the standard gives none
 };
 
 inline constexpr LaserQuantity kLaserQuantities[] = {
-    {"A", "A", "bidirectional accuracy", &laser::Iso230::A},
-    {"A_forward", "A fwd", "unidirectional accuracy, forward", &laser::Iso230::A_forward},
-    {"A_reverse", "A rev", "unidirectional accuracy, reverse", &laser::Iso230::A_reverse},
-    {"E", "E", "bidirectional systematic deviation", &laser::Iso230::E},
-    {"E_forward", "E fwd", "unidirectional systematic deviation, forward", &laser::Iso230::E_forward},
-    {"E_reverse", "E rev", "unidirectional systematic deviation, reverse", &laser::Iso230::E_reverse},
-    {"M", "M", "range of the mean bidirectional deviation", &laser::Iso230::M},
-    {"R", "R", "bidirectional repeatability", &laser::Iso230::R},
-    {"R_forward", "R fwd", "unidirectional repeatability, forward", &laser::Iso230::R_forward},
-    {"R_reverse", "R rev", "unidirectional repeatability, reverse", &laser::Iso230::R_reverse},
-    {"B", "B", "reversal error", &laser::Iso230::B},
-    {"B_mean", "B mean", "mean reversal error", &laser::Iso230::B_mean},
-    {"three_sigma_band", "3s band", "max(mean + 3s) - min(mean - 3s) (BS 4656 Pt 16)",
-     &laser::Iso230::three_sigma_band},
-    {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability},
+    {"A", "A", "bidirectional accuracy", &laser::Iso230::A, &laser::Iso230Uncertainty::A},
+    {"A_forward", "A fwd", "unidirectional accuracy, forward", &laser::Iso230::A_forward,
+     &laser::Iso230Uncertainty::A_forward},
+    {"A_reverse", "A rev", "unidirectional accuracy, reverse", &laser::Iso230::A_reverse,
+     &laser::Iso230Uncertainty::A_reverse},
+    {"E", "E", "bidirectional systematic deviation", &laser::Iso230::E, &laser::Iso230Uncertainty::E},
+    {"E_forward", "E fwd", "unidirectional systematic deviation, forward", &laser::Iso230::E_forward,
+     &laser::Iso230Uncertainty::E_forward},
+    {"E_reverse", "E rev", "unidirectional systematic deviation, reverse", &laser::Iso230::E_reverse,
+     &laser::Iso230Uncertainty::E_reverse},
+    {"M", "M", "range of the mean bidirectional deviation", &laser::Iso230::M, &laser::Iso230Uncertainty::M},
+    {"R", "R", "bidirectional repeatability", &laser::Iso230::R, &laser::Iso230Uncertainty::R},
+    {"R_forward", "R fwd", "unidirectional repeatability, forward", &laser::Iso230::R_forward,
+     &laser::Iso230Uncertainty::R_forward},
+    {"R_reverse", "R rev", "unidirectional repeatability, reverse", &laser::Iso230::R_reverse,
+     &laser::Iso230Uncertainty::R_reverse},
+    {"B", "B", "reversal error", &laser::Iso230::B, &laser::Iso230Uncertainty::B},
+    {"B_mean", "B mean", "mean reversal error", &laser::Iso230::B_mean, &laser::Iso230Uncertainty::B_mean},
+    {"three_sigma_band", "3s band", "max(mean + 3s) - min(mean - 3s) (BS 4656 Pt 16)", &laser::Iso230::three_sigma_band,
+     nullptr},
+    {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability,
+     nullptr},
 };
 
 /// "axis", "sense", "component", "unit", "parked_mm" (coordinates of the axes that do not move), "compensated".

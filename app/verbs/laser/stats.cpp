@@ -143,23 +143,6 @@ std::string summary_text(const std::vector<LineStatistics>& lines) {
 
 constexpr double kMostUncertain = 1e6;
 
-struct UncertainQuantity {
-  const char* symbol;
-  std::optional<double> laser::Iso230Uncertainty::*U;
-};
-constexpr UncertainQuantity kUncertainQuantities[] = {{"A", &laser::Iso230Uncertainty::A},
-                                                      {"A_forward", &laser::Iso230Uncertainty::A_forward},
-                                                      {"A_reverse", &laser::Iso230Uncertainty::A_reverse},
-                                                      {"E", &laser::Iso230Uncertainty::E},
-                                                      {"E_forward", &laser::Iso230Uncertainty::E_forward},
-                                                      {"E_reverse", &laser::Iso230Uncertainty::E_reverse},
-                                                      {"M", &laser::Iso230Uncertainty::M},
-                                                      {"R", &laser::Iso230Uncertainty::R},
-                                                      {"R_forward", &laser::Iso230Uncertainty::R_forward},
-                                                      {"R_reverse", &laser::Iso230Uncertainty::R_reverse},
-                                                      {"B", &laser::Iso230Uncertainty::B},
-                                                      {"B_mean", &laser::Iso230Uncertainty::B_mean}};
-
 /// Whether anything that contributes was given.
 bool contributes(const laser::Iso230Conditions& c) {
   return c.instrument_um_per_m > 0.0 || c.instrument_um > 0.0 || c.misalignment_mm > 0.0 || c.environment_um > 0.0 ||
@@ -194,11 +177,12 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   AnswerFields fields{{"coverage_factor", {laser::kCoverage, {}}},
                       {"length_mm", {number_or_null(uncertainty->length_mm), {}}}};
   const char* separator = ": ";
-  for (const UncertainQuantity& quantity : kUncertainQuantities) {
-    const auto& U = *uncertainty.*quantity.U;
-    fields.push_back({quantity.symbol, {number_or_null(U), {}}});
-    if (U && std::string_view(quantity.symbol).size() == 1) {
-      text += fmt::format("{}U({}) {:.2f}", separator, quantity.symbol, *U);
+  for (const LaserQuantity& quantity : kLaserQuantities) {
+    if (quantity.uncertainty == nullptr) continue;
+    const auto& U = *uncertainty.*quantity.uncertainty;
+    fields.push_back({quantity.key, {number_or_null(U), {}}});
+    if (U && std::string_view(quantity.key).size() == 1) {
+      text += fmt::format("{}U({}) {:.2f}", separator, quantity.key, *U);
       separator = ", ";
     }
   }

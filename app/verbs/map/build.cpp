@@ -159,11 +159,7 @@ Result<Built> built(const BuildRequest& request) {
                                                  : params::read_whole_parameters(request.params));
   ECS_TRY(recipe, recipe_of(request, parameters.parameters));
   ECS_DO(complete(recipe.recipe, request));
-  auto travels = travels_beside(request.params, parameters);
-  if (!request.machine.empty()) {
-    ECS_TRY(machine, params::read_machine(request.machine));
-    travels = travels_of(machine.machine);
-  }
+  ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, reader(request)));
   return Built{std::move(recipe), std::move(made), parameters.identity};
 }

@@ -76,9 +76,8 @@ Result<Judged> judged(const ShowRequest& request, const FoundMap& found) {
   } else {
     return Judged();
   }
-  if (request.machine.empty()) return Judged(findings_with_travels(found.map, by, request.params));
-  ECS_TRY(machine, params::read_machine(request.machine));
-  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine.machine)));
+  ECS_TRY(travels, travels_given(request.machine, request.params, by));
+  return Judged(laser::findings_for(found.map, by.parameters, travels));
 }
 
 Cell judged_cell(const Judged& findings) {
