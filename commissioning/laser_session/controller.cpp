@@ -415,7 +415,7 @@ bool LaserController::may_compensate() {
 
 void LaserController::compensate() {
   if (!may_compensate()) return;
-  const ExpectedMap expected{compared_ ? std::nullopt : sent_, compared_};
+  const ExpectedMap expected = compared_ ? ExpectedMap(*compared_) : ExpectedMap(*sent_);
   const auto work = [expected, unit = unit_](JobControl& control) {
     return switch_to_compensation(*unit, control, expected);
   };

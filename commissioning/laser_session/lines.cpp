@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -131,42 +130,33 @@ void take_columns(PerAxis<bool>& known, const std::vector<std::string>& columns)
 }
 
 /// Which axes' places the file itself says; where it does not, a reader takes 0.
-PerAxis<bool> places_in(const laser::Imported& imported, const ImportArguments& answers) {
+PerAxis<bool> places_in(const laser::Imported& imported, const laser::ImportOptions& options) {
   PerAxis<bool> known = imported.format->states_place;
   if (imported.format->places_in_columns) take_columns(known, imported.set.columns);
-  const auto options = import_options(answers);
-  if (!options || !options->mapping) return known;
+  if (!options.mapping) return known;
   std::vector<std::string> fields;
-  for (const laser::ColumnRule& rule : options->mapping->rules) fields.push_back(rule.field);
+  for (const laser::ColumnRule& rule : options.mapping->rules) fields.push_back(rule.field);
   take_columns(known, fields);
   return known;
 }
 
-/// The axes that "y=-1400,z=0" names.
-PerAxis<bool> places_named(const std::string& parked) {
-  PerAxis<bool> named{};
-  for (const std::string_view part : split(parked, ',')) {
-    const std::string_view name = trimmed(part);
-    const auto axis = name.empty() ? std::nullopt
-                                   : axis_of(static_cast<char>(std::toupper(static_cast<unsigned char>(name.front()))));
-    if (axis) named[index_of(*axis)] = true;
-  }
-  return named;
+/// The axis that moves stays where it was.
+void put_at(laser::MeasurementSet& set, const PerAxis<bool>& which, const Vector3& place_mm) {
+  for (laser::Reading& reading : set.readings)
+    for (const Axis a : kAllAxes)
+      if (const std::size_t k = index_of(a); which[k] && a != reading.axis) reading.position_mm[k] = place_mm[k];
 }
 
 /// Which places file or answers say. A measurement CSV takes from the answers what it has no column for.
 PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& given) {
-  const auto answers = with_profile(given);
-  if (!answers) return {};
-  const PerAxis<bool> in_file = places_in(imported, *answers), named = places_named(answers->parked);
-  PerAxis<bool> known{};
-  for (std::size_t k = 0; k < known.size(); ++k) known[k] = in_file[k] || named[k];
-  const auto options = import_options(*answers);
-  if (!options || !imported.format->places_in_columns) return known;
-  for (laser::Reading& reading : imported.set.readings)
-    for (const Axis a : kAllAxes)
-      if (const std::size_t k = index_of(a); named[k] && !in_file[k] && a != reading.axis)
-        reading.position_mm[k] = options->parked_mm[k];
+  const auto options = import_options(given);
+  if (!options) return {};
+  PerAxis<bool> known = places_in(imported, *options), answered{};
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    answered[k] = options->parked_stated[k] && !known[k];
+    known[k] = known[k] || answered[k];
+  }
+  if (imported.format->places_in_columns) put_at(imported.set, answered, options->parked_mm);
   return known;
 }
 
@@ -197,18 +187,15 @@ struct Part {
   std::string note{};
 };
 
-/// The readings at the place that is given, the axis that moves left as it is.
+/// The readings at the place that is given.
 void put_at(Part& part, const std::string& parked) {
   ImportArguments given;
   given.parked = parked;
   const auto options = import_options(given);
   if (!options) return;
-  const PerAxis<bool> named = places_named(parked);
-  for (laser::Reading& reading : part.set.readings)
-    for (const Axis a : kAllAxes)
-      if (const std::size_t k = index_of(a); named[k] && a != reading.axis)
-        reading.position_mm[k] = options->parked_mm[k];
-  for (std::size_t k = 0; k < named.size(); ++k) part.position_known[k] = part.position_known[k] || named[k];
+  put_at(part.set, options->parked_stated, options->parked_mm);
+  for (std::size_t k = 0; k < part.position_known.size(); ++k)
+    part.position_known[k] = part.position_known[k] || options->parked_stated[k];
   part.whole_file_sha256.clear();
 }
 
@@ -313,6 +300,13 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   file.set = std::make_shared<const laser::MeasurementSet>(std::move(imported->set));
   file.sha256 = std::move(imported->sha256);
   return file;
+}
+
+const LaserFile* file_read(const std::vector<LaserFile>& files, const LaserFileChoice& choice) {
+  const auto found = std::find_if(files.begin(), files.end(), [&](const LaserFile& file) {
+    return file.choice.path == choice.path && given_answers(file.choice.answers) == given_answers(choice.answers);
+  });
+  return found == files.end() ? nullptr : &*found;
 }
 
 Result<void> correct_place(LaserChoices& choices, const LaserLine& line, const std::string& parked) {

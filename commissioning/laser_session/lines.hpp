@@ -68,6 +68,8 @@ struct LaserFile {
   PerAxis<bool> position_known{};  ///< file or answers say where this axis stood
 };
 [[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);
+/// What was read of this file with these answers; null: nothing yet.
+[[nodiscard]] const LaserFile* file_read(const std::vector<LaserFile>& files, const LaserFileChoice& choice);
 /// Size and time of writing; empty: there is no such file.
 [[nodiscard]] std::string stamp_of(const std::string& path);
 

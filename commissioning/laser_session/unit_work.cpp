@@ -80,20 +80,12 @@ Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& link) {
 
 /// Why the unit may not compensate with what it holds; empty: it is what is expected.
 std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
-  const auto other_unit = [&](const std::string& serial, const char* what) {
-    return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number, what, serial);
-  };
-  const auto other_map = [&](const char* what, const std::optional<std::uint32_t>& check) {
-    return fmt::format("the unit holds {}, but {} was {}: another host has changed it", check_text(now.check), what,
-                       check_text(check));
-  };
-  if (expected.sent && expected.sent->identity.serial_number != now.serial_number)
-    return other_unit(expected.sent->identity.serial_number, "sent to");
-  if (expected.verified && expected.verified->serial_number != now.serial_number)
-    return other_unit(expected.verified->serial_number, "compared in");
-  if (expected.verified && expected.verified->check != now.check)
-    return other_map("what was compared", expected.verified->check);
-  if (expected.sent && now.check != expected.sent->check) return other_map("what was sent", expected.sent->check);
+  if (expected.serial_number != now.serial_number)
+    return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number,
+                       expected.compared ? "compared in" : "sent to", expected.serial_number);
+  if (expected.check != now.check)
+    return fmt::format("the unit holds {}, but {} was {}: another host has changed it", check_text(now.check),
+                       expected.compared ? "what was compared" : "what was sent", check_text(expected.check));
   return {};
 }
 

@@ -63,8 +63,12 @@ struct VerifiedMap {
 /// What the unit must still hold before it may compensate: what was found the same last, or, if nothing was compared
 /// since, what was sent.
 struct ExpectedMap {
-  std::optional<SentMap> sent;
-  std::optional<UnitHolding> verified;
+  explicit ExpectedMap(const SentMap& sent) : serial_number(sent.identity.serial_number), check(sent.check) {}
+  explicit ExpectedMap(const UnitHolding& found)
+      : serial_number(found.serial_number), check(found.check), compared(true) {}
+  std::string serial_number;
+  std::optional<std::uint32_t> check;
+  bool compared = false;  ///< false: sent
 };
 
 /// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.

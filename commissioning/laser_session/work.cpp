@@ -129,13 +129,9 @@ std::vector<LaserFile> read_files(const LaserChoices& choices, const LaserWork* 
   std::vector<LaserFile> files;
   for (const LaserFileChoice& choice : choices.files) {
     if (control.cancelled) break;
-    const LaserFile* known = nullptr;
-    if (before != nullptr)
-      for (const LaserFile& file : before->files)
-        if (file.choice.path == choice.path && file.stamp == stamp_of(choice.path) &&
-            given_answers(file.choice.answers) == given_answers(choice.answers))
-          known = &file;
-    files.push_back(known != nullptr ? *known : read_laser_file(choice));
+    const LaserFile* known = before == nullptr ? nullptr : file_read(before->files, choice);
+    const bool current = known != nullptr && known->stamp == stamp_of(choice.path);
+    files.push_back(current ? *known : read_laser_file(choice));
     files.back().choice = choice;
     control.part = static_cast<double>(files.size()) / static_cast<double>(choices.files.size());
   }

@@ -483,7 +483,7 @@ bool ModelController::may_compensate() {
 
 void ModelController::compensate() {
   if (!may_compensate()) return;
-  const auto work = [expected = ExpectedMap{sent_, std::nullopt}, unit = unit_](JobControl& control) {
+  const auto work = [expected = ExpectedMap(*sent_), unit = unit_](JobControl& control) {
     return switch_to_compensation(*unit, control, expected);
   };
   task_.start("switching to compensation", work, [this](const Result<void>& done) {

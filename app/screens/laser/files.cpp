@@ -182,16 +182,9 @@ class FilesPage final : public LaserPage {
     remember_measured_phases({plan, before.empty() ? "" : folder_of(before.front().path), folder_of(after.front())});
   }
 
-  static const LaserFile* read(const LaserWork& work, const LaserFileChoice& choice) {
-    for (const LaserFile& file : work.files)
-      if (file.choice.path == choice.path && given_answers(file.choice.answers) == given_answers(choice.answers))
-        return &file;
-    return nullptr;
-  }
-
   static ListRow row_of(const LaserWork& work, const LaserFileChoice& choice) {
     const std::string name = std::filesystem::path(choice.path).filename().string();
-    const LaserFile* file = read(work, choice);
+    const LaserFile* file = file_read(work.files, choice);
     if (file == nullptr) return {fmt::format("{:<28} reading ...", name), Tone::faint};
     if (!file->set)
       return {
@@ -210,7 +203,7 @@ class FilesPage final : public LaserPage {
     canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
     const LaserFileChoice& choice = choices.files[place_within(place_, choices.files.size())];
     const Area text{area.row, area.column, area.rows - 1, area.columns};
-    const LaserFile* file = read(controller().work(), choice);
+    const LaserFile* file = file_read(controller().work().files, choice);
     if (file != nullptr && !file->problem.empty()) {
       canvas.paragraph(text, 0, file->problem, Tone::bad);
       return;
