@@ -349,13 +349,11 @@ TEST_CASE("an invalid date of the files is not preset") {
 }
 
 TEST_CASE("the question before sending names the first remark and what the header does not state") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "115200");
-  const LinearMill mill(folder);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
+  ReadyMill ready;
+  LaserScreenDriver& driver = ready.driver;
   // X measured over a tenth of its travel: samples/mill/machine.toml says -4100 to 0
-  const std::string piece = folder.with("piece.csv", measured_csv({'X', "EX", 0, -400, 50, {0, -1400, 0}}, mill.error));
+  const std::string piece =
+      ready.folder.with("piece.csv", measured_csv({'X', "EX", 0, -400, 50, {0, -1400, 0}}, ready.mill.error));
   driver.controller().change("a piece of X", [&](LaserChoices& c) { c.files.front().path = piece; });
   REQUIRE(driver.settled());
   driver.type("\n");

@@ -37,14 +37,9 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
 }
 
 TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen says so, sending again works") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "19200");
-  const LinearMill mill(folder);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
-  driver.type("y");
+  ReadyMill ready("19200");
+  LaserScreenDriver& driver = ready.driver;
+  ready.begin_sending();
   REQUIRE(driver.shows("and verified"));
   const std::uint32_t old_check = driver.controller().sent()->check;
 
@@ -53,37 +48,28 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
       laser::settings_in(c.recipe, each).increment_mm = 4.0;
   });
   REQUIRE(driver.settled());
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
-  driver.type("y");
+  ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.2; }));
   CHECK(driver.seen().find("s left") != std::string::npos);
   CHECK(driver.seen().find("sending the map") != std::string::npos);
-  unit.kill();
+  ready.unit.kill();
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
   CHECK(driver.seen().find("not sent: ") != std::string::npos);
   CHECK(driver.seen().find("The unit keeps the map it had") != std::string::npos);
   CHECK(laser::settings_of(driver.controller().choices().recipe, Component::EXX).increment_mm == 4.0);
-  unit.start();
+  ready.unit.start();
   REQUIRE(driver.until(
       [&] { return driver.seen().find("the map it had before is still active and whole") != std::string::npos; }, 60));
   CHECK(driver.seen().find(fmt::format("{:08X}", old_check)) != std::string::npos);
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
-  driver.type("y");
+  ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().sent_is_current(); }, 60));
   CHECK(driver.controller().sent()->check != old_check);
 }
 
 TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it had") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "19200");
-  const LinearMill mill(folder, 10.0);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
-  driver.type("y");
+  ReadyMill ready("19200", 10.0);
+  LaserScreenDriver& driver = ready.driver;
+  ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.1; }));
   driver.type("\x1b");
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }));
@@ -180,20 +166,18 @@ TEST_CASE(
 }
 
 TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "115200");
-  const LinearMill mill(folder);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
-  save_another_map(driver, folder);
-  send_from(driver);
+  ReadyMill ready;
+  LaserScreenDriver& driver = ready.driver;
+  save_another_map(driver, ready.folder);
+  send_from(ready);
   verify_at(driver);
   CHECK(driver.controller().verified());
   CHECK(driver.seen().find("commit") == std::string::npos);
   CHECK(driver.seen().find("made active as no. 1") != std::string::npos);
 
   as_another_host(driver, [&](UnitLink& link) {
-    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+    return map_sent_over(link, (ready.folder.path / "other.csv").string(),
+                         (ready.folder.path / "other-parameters.toml").string());
   });
   SUBCASE("by itself within seconds while the step is open") {
     CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 10));
@@ -209,7 +193,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
     driver.controller().change("the other map", [&](LaserChoices& c) {
       laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 800.0;
-      c.map_file = (folder.path / "other.csv").string();
+      c.map_file = (ready.folder.path / "other.csv").string();
     });
     REQUIRE(driver.settled());
     driver.type("sy");
@@ -229,48 +213,45 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
 
 TEST_CASE(
     "a map that was verified but not sent from here counts: compensation is refused once the unit holds another") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "115200");
-  const LinearMill mill(folder);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
-  save_another_map(driver, folder);
+  ReadyMill ready;
+  LaserScreenDriver& driver = ready.driver;
+  save_another_map(driver, ready.folder);
   driver.type("s");
   REQUIRE(driver.shows("saved: "));
   driver.type("9c");
   CHECK_FALSE(driver.seen().find("Switch the unit to compensation?") != std::string::npos);
   CHECK(driver.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
   as_another_host(driver, [&](UnitLink& link) {
-    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+    return map_sent_over(link, (ready.folder.path / "map.csv").string(),
+                         (ready.folder.path / "map-parameters.toml").string());
   });
   verify_at(driver);
   CHECK(driver.controller().verified());
   CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
   as_another_host(driver, [&](UnitLink& link) {
-    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+    return map_sent_over(link, (ready.folder.path / "other.csv").string(),
+                         (ready.folder.path / "other-parameters.toml").string());
   });
   driver.type("cy");
   CHECK(driver.until([&] {
     return driver.controller().message().text().find("what was compared was block check") != std::string::npos;
   }));
   as_another_host(driver, [&](UnitLink& link) {
-    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+    return map_sent_over(link, (ready.folder.path / "map.csv").string(),
+                         (ready.folder.path / "map-parameters.toml").string());
   });
   driver.type("cy");
   CHECK(driver.shows("the unit watches: reference every axis"));
 }
 
 TEST_CASE("a unit that was switched off and on has to be verified again") {
-  const StateFolder folder;
-  PacedUnit unit(folder, "115200");
-  const LinearMill mill(folder);
-  LaserScreenDriver driver(unit.link());
-  make_ready(driver, folder, mill);
-  send_from(driver);
+  ReadyMill ready;
+  LaserScreenDriver& driver = ready.driver;
+  send_from(ready);
   verify_at(driver);
   SUBCASE("with its line") {
-    unit.kill();
-    unit.start();
+    ready.unit.kill();
+    ready.unit.start();
     CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
   }
   SUBCASE("while the line stayed open") {

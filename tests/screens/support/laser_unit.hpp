@@ -60,17 +60,32 @@ inline void make_ready(LaserScreenDriver& driver, const StateFolder& folder, con
   driver.type("8");
 }
 
+/// A mill whose map is ready to be sent to its unit.
+struct ReadyMill {
+  explicit ReadyMill(const std::string& baud = "115200", double step_mm = 50.0)
+      : unit(folder, baud), mill(folder, step_mm), driver(unit.link()) {
+    make_ready(driver, folder, mill);
+  }
+  /// Saved and checked by Enter, sent by the answer to the question.
+  void begin_sending() {
+    driver.type("\n");
+    REQUIRE(driver.shows("Send the map to"));
+    driver.type("y");
+  }
+  StateFolder folder;
+  PacedUnit unit;
+  LinearMill mill;
+  LaserScreenDriver driver;
+};
+
 inline std::string ran_text(const std::vector<std::string>& words) {
   const Ran run = ran(words);
   return fmt::format("{} {}", run.code, run.all());
 }
 
-/// Saved and sent by keys.
-inline void send_from(LaserScreenDriver& driver) {
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
-  driver.type("y");
-  REQUIRE(driver.until([&] { return driver.controller().sent_is_current(); }, 60));
+inline void send_from(ReadyMill& ready) {
+  ready.begin_sending();
+  REQUIRE(ready.driver.until([&] { return ready.driver.controller().sent_is_current(); }, 60));
 }
 
 }  // namespace ecs::app
