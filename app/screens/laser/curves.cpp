@@ -85,14 +85,6 @@ class LeaveOutPage final : public LaserPage {
 
   bool on_escape() override { return std::exchange(in_tree_, false); }
 
-  std::string help() const override {
-    return "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
-           "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
-           "outside stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
-           "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
-           "left out of it, ? that readings stand out, ! that no curve comes of it.";
-  }
-
  private:
   /// "18 of 54 readings left out (x); 1 stands out (?): o goes there"
   [[nodiscard]] std::string text_about(const LaserLine& line, const LaserLineResult& result) const {
@@ -300,13 +292,6 @@ class CurvesPage final : public LaserPage {
       return true;
     }
     return act_on(rows_, key) || on_laser_chart_key(key, curve().before, curve().left_out, view_);
-  }
-
-  std::string help() const override {
-    return "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
-           "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
-           "parabola over the window; the answer says from the scatter of the repeats whether noise or form went. The "
-           "band is the range of all readings (of the curve where it is smoothed or comes from two lines).";
   }
 
  private:

@@ -101,12 +101,6 @@ class FilesPage final : public LaserPage {
     for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
     return keys;
   }
-  std::string help() const override {
-    return "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
-           "named. An error map is taken as it is, with the parameters saved beside it. A file that does not say its "
-           "axis or sense, or a table of columns, is asked for with Enter. p "
-           "chooses the parameters of the unit: with them the screen knows which components the map needs.";
-  }
 
  private:
   [[nodiscard]] bool emulated() const {
@@ -361,13 +355,6 @@ class LinesPage final : public LaserPage {
     scroll_ = {};
     return true;
   }
-  std::string help() const override {
-    return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
-           "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
-           "where an axis was parked: it is taken as 0, and Enter tells it. c corrects a place that a file states "
-           "wrongly. comp.: measured with compensation active, "
-           "of no use for a map.";
-  }
 
  private:
   /// @pre there are lines
@@ -446,11 +433,6 @@ class IsoPage final : public LaserPage {
     if (!place_.on_key(key, static_cast<int>(controller().work().lines.size()))) return false;
     scroll_ = {};
     return true;
-  }
-  std::string help() const override {
-    return "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "
-           "from the readings that are not left out, as measured (slope and smoothing are for the map). Notes name the "
-           "conditions of the standard that are not met.";
   }
 
  private:

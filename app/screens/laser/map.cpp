@@ -90,12 +90,6 @@ class MapPage final : public LaserPage {
     return panel && on_chart_key(key, *panel, view_);
   }
 
-  std::string help() const override {
-    return "Step 6: the components that the scope of the parameters needs. A missing one is measured, or declared zero "
-           "with a reason; a map that lacks one cannot be sent. Curves show compensation: minus the error. Squareness "
-           "lives in the parameters; what was measured is written into those saved beside the map.";
-  }
-
  private:
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
 
@@ -272,10 +266,6 @@ class HeaderPage final : public LaserPage {
   std::vector<KeyHelp> keys() const override {
     if (editing_) return {{"Enter", "take it"}, {"Tab", "take it, edit the next"}, {"Esc", "leave it as it was"}};
     return helps_of(rows_);
-  }
-  std::string help() const override {
-    return "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
-           "values come from the files. Which files were used and what was done to them is added by itself.";
   }
 
  private:

@@ -8,6 +8,60 @@
 #include "app/ui/widgets.hpp"
 
 namespace ecs::app {
+
+const LaserStepRow kLaserStepRows[kLaserSteps] = {
+    {"Files", "of any instrument, several or a whole folder",
+     "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
+     "named. An error map is taken as it is, with the parameters saved beside it. A file that does not say its "
+     "axis or sense, or a table of columns, is asked for with Enter. p "
+     "chooses the parameters of the unit: with them the screen knows which components the map needs.",
+     laser_files_page},
+    {"Lines", "what was measured, where, under which conditions",
+     "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
+     "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
+     "where an axis was parked: it is taken as 0, and Enter tells it. c corrects a place that a file states "
+     "wrongly. comp.: measured with compensation active, "
+     "of no use for a map.",
+     laser_lines_page},
+    {"Leave out", "runs and readings, and back again",
+     "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
+     "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
+     "outside stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
+     "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
+     "left out of it, ? that readings stand out, ! that no curve comes of it.",
+     laser_leave_out_page},
+    {"Slope", "slope and smoothing, before and after",
+     "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
+     "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
+     "parabola over the window; the answer says from the scatter of the repeats whether noise or form went. The "
+     "band is the range of all readings (of the curve where it is smoothed or comes from two lines).",
+     laser_curves_page},
+    {"ISO 230", "accuracy and repeatability by ISO 230-2",
+     "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "
+     "from the readings that are not left out, as measured (slope and smoothing are for the map). Notes name the "
+     "conditions of the standard that are not met.",
+     laser_iso_page},
+    {"Map", "parameters of the unit; what is there, what is missing",
+     "Step 6: the components that the scope of the parameters needs. A missing one is measured, or declared zero "
+     "with a reason; a map that lacks one cannot be sent. Curves show compensation: minus the error. Squareness "
+     "lives in the parameters; what was measured is written into those saved beside the map.",
+     laser_map_page},
+    {"Header", "customer, machine, engineer, date",
+     "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
+     "values come from the files. Which files were used and what was done to them is added by itself.",
+     laser_header_page},
+    {"Send", "saved to disc, checked, sent to the unit",
+     "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
+     "all: a broken link, a cancel or a power cut leaves the old map active. The unit checks every byte in its "
+     "memory.",
+     laser_send_page},
+    {"Verify", "read back and compared",
+     "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
+     "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "
+     "step is open the unit is asked every few seconds whether it still holds what was compared: if it was "
+     "restarted, or another map was made active in it, the comparison no longer counts.",
+     laser_verify_page}};
+
 namespace {
 
 constexpr int kRoomForNames = 78;
@@ -256,7 +310,7 @@ std::vector<KeyHelp> LaserScreen::keys() const {
 }
 
 std::string LaserScreen::help() const {
-  return page().help() +
+  return std::string(kLaserStepRows[static_cast<std::size_t>(step_)].help) +
          " Steps are marked + done, ! look at it, . open; digits go to any of them at any time, and what changes in "
          "one is carried through the later ones.";
 }

@@ -134,7 +134,6 @@ class LaserPage {
   /// @return whether the key meant something here
   [[nodiscard]] virtual bool on_key(const Key& key) { return act_on(rows_, key); }
   [[nodiscard]] virtual std::vector<KeyHelp> keys() const { return helps_of(rows_); }
-  [[nodiscard]] virtual std::string help() const = 0;
   [[nodiscard]] virtual bool advance() { return false; }
   [[nodiscard]] virtual bool typing() const { return false; }
   /// One level back within the step. @return whether there was one
@@ -162,22 +161,14 @@ class LaserPage {
 [[nodiscard]] std::unique_ptr<LaserPage> laser_send_page(LaserHost& host);
 [[nodiscard]] std::unique_ptr<LaserPage> laser_verify_page(LaserHost& host);
 
-/// A step: its tab, what it is for, its page.
+/// A step: its tab, what it is for in few words and for ?, its page.
 struct LaserStepRow {
   const char* name;
   const char* what;
+  const char* help;
   std::unique_ptr<LaserPage> (*page)(LaserHost& host);
 };
-inline constexpr LaserStepRow kLaserStepRows[kLaserSteps] = {
-    {"Files", "of any instrument, several or a whole folder", laser_files_page},
-    {"Lines", "what was measured, where, under which conditions", laser_lines_page},
-    {"Leave out", "runs and readings, and back again", laser_leave_out_page},
-    {"Slope", "slope and smoothing, before and after", laser_curves_page},
-    {"ISO 230", "accuracy and repeatability by ISO 230-2", laser_iso_page},
-    {"Map", "parameters of the unit; what is there, what is missing", laser_map_page},
-    {"Header", "customer, machine, engineer, date", laser_header_page},
-    {"Send", "saved to disc, checked, sent to the unit", laser_send_page},
-    {"Verify", "read back and compared", laser_verify_page}};
+extern const LaserStepRow kLaserStepRows[kLaserSteps];
 
 // --- parts that several steps draw
 

@@ -80,12 +80,6 @@ class SendPage final : public LaserPage {
     return true;
   }
 
-  std::string help() const override {
-    return "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
-           "all: a broken link, a cancel or a power cut leaves the old map active. The unit checks every byte in its "
-           "memory.";
-  }
-
  private:
   void ask_file() {
     host().fill(LaserForm("where the map is saved",
@@ -212,12 +206,6 @@ class VerifyPage final : public LaserPage {
   }
 
   bool on_key(const Key& key) override { return act_on(rows_, key) || scroll_.on_key(key); }
-  std::string help() const override {
-    return "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
-           "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "
-           "step is open the unit is asked every few seconds whether it still holds what was compared: if it was "
-           "restarted, or another map was made active in it, the comparison no longer counts.";
-  }
 
  private:
   static std::vector<std::string> differences_of(const MapVerdict& verdict) {
