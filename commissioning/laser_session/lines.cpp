@@ -378,16 +378,12 @@ const LaserLine* line_stated(const std::vector<LaserLine>& lines, const std::str
   return found == lines.end() ? nullptr : &*found;
 }
 
-Problem no_such_line(const std::vector<LaserLine>& lines, const std::string& sought) {
+tl::unexpected<Problem> no_such_line(const std::vector<LaserLine>& lines, const std::string& sought) {
   std::vector<std::string> keys;
   for (const LaserLine& line : lines) keys.push_back(fmt::format("\"{}\"", line.key));
-  return {ProblemKind::usage,
-          fmt::format("--line: expected one of the lines that were measured, {}; found {}", fmt::join(keys, ", "),
-                      sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought)),
-          {},
-          0,
-          0,
-          {}};
+  return problem(ProblemKind::usage, fmt::format("--line: expected one of the lines that were measured, {}; found {}",
+                                                 fmt::join(keys, ", "),
+                                                 sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought)));
 }
 
 /// What is left out must be there: else it is probably a typing error.
@@ -470,13 +466,13 @@ Result<laser::MeasurementSet> prepared_line(const PrepareRequest& request) {
     if (!file.set) return problem(ProblemKind::bad_input, file.problem);
   std::vector<LaserLine> lines = laser_lines(files);
   const LaserLine* line = line_stated(lines, request.line);
-  if (line == nullptr) return tl::unexpected(no_such_line(lines, request.line));
+  if (line == nullptr) return no_such_line(lines, request.line);
   if (!request.place.empty()) {
     const std::string stated = line->stated.front();
     ECS_DO(correct_place(choices, *line, request.place));
     lines = laser_lines(read());
     line = line_stated(lines, stated);
-    if (line == nullptr) return tl::unexpected(no_such_line(lines, stated));
+    if (line == nullptr) return no_such_line(lines, stated);
   }
   ECS_DO(all_there(*line, left_out));
   return prepared_set(*line, left_out);

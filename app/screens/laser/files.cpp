@@ -20,8 +20,8 @@ class FilesPage final : public LaserPage {
  public:
   explicit FilesPage(LaserHost& host) : LaserPage(host) {
     const auto choose = [this] {
-      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_,
-                       FileWish{{FileKind::measurements, FileKind::map}, true});
+      files_.choose("Measured files, or an error map", {{FileKind::measurements, FileKind::map}, true},
+                    [this](const std::vector<std::string>& taken) { take(taken); });
     };
     const auto answer = [this, choose] {
       if (const auto& files = controller().choices().files; files.empty())
@@ -40,7 +40,7 @@ class FilesPage final : public LaserPage {
   }
 
   void draw(Canvas& canvas, const Area& area) const override {
-    if (chooser_) return chooser_->draw(canvas, area);
+    if (files_.active()) return files_.draw(canvas, area, 0);
     if (measuring_.running()) {
       draw_progress(canvas, area.between_margins(), 0, measuring_.label() + " (Esc stops it)", measuring_.part(),
                     measuring_.seconds_left());
@@ -76,31 +76,23 @@ class FilesPage final : public LaserPage {
   }
 
   bool on_key(const Key& key) override {
-    if (chooser_) return on_chooser_key(key);
-    return place_.on_key(key, static_cast<int>(controller().choices().files.size())) || act_on(rows_, key);
+    return files_.on_key(key) || place_.on_key(key, static_cast<int>(controller().choices().files.size())) ||
+           act_on(rows_, key);
   }
 
   bool advance() override {
     const bool measured = measuring_.advance() || measuring_.running();
-    return (chooser_ && chooser_->advance()) || measured;
+    return files_.advance() || measured;
   }
   bool on_escape() override {
     const bool measures = measuring_.running();
     measuring_.cancel();
     return measures;
   }
-  bool typing() const override { return chooser_ && chooser_->typing(); }
-  bool holds_keys() const override { return chooser_.has_value(); }
-  CellPosition cursor(const Area& area) const override {
-    return chooser_ ? chooser_->cursor(area) : CellPosition{-1, -1};
-  }
-
-  std::vector<KeyHelp> keys() const override {
-    if (!chooser_) return helps_of(rows_);
-    std::vector<KeyHelp> keys;
-    for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
-    return keys;
-  }
+  bool typing() const override { return files_.active(); }
+  bool holds_keys() const override { return files_.active(); }
+  CellPosition cursor(const Area& area) const override { return files_.cursor(area, 0); }
+  std::vector<KeyHelp> keys() const override { return files_.active() ? files_.keys() : helps_of(rows_); }
 
  private:
   [[nodiscard]] bool emulated() const {
@@ -212,18 +204,8 @@ class FilesPage final : public LaserPage {
     if (!remarks.empty()) canvas.paragraph(text, row, remarks);
   }
 
-  bool on_chooser_key(const Key& key) {
-    const FileChooser::Answer answer = chooser_->on_key(key);
-    if (answer == FileChooser::Answer::open) return true;
-    folder_ = chooser_->folder();
-    const std::vector<std::string> taken =
-        answer == FileChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
-    chooser_.reset();
-    if (taken.empty()) return true;
-    if (taken.size() == 1 && read_laser_file({taken.front(), {}}).is_map) {
-      controller().open_map(taken.front());
-      return true;
-    }
+  void take(const std::vector<std::string>& taken) {
+    if (taken.size() == 1 && read_laser_file({taken.front(), {}}).is_map) return controller().open_map(taken.front());
     controller().change(
         fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
           if (!c.opened_map.empty()) c.map_file = LaserChoices{}.map_file;
@@ -232,12 +214,10 @@ class FilesPage final : public LaserPage {
             if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
               c.files.push_back({path, {}});
         });
-    return true;
   }
 
   ListPlace place_;
-  std::optional<FileChooser> chooser_;
-  std::filesystem::path folder_;
+  Prompt files_;
   TaskRunner measuring_;
 };
 
