@@ -11,7 +11,6 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/numbers.hpp"
-#include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
