@@ -57,7 +57,7 @@ ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/mach
            ecs_emulator/unit laser laser/writers protocol/line protocol/server fmt::fmt nlohmann_json::nlohmann_json)
 
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
-ecs_folder(commissioning/laser_session base commissioning/link commissioning/maps commissioning/measurements
+ecs_folder(commissioning/laser_session base base/cli commissioning/link commissioning/maps commissioning/measurements
            commissioning/plot commissioning/session commissioning/unit core laser laser/analysis laser/import
            laser/map laser/writers params fmt::fmt)
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
@@ -65,11 +65,12 @@ ecs_folder(commissioning/link base commissioning/session protocol/client protoco
 ecs_folder(commissioning/maps base base/cli commissioning/measurements commissioning/models commissioning/session
            commissioning/unit core laser/map model/diagnosis model/effects model/fit params protocol/client fmt::fmt)
 ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core laser laser/analysis
-           laser/import laser/map Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
-ecs_folder(commissioning/memory base commissioning/link commissioning/session commissioning/unit core laser/map params
-           protocol/client protocol/registers fmt::fmt)
+           laser/import laser/map laser/standards Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/memory base commissioning/session commissioning/unit core laser/map params protocol/client
+           protocol/registers fmt::fmt)
 ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link commissioning/maps
-           commissioning/models commissioning/plot commissioning/session model/diagnosis model/planning fmt::fmt)
+           commissioning/measurements commissioning/models commissioning/plot commissioning/session model/diagnosis
+           model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
            laser/map laser/standards model/data model/diagnosis model/effects model/fit model/regression params
            fmt::fmt)
@@ -78,8 +79,8 @@ ecs_folder(commissioning/parameters base commissioning/link commissioning/sessio
 ecs_folder(commissioning/plot base commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
 ecs_folder(commissioning/unit base core laser/map params protocol/client protocol/registers fmt::fmt)
-ecs_folder(commissioning/utility base commissioning/link commissioning/memory commissioning/plot commissioning/session
-           commissioning/unit core params protocol/client Threads::Threads fmt::fmt)
+ecs_folder(commissioning/utility base commissioning/link commissioning/plot commissioning/session commissioning/unit
+           core params protocol/client Threads::Threads fmt::fmt)
 ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models
            commissioning/plot commissioning/session laser laser/map model/effects model/fit model/regression params
            volume fmt::fmt nlohmann_json::nlohmann_json)
@@ -97,7 +98,8 @@ ecs_folder(app/screens/forms app/cli app/plot app/screens/files app/ui app/verbs
 ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/laser_session commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
            fmt::fmt)
-ecs_folder(app/screens/memory app/screens/files app/ui base commissioning/memory fmt::fmt)
+ecs_folder(app/screens/memory app/screens/files app/ui base commissioning/link commissioning/memory
+           commissioning/session commissioning/utility fmt::fmt)
 ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base commissioning/files commissioning/link
            commissioning/model_session commissioning/models commissioning/session laser/map model/effects fmt::fmt)
 ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/link commissioning/parameters
@@ -105,7 +107,8 @@ ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/li
 ecs_folder(app/screens/unit app/cli app/plot app/screens/files app/screens/utility app/ui base commissioning/link
            commissioning/plot commissioning/session commissioning/unit core fmt::fmt)
 ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/link
-           commissioning/unit commissioning/utility core fmt::fmt)
+           commissioning/memory commissioning/plot commissioning/session commissioning/unit commissioning/utility core
+           fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
 ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/volume
@@ -116,9 +119,9 @@ ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session com
 ecs_folder(app/verbs/map app/cli app/plot base commissioning/link commissioning/maps commissioning/measurements
            commissioning/plot commissioning/unit laser/map params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/model app/cli app/plot base commissioning/laser_session commissioning/measurements
-           commissioning/models commissioning/plot commissioning/session commissioning/volume laser/writers
-           model/diagnosis model/effects model/planning volume fmt::fmt)
+ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements commissioning/models commissioning/plot
+           commissioning/session commissioning/volume laser/writers model/diagnosis model/effects model/planning
+           volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
