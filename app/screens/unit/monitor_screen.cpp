@@ -108,9 +108,7 @@ class MonitorScreen final : public KeyedScreen {
   explicit MonitorScreen(std::shared_ptr<UnitConnection> connection)
       : connection_(connection), watching_(std::move(connection)) {
     const auto record = [this] { toggle_recording(); };
-    const auto thermometer = [this] {
-      environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
-    };
+    const auto thermometer = [this] { toggle_thermometer(); };
     const auto freeze = [this] {
       frozen_ = !frozen_;
       strip_at_ = {};
