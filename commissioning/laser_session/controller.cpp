@@ -174,14 +174,13 @@ void LaserController::work_out() {
 
 LaserMark LaserController::mark(LaserStep step) const {
   const LaserWork& w = *work_;
-  const auto any_line = [&](auto&& is) { return std::any_of(w.lines.begin(), w.lines.end(), is); };
   switch (step) {
     case LaserStep::files:
       if (w.files.empty()) return w.choices.opened_map.empty() ? LaserMark::open : LaserMark::done;
-      return done_unless(std::any_of(w.files.begin(), w.files.end(), [](const LaserFile& f) { return !f.set; }));
+      return done_unless(std::ranges::any_of(w.files, [](const LaserFile& f) { return !f.set; }));
     case LaserStep::lines:
       if (w.lines.empty()) return LaserMark::open;
-      return done_unless(any_line([](const LaserLine& line) {
+      return done_unless(std::ranges::any_of(w.lines, [](const LaserLine& line) {
         return line.group.compensated.value_or(false) || !line.summary.forward || !line.summary.reverse ||
                !line.place_unknown.empty();
       }));
@@ -198,13 +197,11 @@ LaserMark LaserController::mark(LaserStep step) const {
     }
     case LaserStep::curves:
       if (w.curves.empty()) return LaserMark::open;
-      return done_unless(std::any_of(w.curves.begin(), w.curves.end(), [](const LaserCurve& c) {
-        return !c.problem.empty() || (c.smoothed && c.smoothed->taken == laser::Taken::signal);
-      }));
+      return done_unless(std::ranges::any_of(w.curves, &LaserCurve::doubtful));
     case LaserStep::iso:
       if (w.results.empty()) return LaserMark::open;
-      return done_unless(std::any_of(w.results.begin(), w.results.end(),
-                                     [](const auto& result) { return !result.iso || !result.iso->notes.empty(); }));
+      return done_unless(
+          std::ranges::any_of(w.results, [](const auto& result) { return !result.iso || !result.iso->notes.empty(); }));
     case LaserStep::map:
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
       return done_unless(!w.map.complete() || !w.map.findings().empty());
@@ -215,7 +212,7 @@ LaserMark LaserController::mark(LaserStep step) const {
       if (sent_is_current()) return LaserMark::done;
       return sent_ || failed_ || saved() ? LaserMark::doubtful : LaserMark::open;
     case LaserStep::verify:
-      if (!verdict_) return LaserMark::open;
+      if (!found_) return LaserMark::open;
       return done_unless(!verified());
   }
   return LaserMark::open;
@@ -388,23 +385,23 @@ void LaserController::verify() {
   const auto work = [files = files_of_map(saved_file_), unit = unit_](JobControl& control) {
     return verified_map(*unit, control, files);
   };
-  task_.start("reading the map back", work,
-              [this, files = files_of_map(saved_file_)](const Result<VerifiedMap>& verified) {
-                if (!verified) return say_failed("reading the map back", verified.error());
-                take_verdict(*verified);
-                note_on_unit(*unit_, {"map", "verify", path_word(files.map), "--params", path_word(files.parameters)},
-                             verdict_->same() ? 0 : 1);
-                message_.say(
-                    verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
-                    verdict_->same() ? Tone::good : Tone::bad);
-              });
+  task_.start(
+      "reading the map back", work, [this, files = files_of_map(saved_file_)](const Result<VerifiedMap>& verified) {
+        if (!verified) return say_failed("reading the map back", verified.error());
+        take_verdict(*verified);
+        note_on_unit(*unit_, {"map", "verify", path_word(files.map), "--params", path_word(files.parameters)},
+                     found_->verdict.same() ? 0 : 1);
+        message_.say(
+            found_->verdict.same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
+            found_->verdict.same() ? Tone::good : Tone::bad);
+      });
 }
 
 bool LaserController::may_compensate() {
   if (!idle()) return false;
-  if (!verdict_ && !sent_)
+  if (!found_ && !sent_)
     message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
-  else if (verdict_ && !verdict_->same())
+  else if (found_ && !found_->verdict.same())
     message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again", Tone::bad);
   else
     return true;
@@ -413,7 +410,7 @@ bool LaserController::may_compensate() {
 
 void LaserController::compensate() {
   if (!may_compensate()) return;
-  const ExpectedMap expected = compared_ ? ExpectedMap(*compared_) : ExpectedMap(*sent_);
+  const ExpectedMap expected = found_ ? ExpectedMap(found_->holding) : ExpectedMap(*sent_);
   const auto work = [expected, unit = unit_](JobControl& control) {
     return switch_to_compensation(*unit, control, expected);
   };
@@ -427,8 +424,7 @@ void LaserController::compensate() {
 }
 
 void LaserController::forget_verdict() {
-  verdict_.reset();
-  compared_.reset();
+  found_.reset();
   compared_csv_.clear();
   stale_.clear();
   unit_time_us_ = 0;
@@ -437,8 +433,7 @@ void LaserController::forget_verdict() {
 
 void LaserController::take_verdict(const VerifiedMap& verified) {
   forget_verdict();
-  verdict_ = verified.verdict;
-  compared_ = verified.holding;
+  found_ = verified;
   compared_csv_ = saved_csv_;
   next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
 }
@@ -451,12 +446,12 @@ void LaserController::say_stale(const std::string& why) {
 }
 
 bool LaserController::note_changes() {
-  if (!compared_ || !stale_.empty()) return false;
+  if (!found_ || !stale_.empty()) return false;
   const WatchedUnit unit = unit_->snapshot();
-  UnitHolding now = *compared_;
+  UnitHolding now = found_->holding;
   if (unit.identity) now.serial_number = unit.identity->serial_number;
   now.opened_at = unit.opened_at;
-  std::string why = unit.open ? changed_since(*compared_, now) : "the link to it was lost";
+  std::string why = unit.open ? changed_since(found_->holding, now) : "the link to it was lost";
   if (const auto sample = unit_->newest(); sample && why.empty()) {
     if (sample->unit_time_us < unit_time_us_) why = "it was restarted";
     unit_time_us_ = std::max(unit_time_us_, sample->unit_time_us);
@@ -467,13 +462,13 @@ bool LaserController::note_changes() {
 }
 
 void LaserController::watch_verdict() {
-  if (!compared_ || !stale_.empty() || task_.running() || looking_.running()) return;
+  if (!found_ || !stale_.empty() || task_.running() || looking_.running()) return;
   if (Clock::now() < next_verdict_look_ || !unit_->snapshot().open) return;
   const auto look = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
   looking_.start("looking at the unit", look, [this, comparison = comparison_](const Result<UnitHolding>& now) {
     next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
-    if (comparison != comparison_ || !now || !compared_ || !stale_.empty()) return;
-    if (const std::string why = changed_since(*compared_, *now); !why.empty()) say_stale(why);
+    if (comparison != comparison_ || !now || !found_ || !stale_.empty()) return;
+    if (const std::string why = changed_since(found_->holding, *now); !why.empty()) say_stale(why);
   });
 }
 

@@ -97,14 +97,15 @@ class LaserController {
   [[nodiscard]] bool saved() const { return !saved_csv_.empty() && saved_csv_ == work_->map.csv; }
   [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
   [[nodiscard]] bool sent_is_current() const { return sent_ && sent_csv_ == work_->map.csv; }
-  [[nodiscard]] const std::optional<MapVerdict>& verdict() const { return verdict_; }
+  /// Null: nothing was compared.
+  [[nodiscard]] const MapVerdict* verdict() const { return found_ ? &found_->verdict : nullptr; }
   /// What was compared, with the unit that held it. @pre verdict()
-  [[nodiscard]] const UnitHolding& compared() const { return *compared_; }
+  [[nodiscard]] const UnitHolding& compared() const { return found_->holding; }
   /// Why the verdict holds no longer: the unit was restarted, given another map, ...; empty: it holds.
   [[nodiscard]] const std::string& stale() const { return stale_; }
   /// The unit holds the map of the choices as they are now.
   [[nodiscard]] bool verified() const {
-    return verdict_ && verdict_->same() && stale_.empty() && compared_csv_ == work_->map.csv;
+    return found_ && found_->verdict.same() && stale_.empty() && compared_csv_ == work_->map.csv;
   }
   /// What stands in the unit after sending failed, in words; empty: nothing failed, or not known yet.
   [[nodiscard]] const std::string& after_failure() const { return after_failure_; }
@@ -144,9 +145,8 @@ class LaserController {
   double part_shown_ = -1.0;
   std::optional<ReadyMap> ready_, failed_;
   std::optional<SentMap> sent_;
-  std::optional<MapVerdict> verdict_;
-  std::optional<UnitHolding> compared_;  ///< of `verdict_`
-  std::string compared_csv_;             ///< the map that was compared
+  std::optional<VerifiedMap> found_;  ///< when it was compared
+  std::string compared_csv_;          ///< the map that was compared
   std::string stale_;
   std::uint64_t unit_time_us_ = 0;  ///< of the newest sample since the comparison
   int comparison_ = 0;              ///< counts them

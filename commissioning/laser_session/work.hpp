@@ -49,6 +49,10 @@ struct LaserCurve {
   std::vector<PlotPoint> left_out;    ///< of the one line, as measured; none where it comes from two lines
   std::size_t left_out_of_lines = 0;  ///< readings left out of all its lines
   std::string problem;
+  /// It failed, or smoothing took form of the curve away as well.
+  [[nodiscard]] bool doubtful() const {
+    return !problem.empty() || (smoothed && smoothed->taken == laser::Taken::signal);
+  }
 };
 struct LaserWork {
   LaserChoices choices;  ///< what it was worked out from

@@ -52,6 +52,13 @@ struct ImportArguments {
   std::string recognised_by;  ///< a text that files of a profile contain; empty: the lines of `row_begins`
   std::string profile;        ///< name or path of a profile with the answers above
 
+  /// The same for work that suits rotary axes.
+  [[nodiscard]] ImportArguments of_any_axis() const {
+    ImportArguments any = *this;
+    any.takes_rotary = true;
+    return any;
+  }
+
   /// Those of `laser import`: what most files need, then the others below headings of their own.
   /// @param sense_option  where --sense means something else to the action
   static cli::Fields<ImportArguments> fields(const std::string& sense_option = "--sense");

@@ -243,6 +243,11 @@ std::string short_words(laser::SlopeMethod method) {
   return method == laser::SlopeMethod::end_points ? "ends" : "lsq";
 }
 
+Tone curve_tone(const LaserCurve& curve) {
+  if (!curve.problem.empty()) return Tone::bad;
+  return curve.doubtful() ? Tone::warning : Tone::plain;
+}
+
 class CurvesPage final : public LaserPage {
  public:
   explicit CurvesPage(LaserHost& host) : LaserPage(host) {
@@ -326,15 +331,13 @@ class CurvesPage final : public LaserPage {
   [[nodiscard]] ListRow row_of(const LaserWork& work, const LaserCurve& curve) const {
     const laser::ComponentRecipe choice = choice_of(curve);
     const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
-    const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
+    const char* mark = curve.doubtful() ? "!" : "";
     if (!work.map.parameters)
-      return {fmt::format("{:<4} {}{}", name_of(curve.component), work.lines[curve.lines.front()].place,
-                          !curve.problem.empty() || form_went ? "!" : ""),
-              curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
+      return {fmt::format("{:<4} {}{}", name_of(curve.component), work.lines[curve.lines.front()].place, mark),
+              curve_tone(curve)};
     return {fmt::format("{:<4} {:<4} {:>6} {:>6.1f}{}", name_of(curve.component),
-                        short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after,
-                        !curve.problem.empty() || form_went ? "!" : ""),
-            curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
+                        short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after, mark),
+            curve_tone(curve)};
   }
 
   static std::string text_about(const LaserCurve& curve) {
@@ -373,10 +376,8 @@ class CurvesPage final : public LaserPage {
     const std::string text = (beside ? "" : "at " + place + "; ") + text_about(curve);
     canvas.text(area, 0, 0, name, Tone::strong);
     if (beside) canvas.text_right(area, 0, place);
-    const bool odd = !curve.problem.empty() || (curve.smoothed && curve.smoothed->taken == laser::Taken::signal);
     const int text_rows = std::min(3, static_cast<int>(wrapped(text, area.columns).size()));
-    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, text,
-                     !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
+    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, text, curve_tone(curve));
     const Area charts = area.below(1 + text_rows);
     if (curve.before.series.empty()) return;
     if (shown_ == Shown::before || curve.unchanged) return draw_before(canvas, charts, curve);

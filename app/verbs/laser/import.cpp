@@ -26,17 +26,11 @@ std::string output_help() {
   return fmt::format("the file to write: CSV, or {}", fmt::join(extensions, " "));
 }
 
-ImportArguments import_of_any_axis() {
-  ImportArguments any;
-  any.takes_rotary = true;
-  return any;
-}
-
 struct FileImportRequest {
   std::vector<std::string> files;
   std::string output, save_profile;
   bool force = false;
-  ImportArguments import = import_of_any_axis();
+  ImportArguments import = ImportArguments().of_any_axis();
   static Fields<FileImportRequest> fields() {
     using R = FileImportRequest;
     return {{"FILE", &R::files, "measurement files; several are joined", Need::required},
@@ -118,7 +112,7 @@ Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
 
 struct ShowRequest {
   std::string file;
-  ImportArguments import = import_of_any_axis();
+  ImportArguments import = ImportArguments().of_any_axis();
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
     return {{"FILE", &R::file, "measurement file", Need::required}, &R::import};

@@ -202,11 +202,7 @@ struct StatsRequest {
   std::vector<std::string> files;
   bool all = false;
   laser::Iso230Conditions uncertainty;
-  ImportArguments import = [] {
-    ImportArguments any;
-    any.takes_rotary = true;
-    return any;
-  }();
+  ImportArguments import = ImportArguments().of_any_axis();
   static Fields<StatsRequest> fields() {
     using R = StatsRequest;
     return {{"FILE", &R::files, "measurement files; those of one line are joined as its runs", Need::required},

@@ -43,21 +43,19 @@ Cell rotary_table_cell(const volume::RotaryTable& table) {
 }
 
 /// True where the first of these files holds readings of a rotary axis.
-bool measures_rotary_axes(const std::vector<std::string>& files, ImportArguments import) {
+bool measures_rotary_axes(const std::vector<std::string>& files, const ImportArguments& import) {
   if (files.empty() || lower(files.front()).ends_with(".toml")) return false;
-  import.takes_rotary = true;
-  const auto first = read_measurements(files.front(), import);
+  const auto first = read_measurements(files.front(), import.of_any_axis());
   return first && std::any_of(first->set.readings.begin(), first->set.readings.end(),
                               [](const laser::Reading& reading) { return reading.rotary; });
 }
 
 /// Every file read, the table written to `output` if one is given.
-Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std::string>& files, ImportArguments import,
-                                    const std::string& output) {
-  import.takes_rotary = true;
+Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std::string>& files,
+                                    const ImportArguments& import, const std::string& output) {
   std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : files) {
-    ECS_TRY(read, read_with_notes(context.console, file, import));
+    ECS_TRY(read, read_with_notes(context.console, file, import.of_any_axis()));
     sets.push_back(std::move(read.set));
     sets.back().source = file;
   }
