@@ -1,5 +1,4 @@
-// The files of a map: the map itself, its parameters, the recipe, what had to be prepared for it.
-#include "commissioning/laser_session/map.hpp"
+// The map that the chosen files, parameters and components give, what is missing for it, and its files on disc.
 
 #include <algorithm>
 #include <ctime>
@@ -14,6 +13,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
+#include "commissioning/laser_session/work.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
@@ -339,12 +339,9 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
   std::error_code error;
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
   ECS_TRY(recipe, kept_recipe(work.recipe, choices, lines, files.folder));
-  ECS_DO(write_file(files.map, work.csv));
+  ECS_DO(
+      write_map(files.map, work.made->map.map, files.parameters, work.made->map.parameters, work.parameters->identity));
   if (choices.opened_map.empty()) ECS_DO(write_file(files.recipe, laser::recipe_text(recipe)));
-  if (const auto written =
-          params::write_parameters(files.parameters, work.made->map.parameters, work.parameters->identity);
-      !written)
-    return tl::unexpected(written.error());
   log_map(files, recipe, choices);
   return SavedMap{files, work.csv, choices.opened_map.empty() ? recipe : laser::MapRecipe{}, opened};
 }

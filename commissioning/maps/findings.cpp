@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "base/file_watch.hpp"
 #include "base/text.hpp"
 #include "laser/map/csv.hpp"
@@ -89,6 +90,12 @@ Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::Parameter
   if (header.serial_number.empty()) header.serial_number = parameters.identity.serial_number;
   auto findings = laser::findings_for(built.map, built.parameters, travels);
   return MadeMap{std::move(built), std::move(findings)};
+}
+
+Result<void> write_map(const std::string& file, const laser::ErrorMap& map, const std::string& params_file,
+                       const UnitParameters& parameters, const params::Identity& identity) {
+  if (!file.empty()) ECS_DO(write_file(file, laser::to_map_csv(map)));
+  return params_file.empty() ? Result<void>() : params::write_parameters(params_file, parameters, identity);
 }
 
 Result<MadeMap> opened_map(const std::string& file, const std::vector<laser::DeclaredZero>& zero,

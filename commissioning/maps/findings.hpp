@@ -57,6 +57,11 @@ struct MadeMap {
                                        const laser::Travels& travels,
                                        const laser::FileReader& read = laser::read_plain);
 
+/// Map and parameters, each where it has a file.
+[[nodiscard]] Result<void> write_map(const std::string& file, const laser::ErrorMap& map,
+                                     const std::string& params_file, const UnitParameters& parameters,
+                                     const params::Identity& identity);
+
 /// A map that is there already, with what was declared zero since.
 [[nodiscard]] Result<MadeMap> opened_map(const std::string& file, const std::vector<laser::DeclaredZero>& zero,
                                          const params::ParametersFile& parameters, const laser::Travels& travels);

@@ -17,7 +17,6 @@
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "laser/map/csv.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compiled_model.hpp"
@@ -245,13 +244,6 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   return built;
 }
 
-Result<void> write(const MapFromModel& b, const FromModelArguments& arguments) {
-  if (!arguments.output.empty())
-    if (auto done = write_file(arguments.output, laser::to_map_csv(b.compiled.map)); !done) return done;
-  if (!arguments.params_out.empty()) return params::write_parameters(arguments.params_out, b.parameters, b.identity);
-  return {};
-}
-
 Problem nothing_carried(const MapFromModel& b, const std::string& model) {
   std::vector<Problem> problems{
       {ProblemKind::refused, "no effect of this model can be carried by a map; nothing was written", model, 0, 0, {}}};
@@ -294,7 +286,7 @@ Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArgume
     ECS_DO(check_output_not_input(output, {arguments.model, arguments.machine}));
   auto built = planned_map_from_model(messages, arguments);
   if (!built) return built;
-  ECS_DO(write(*built, arguments));
+  ECS_DO(write_map(arguments.output, built->compiled.map, arguments.params_out, built->parameters, built->identity));
   for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
     messages.warn(objection);
   return built;

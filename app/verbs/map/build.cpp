@@ -19,7 +19,6 @@
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
 #include "volume/rotary_errors.hpp"
 
@@ -220,13 +219,6 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
        {"header", header_cell(b.made.map.map.header)}});
 }
 
-Result<void> write(const Built& b, const BuildRequest& request) {
-  if (!request.output.empty()) ECS_DO(write_file(request.output, laser::to_map_csv(b.made.map.map)));
-  if (!request.params_out.empty())
-    return params::write_parameters(request.params_out, b.made.map.parameters, b.identity);
-  return {};
-}
-
 void warn_about_header(VerbContext& context, const Built& b) {
   for (const std::string& objection : made_for_two_machines(b.made.map.map.header, b.identity))
     context.console.warn(objection);
@@ -279,7 +271,7 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
   ECS_TRY(b, built(request));
   if (b.made.map.outcomes.empty() && b.made.map.map.header.declared_zero.empty())
     return tl::unexpected(nothing_built(b));
-  ECS_DO(write(b, request));
+  ECS_DO(write_map(request.output, b.made.map.map, request.params_out, b.made.map.parameters, b.identity));
   warn_about_header(context, b);
   return outcome_of(built_cell(b, request));
 }

@@ -5,13 +5,9 @@
 #include <string>
 
 #include "app/cli/verb.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 
 namespace ecs::app {
-
-/// map_in() with the progress bar of the context.
-[[nodiscard]] Result<FoundMap> map_in(VerbContext& context, UnitLink& unit);
 
 /// `file`, or the unit's map with `from_unit`. A `usage` problem unless exactly one of the two is asked for.
 [[nodiscard]] Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit);
