@@ -1,5 +1,5 @@
 // A figure as data: panels with series of points and what each series shows. gnuplot (gnuplot.hpp), the report's inline
-// SVG (modules/report/svg.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
+// SVG (modules/report/page.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
 #pragma once
 
 #include <algorithm>

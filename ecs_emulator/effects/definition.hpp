@@ -19,7 +19,7 @@
 namespace ecs::emulator {
 
 /// Designs of a measurement on which different effects do exactly the same; an effect says in which of them it can be
-/// hidden. Made in modules/hidden_cases/confounded.cpp.
+/// hidden. Made in modules/hidden_cases/compose.cpp.
 struct Design {
   enum Id : unsigned {
     kWarm = 1,       ///< positioning at one temperature of the material, not 20 °C

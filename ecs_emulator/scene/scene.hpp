@@ -1,5 +1,5 @@
 // What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map, what its
-// stops cover. Does not live here: errors (ecs_emulator/effects), readings (modules/hidden_cases/measure.hpp), the
+// stops cover. Does not live here: errors (ecs_emulator/effects), readings (modules/hidden_cases/case.hpp), the
 // drawing (design.hpp), Ciddor's equations of the virtual laser (ecs_emulator/instruments/refraction.hpp).
 #pragma once
 

@@ -15,7 +15,6 @@
 #include "base/text.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/writers/measurement_writer.hpp"
-#include "modules/capture/devices.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,7 +1,10 @@
-// A measurement taken target by target: begun or resumed, its devices opened, guided to its end, written. Under way it
-// is triggers, displays and sensors around the record, one short step after the other; whoever shows it (a terminal, a
-// screen) takes its news. Its part file is written by std::async and not by a TaskRunner, whose owner must call
-// advance(): the file is waited for before the next is begun, and at the end.
+// A measurement taken target by target: what is captured and where its readings come from; its devices, named on a
+// command line (a description's file, or one that comes with the program, and which of several alike) or learnt while
+// the user presses them; begun or resumed, guided to its end, written. Under way it is triggers, displays and sensors
+// around the record, one short step after the other; whoever shows it (a terminal, a screen) takes its news. Its part
+// file is written by std::async and not by a TaskRunner, whose owner must call advance(): the file is waited for before
+// the next is begun, and at the end.
+// Does not live here: the stops and the readings (capture_record.hpp).
 #pragma once
 
 #include <cstddef>
@@ -11,13 +14,112 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/action.hpp"
+#include "base/result.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/unit/monitor_record.hpp"
 #include "laser/measurement_set.hpp"
 #include "modules/capture/capture_record.hpp"
-#include "modules/capture/capture_source.hpp"
+#include "modules/capture/description.hpp"
 #include "modules/capture/port.hpp"
 
 namespace ecs::commissioning {
+
+inline constexpr int kMostRuns = 1000;
+
+/// As typed; empty or absent: not given.
+struct CaptureTargets {
+  std::string axis;
+  std::string sense;
+  std::optional<double> from_mm;
+  std::optional<double> to_mm;
+  std::optional<double> step_mm;
+  int runs = 0;
+  bool moved = false;
+  bool one_way = false;
+  std::string parked;
+  std::optional<double> feed_mm_min;
+  std::string targets;
+  std::string plan;
+  std::string row;
+  std::string machine;
+  std::string compensated;
+  std::vector<std::string> notes;
+  static cli::Fields<CaptureTargets> fields();
+};
+
+/// Stops and metadata. What the plan's row says can be overridden one by one.
+[[nodiscard]] Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments);
+
+/// What a display showed when it was asked.
+struct Shown {
+  enum class Kind {
+    value,
+    not_yet,  ///< ask again in a moment
+    late,     ///< it did not come in time; `why`
+    none,     ///< there is nothing to be had; `why`
+    ended,    ///< and there never will be; `why`
+  };
+  Kind kind = Kind::not_yet;
+  double value = 0.0;
+  std::string why;
+};
+
+class ReadingSource {
+ public:
+  virtual ~ReadingSource() = default;
+  /// A trigger came: the next answers belong to it.
+  virtual void ask(double now_s) = 0;
+  [[nodiscard]] virtual Shown shown(double now_s) = 0;
+  /// Keeps up with what comes by itself; returns at once.
+  virtual void attend(double) {}
+  [[nodiscard]] virtual devices::PortChange look(double) { return devices::PortChange::none; }
+  /// Why a lost device cannot be had back yet; empty: it is simply not there.
+  [[nodiscard]] virtual std::string hindrance() const { return {}; }
+  /// For the metadata: "indicator gauge (…)".
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+
+/// An indicator gauge: the value that it shows when it is asked; um.
+[[nodiscard]] std::unique_ptr<ReadingSource> gauge_source(devices::DevicePort port);
+/// Numbers of a file or FIFO, one a line ('#' begins a comment): each trigger takes the next.
+[[nodiscard]] Result<std::unique_ptr<ReadingSource>> file_source(const std::string& path);
+/// The same, but the last line that is there counts: a display that writes all the while.
+[[nodiscard]] Result<std::unique_ptr<ReadingSource>> following_source(const std::string& path);
+/// The last number that a shell command prints; it is run at each trigger.
+[[nodiscard]] std::unique_ptr<ReadingSource> command_source(std::string command);
+
+/// The last number in a line: "X -50.0012 mm" is -50.0012.
+[[nodiscard]] std::optional<double> last_number_in(std::string_view line);
+
+/// "foot_switch.toml", "foot_switch.toml@SERIAL", "temper@/dev/hidraw3". Several: the name stands for a family.
+[[nodiscard]] Result<std::vector<devices::DeviceDescription>> described(const std::string& text);
+
+/// Opens the device that `text` names. `usage` where it is of another kind.
+[[nodiscard]] Result<devices::DevicePort> opened_device(const std::string& text, devices::DeviceKind kind);
+
+/// "foot switch (16c0:27db Maker Pedal, serial 7)"
+[[nodiscard]] std::string name_of(const devices::DevicePort& port);
+
+struct LearnChoice {
+  std::string device;  ///< path, serial or "16c0:27db"; empty: whichever is pressed
+  std::string name;    ///< of the description; empty: as the device calls itself
+  int presses = 3;
+  double timeout_s = 60.0;
+};
+
+struct LearnedDevice {
+  devices::DeviceDescription description;
+  double bounce_ms = 0.0;
+};
+
+/// Ends a second after the last release, or at the time limit. `refused` with the reason where nothing or too much
+/// changed; `link` where no device can be watched.
+/// @param keyboard  a typed q gives up; null: there is nobody to type
+[[nodiscard]] Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice);
+
+/// The sensor of --environment. @param every_s  between two readings
+[[nodiscard]] std::unique_ptr<SurroundingsWatch> environment_watch(const std::string& device, double every_s);
 
 /// "next: X forward to 50 mm (2 of 11, run 1 of 3, 13 of 66 in all)"; at the beginning of a pass also from where.
 /// Empty: all done.

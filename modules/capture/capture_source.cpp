@@ -1,5 +1,3 @@
-#include "modules/capture/capture_source.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -15,7 +13,7 @@
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "modules/capture/devices.hpp"
+#include "modules/capture/capture.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {

@@ -14,7 +14,6 @@
 #include "base/interrupt.hpp"
 #include "modules/capture/capture.hpp"
 #include "modules/capture/description.hpp"
-#include "modules/capture/devices.hpp"
 #include "modules/capture/port.hpp"
 
 namespace ecs::app {

@@ -1,5 +1,3 @@
-#include "modules/capture/devices.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -14,8 +12,8 @@
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "commissioning/unit/monitor_record.hpp"
+#include "modules/capture/capture.hpp"
 #include "modules/capture/description.hpp"
-#include "modules/capture/learn.hpp"
 #include "modules/capture/port.hpp"
 
 namespace ecs::commissioning {

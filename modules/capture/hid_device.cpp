@@ -1,5 +1,3 @@
-#include "modules/capture/hid_device.hpp"
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>

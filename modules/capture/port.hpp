@@ -1,7 +1,7 @@
 // A described device that may be unplugged and come back: found, opened, read; lost and found again. A sensor of the
 // surroundings or an indicator gauge: polled or listened to, without ever waiting long, its last values kept with their
-// age. A button, foot switch or pendant that takes a reading when it is pressed.
-// Does not live here: what reports mean (description.hpp), hidapi (hid_device.hpp), what a press does.
+// age. A button, foot switch or pendant that takes a reading when it is pressed, and which bit of its reports that is.
+// Does not live here: which device it is (capture.hpp), talking to the user (app/).
 #pragma once
 
 #include <optional>
@@ -122,5 +122,27 @@ class Trigger {
   DevicePort port_;
   PressFilter filter_;
 };
+
+struct TimedReport {
+  double time_s = 0.0;
+  Bytes bytes;
+};
+
+/// What stands in the reports of one device after `presses` presses, each followed by a release.
+struct Learned {
+  std::uint8_t report_number = 0;  ///< 0: not numbered
+  std::size_t report_bytes = 0;
+  TriggerLayout trigger;   ///< debounce twice the longest bounce that was seen, at least 20 ms
+  double bounce_ms = 0.0;  ///< longest bounce seen
+};
+
+/// How many presses can be told so far, at most `presses`: for showing, and for knowing when to stop.
+[[nodiscard]] int presses_seen(const std::vector<TimedReport>& reports, bool numbered);
+
+/// The bits of one byte that changed twice with every press and nothing else did. `refused` with the reason where no
+/// bit did (what changed how often is said), where several could be meant (a counter, a stick, another button), or
+/// where nothing came. Changes within 60 ms of each other count as bounce.
+/// @param numbered  the reports begin with their number
+[[nodiscard]] Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bool numbered);
 
 }  // namespace ecs::devices

@@ -1,6 +1,4 @@
 // The Etalon exchange format, writing and reading.
-#include "modules/controllers/etalon.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "commissioning/maps/machine_map.hpp"
 #include "commissioning/session/message.hpp"
-#include "modules/controllers/residual.hpp"
+#include "modules/controllers/curve.hpp"
 #include "modules/controllers/tables.hpp"
 
 namespace ecs::commissioning {

@@ -1,6 +1,4 @@
 // HEIDENHAIN, writing and reading.
-#include "modules/controllers/heidenhain.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -15,7 +13,6 @@
 #include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "modules/controllers/curve.hpp"
-#include "modules/controllers/etalon.hpp"
 #include "modules/controllers/format.hpp"
 
 namespace ecs::controllers {

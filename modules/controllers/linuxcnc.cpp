@@ -1,6 +1,4 @@
 // LinuxCNC: writing, and reading: what a file means, and where LinuxCNC itself would not follow.
-#include "modules/controllers/linuxcnc.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

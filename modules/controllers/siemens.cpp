@@ -1,7 +1,5 @@
 // SINUMERIK 840D, writing: the tables of positioning, straightness and squareness, their text, and which of them fit
 // into the control. Does not live here: reading (siemens_reader.cpp).
-#include "modules/controllers/siemens.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

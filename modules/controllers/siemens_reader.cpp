@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
-#include "modules/controllers/siemens.hpp"
+#include "modules/controllers/format.hpp"
 
 namespace ecs::controllers {
 namespace {

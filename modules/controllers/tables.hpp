@@ -1,6 +1,5 @@
 // What the tables of a control say, whichever control: curves of compensation that add up, and squareness. What the
-// writers are asked for and what they answer. Does not live here: the files of each control (linuxcnc.hpp,
-// siemens.hpp, etalon.hpp).
+// writers are asked for and what they answer. Does not live here: the files of each control (format.hpp).
 #pragma once
 
 #include <array>

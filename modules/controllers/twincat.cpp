@@ -1,6 +1,4 @@
 // TwinCAT CNC and ISG kernels: writing and reading the leadscrew part of a compensation value list.
-#include "modules/controllers/twincat.hpp"
-
 #include <cmath>
 #include <map>
 #include <set>

@@ -19,7 +19,7 @@
 #include "base/toml_reader.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "modules/fleet/manifest.hpp"
+#include "modules/fleet/run.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {

@@ -29,7 +29,7 @@ struct PlannedUnit {
 [[nodiscard]] Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const std::string& name,
                                                                 const std::filesystem::path& folder);
 /// Of a table (.csv) with the columns id, link, params, and serial_number, map, arm_code if any: a unit a line, as the
-/// machines of a fleet (manifest.hpp); else of TOML.
+/// machines of a fleet (run.hpp); else of TOML.
 [[nodiscard]] Result<std::vector<PlannedUnit>> read_batch_plan(const std::filesystem::path& path);
 
 enum class BatchMode {

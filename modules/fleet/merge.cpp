@@ -1,5 +1,3 @@
-#include "modules/fleet/merge.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>

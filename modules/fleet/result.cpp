@@ -16,7 +16,7 @@
 #include "base/file.hpp"
 #include "base/json_values.hpp"
 #include "base/text.hpp"
-#include "modules/fleet/manifest.hpp"
+#include "modules/fleet/run.hpp"
 
 namespace ecs::commissioning {
 std::string to_line(const FleetResult& result) {

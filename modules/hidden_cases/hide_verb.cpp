@@ -1,9 +1,12 @@
+// The verb `hide`, which the module brings to the emulator.
+
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/verbs/module.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 #include "modules/hidden_cases/case.hpp"
 
@@ -59,15 +62,19 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
   return Outcome{fmt::format("{}", fmt::join(lines, "\n")), {}};
 }
 
+const std::vector<Action> kHide{action("hide", "measurements with a secret: a machine whose model lacks something",
+                                       "ecs-emulator hide --seed 7 -o case\n"
+                                       "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
+                                       "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
+                                       "  ecs-emulator hide --case xytz -o xytz\n"
+                                       "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
+                                       hide)};
+
 }  // namespace
 
-extern const std::vector<Action> kHide{
-    action("hide", "measurements with a secret: a machine whose model lacks something",
-           "ecs-emulator hide --seed 7 -o case\n"
-           "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
-           "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
-           "  ecs-emulator hide --case xytz -o xytz\n"
-           "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
-           hide)};
+const Module& hidden_cases_emulator_module() {
+  static const Module module{{"program", &kHide}};
+  return module;
+}
 
 }  // namespace ecs::emulator

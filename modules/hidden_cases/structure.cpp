@@ -1,6 +1,4 @@
 // The list of structures: one function and one row each.
-#include "modules/hidden_cases/structure.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,6 +6,7 @@
 #include <numbers>
 
 #include "ecs_emulator/random/random.hpp"
+#include "modules/hidden_cases/case.hpp"
 
 namespace ecs::emulator {
 

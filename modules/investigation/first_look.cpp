@@ -1,11 +1,10 @@
-#include "modules/investigation/first_look.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "model/planning/run.hpp"
+#include "modules/investigation/investigation.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,6 +1,6 @@
 // An investigation as somebody watches it: its steps, the run under way, what was said, as rows of a screen too (a
 // falling staircase of the causes that are still possible); and the readings it was given, so that one that was stopped
-// goes on where it was. Does not live here: the ledger as text of a verb (ledger.hpp), its file (watched_folder.hpp).
+// goes on where it was. Does not live here: the ledger as text of a verb (investigation.hpp), its file (workshops.hpp).
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "commissioning/session/message.hpp"
-#include "modules/investigation/workshop.hpp"
+#include "modules/investigation/investigation.hpp"
 
 namespace ecs::commissioning {
 

@@ -9,7 +9,7 @@
 #include "commissioning/models/work.hpp"
 #include "modules/investigation/followed.hpp"
 #include "modules/investigation/investigation.hpp"
-#include "modules/investigation/socket_workshop.hpp"
+#include "modules/investigation/workshops.hpp"
 
 namespace ecs::app {
 namespace {

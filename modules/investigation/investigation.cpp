@@ -15,7 +15,6 @@
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
 #include "model/planning/run.hpp"
-#include "modules/investigation/readings.hpp"
 
 namespace ecs::commissioning {
 namespace {

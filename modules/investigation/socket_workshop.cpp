@@ -1,5 +1,3 @@
-#include "modules/investigation/socket_workshop.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,7 +13,7 @@
 #include "commissioning/link/workshop_client.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
-#include "modules/investigation/watched_folder.hpp"
+#include "modules/investigation/workshops.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -2,7 +2,7 @@
 // every curve is zero at the reference position (mean of both approaches), a straightness has no slope over the
 // travel. What a rigid body could do to the whole machine is thereby taken out: lengths do not see it.
 // Lengths as linear observations of these curves and of the stations and zeros of the instruments.
-// Does not live here: the noise that readings share (shared_noise.hpp), least squares (length_solution.hpp).
+// Does not live here: the noise that readings share and least squares (shared_noise.hpp).
 #pragma once
 
 #include <array>

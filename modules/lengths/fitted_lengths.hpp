@@ -1,12 +1,11 @@
 // The unknowns of a test by lengths as fitted: what identify.cpp solves and identified.cpp puts into words and numbers.
-// Does not live here: least squares (length_solution.hpp), noise (shared_noise.hpp).
+// Does not live here: least squares and noise (shared_noise.hpp).
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "modules/lengths/identify.hpp"
-#include "modules/lengths/length_solution.hpp"
 #include "modules/lengths/shared_noise.hpp"
 
 namespace ecs::model {

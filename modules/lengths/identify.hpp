@@ -3,7 +3,7 @@
 // H. Kunzmann, Error mapping of CMMs and machine tools by a single tracking interferometer, CIRP Annals 54 (2005) 475;
 // K. Umetsu and others, Meas. Sci. Technol. 16 (2005) 2466. Variance of the noise: restricted maximum likelihood
 // (H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545), and what it costs that it is an estimate
-// (noise_certainty.hpp). Does not live here: files (length_test.hpp), the map (lengths_work.hpp), plans
+// (shared_noise.hpp). Does not live here: files (length_test.hpp), the map (lengths_verbs.cpp), plans
 // (plan_lengths.hpp).
 #pragma once
 

@@ -1,17 +1,507 @@
-// `ecs lengths fit`: the 21 components from lengths, the map and the squareness. `plan`: which lengths to measure for a
-// wanted uncertainty of the volume, in the fewest minutes.
+// `ecs lengths fit`: files read, the 21 components identified from lengths, the map made. `plan`: which lengths to
+// measure for a wanted uncertainty of the volume, in the fewest minutes. Both answers as text and JSON.
+// Does not live here: the least squares and the choice (identify.hpp, plan_lengths.hpp).
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
+#include "base/cli/action.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/interrupt.hpp"
+#include "base/json_fwd.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/map/csv.hpp"
-#include "modules/lengths/lengths_work.hpp"
+#include "laser/map/error_map.hpp"
+#include "laser/measurement_set.hpp"
+#include "modules/lengths/identify.hpp"
+#include "modules/lengths/plan_lengths.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 namespace {
+
+/// As typed; empty: not given.
+struct LengthsArguments {
+  std::string file, machine;
+  std::string params;              ///< needed for a map
+  std::string output, params_out;  ///< files to write
+  std::string knots;               ///< "100,50,50" [mm]
+  std::vector<std::string> zero;   ///< EBY="reason"
+  int reversal_degree = 1;
+  double scale_um_per_m = 0.1;
+  bool keep_outliers = false;
+  std::string customer, engineer, date;
+  static cli::Fields<LengthsArguments> fields();
+};
+
+struct LengthsWork {
+  model::LengthTest test;
+  std::string machine_name;
+  model::Identification found;
+  std::vector<laser::DeclaredZero> zero;
+  std::optional<laser::ErrorMap> map;          ///< where parameters are given and everything is determined
+  std::optional<params::ParametersFile> unit;  ///< with the squareness that was found
+};
+
+/// As typed; empty: not given.
+struct LengthsPlanAsked {
+  std::string machine;
+  double volume_um = 0.0;  ///< wanted expanded uncertainty
+  std::string instrument = "tracker";
+  std::string tools = "0,0,0;0,0,-250;150,0,-120";
+  std::string stations, knots;
+  int reversal_degree = 1;
+  double instrument_um = 0.2, scatter_um = 1.0, scatter_um_per_m = 0.5, scale_um_per_m = 0.1;
+  double ball_bar_mm = 150.0, bar_um = 1.0, bar_lowest_deg = -20.0;
+  double targets_an_interval = 1.0, feed_mm_min = 2000.0, dwell_s = 2.0;
+  double set_up_minutes = model::MeasuringTimes{}.line_minutes, tool_minutes = 5.0;
+  std::string output;  ///< file to write
+  static cli::Fields<LengthsPlanAsked> fields();
+};
+
+/// @param stopped  asked now and then: true ends the search, and the problem says so
+[[nodiscard]] Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked,
+                                                     const std::function<bool()>& stopped = {});
+
+/// Signs of the printed equations of the thesis: rotations about X and Z, and squareness but B0Z, are turned
+/// (docs/physics.md).
+double sign_of(Component c, Convention convention) {
+  if (convention == Convention::iso) return 1.0;
+  const bool turned = is_squareness(c) ? c != Component::B0Z : sense_of(c) == Sense::EA || sense_of(c) == Sense::EC;
+  return turned ? -1.0 : 1.0;
+}
+
+Result<void> measured_there(const model::LengthTest& test, const params::Machine& machine, const std::string& file) {
+  const auto other = laser::other_machine({test.machine, ""}, {machine.name, ""}, "the machine file is of");
+  if (!other) return {};
+  return tl::unexpected(Problem{ProblemKind::refused, *other, file, 0, 0, {}});
+}
+
+Result<void> same_machine(const params::ParametersFile& unit, const params::Machine& machine, const std::string& file) {
+  const UnitParameters& parameters = unit.parameters;
+  const auto refuse = [&](std::string message) {
+    return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file, 0, 0, {}});
+  };
+  if (!unit.identity.machine.empty() && !machine.name.empty() && unit.identity.machine != machine.name)
+    return refuse(fmt::format("expected the parameters of the machine \"{}\", found those of \"{}\"", machine.name,
+                              unit.identity.machine));
+  if (configuration_of(parameters) != machine.configuration)
+    return refuse(fmt::format("expected the parameters of a machine {}, found {}", machine.configuration,
+                              configuration_of(parameters)));
+  const MeasurementLines lines = params::measurement_lines_of(machine);
+  for (const Axis axis : kAllAxes)
+    for (const Axis other : kAllAxes) {
+      const double expected = lines[index_of(axis)][index_of(other)];
+      const double found = parameters.measurement_lines_mm[index_of(axis)][index_of(other)];
+      if (axis != other && expected != found)
+        return refuse(fmt::format("axis.{}.measurement_line_mm: expected {} {:g} as in the machine file, found {:g}",
+                                  letter_of(axis), letter_of(other), expected, found));
+    }
+  return {};
+}
+
+/// A header counts whole ones.
+int freedom_in_map(double freedom) { return std::max(1, static_cast<int>(freedom)); }
+
+laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& arguments, const std::string& sha256,
+                       const params::Machine& machine) {
+  laser::ErrorMap map;
+  laser::MapHeader& header = map.header;
+  header.customer = arguments.customer;
+  header.engineer = arguments.engineer;
+  header.date = arguments.date;
+  header.machine = work.unit->identity.machine.empty() ? machine.name : work.unit->identity.machine;
+  header.serial_number = work.unit->identity.serial_number;
+  header.configuration = machine.configuration;
+  header.declared_zero = work.zero;
+  const std::string file = std::filesystem::path(arguments.file).filename().string();
+  const Convention convention = work.unit->parameters.convention;
+  for (const model::IdentifiedCurve& curve : work.found.curves) {
+    if (!curve.determined) continue;
+    const double compensation = -sign_of(curve.component, convention);
+    for (const bool forward : {true, false}) {
+      laser::MapTable table{curve.component, forward ? Approach::forward : Approach::reverse, curve.position_mm, {}};
+      for (const double value : forward ? curve.forward : curve.reverse)
+        table.compensation.push_back(compensation * value);
+      map.tables.push_back(std::move(table));
+    }
+    header.sources.push_back({std::string(name_of(curve.component)), file, sha256});
+    header.uncertainty.push_back({curve.component, curve.value, curve.pass, freedom_in_map(curve.degrees_of_freedom)});
+  }
+  for (const model::IdentifiedSquareness& square : work.found.squareness) {
+    if (!square.determined) continue;
+    header.sources.push_back({std::string(name_of(square.component)), file, sha256});
+    header.uncertainty.push_back({square.component, square.u_um_per_m, 0.0, freedom_in_map(square.degrees_of_freedom)});
+  }
+  header.processing.push_back(
+      fmt::format("identified from {} lengths of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
+                  "degree {}, {} readings left out, residual {:.3f} um",
+                  work.found.readings, work.test.set_ups.size(), work.found.unknowns, work.found.knots_mm[0],
+                  work.found.knots_mm[1], work.found.knots_mm[2], arguments.reversal_degree, work.found.outliers.size(),
+                  work.found.residual_um));
+  header.processing.insert(header.processing.end(), work.found.contradictions.begin(), work.found.contradictions.end());
+  return map;
+}
+
+cli::Fields<LengthsArguments> LengthsArguments::fields() {
+  using A = LengthsArguments;
+  using cli::Is, cli::Need, cli::Range;
+  return {{"LENGTHS", &A::file, "measured lengths (.csv, modules/lengths/README.md)", Need::required},
+          {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+          {"--params", &A::params, "parameters of the unit that the map is for"},
+          {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
+          {"--params-out", &A::params_out, "parameters to write, with the squareness that was found", Is::output},
+          {"--knots", &A::knots,
+           "spacing of the curves' knots X,Y,Z [mm]; by default as the file says, else twice the "
+           "spacing of its coordinates"},
+          {"--reversal-degree", &A::reversal_degree,
+           "of the reversal error as a polynomial; -1: the approach does not matter", Range{-1, 6}},
+          {"--scale", &A::scale_um_per_m, "of each set-up (air, wavelength), standard uncertainty [um/m]; 0: none",
+           Range{0.0}},
+          {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
+          {"--keep-outliers", &A::keep_outliers, "leave no reading out"},
+          {"--customer", &A::customer, "for the header"},
+          {"--engineer", &A::engineer, "for the header"},
+          {"--date", &A::date, "for the header, as in 2026-03-12"}};
+}
+
+/// "100,50,50" as three lengths above 0. @param option  as problems name it
+Result<PerAxis<std::optional<double>>> three_lengths_in(const std::string& text, std::string_view option) {
+  PerAxis<std::optional<double>> out{};
+  if (text.empty()) return out;
+  const auto words = split(text, ',');
+  for (std::size_t a = 0; a < kAxes && words.size() == kAxes; ++a) {
+    out[a] = number_in(trimmed(words[a]));
+    if (!out[a] || !(*out[a] > 0.0)) break;
+    if (a + 1 == kAxes) return out;
+  }
+  return problem(
+      ProblemKind::usage,
+      fmt::format("{}: expected three lengths X,Y,Z above 0 in mm, such as 100,50,50, got \"{}\"", option, text));
+}
+
+Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
+  ECS_TRY(knots, three_lengths_in(arguments.knots, "--knots"));
+  model::IdentifySettings settings;
+  settings.knots_mm = knots;
+  settings.reversal_degree = arguments.reversal_degree;
+  settings.scale_um_per_m = arguments.scale_um_per_m;
+  settings.keep_outliers = arguments.keep_outliers;
+  LengthsWork work;
+  for (const std::string& word : arguments.zero) {
+    ECS_TRY(zero, declared_zero_in(word));
+    settings.zero[index_of(zero.component)] = true;
+    work.zero.push_back(zero);
+  }
+  ECS_TRY(text, read_file_of(FileKind::lengths, arguments.file));
+  ECS_TRY(test, model::parse_lengths(text, arguments.file));
+  ECS_TRY(machine, params::read_machine(arguments.machine));
+  ECS_DO(measured_there(test, machine.machine, arguments.file));
+  work.machine_name = machine.machine.name;
+  if (!arguments.params.empty()) {
+    ECS_TRY(unit, params::read_whole_parameters(arguments.params));
+    ECS_DO(same_machine(unit, machine.machine, arguments.params));
+    work.unit = std::move(unit);
+  }
+  ECS_TRY(found, model::identify(test, machine.machine, settings));
+  work.test = std::move(test);
+  work.found = std::move(found);
+  if (!work.unit || !work.found.whole()) return work;
+  for (const model::IdentifiedSquareness& square : work.found.squareness)
+    if (square.determined)
+      squareness_um_per_m(work.unit->parameters, square.component) =
+          sign_of(square.component, work.unit->parameters.convention) * square.um_per_m;
+  work.map = map_of(work, arguments, sha256_hex(text), machine.machine);
+  return work;
+}
+
+/// "0,0,0;0,0,-250"
+Result<std::vector<Vector3>> places_in(const std::string& text, std::string_view option) {
+  std::vector<Vector3> out;
+  if (text.empty()) return out;
+  for (const std::string_view part : split(text, ';')) {
+    const auto words = split(part, ',');
+    Vector3 place{};
+    bool right = words.size() == kAxes;
+    for (std::size_t a = 0; a < kAxes && right; ++a) {
+      const auto number = number_in(trimmed(words[a]));
+      right = number.has_value();
+      place[a] = number.value_or(0.0);
+    }
+    if (!right)
+      return problem(ProblemKind::usage,
+                     fmt::format("{}: expected X,Y,Z;X,Y,Z in mm, such as 0,0,0;0,0,-250, got \"{}\"", option, text));
+    out.push_back(place);
+  }
+  return out;
+}
+
+Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
+  model::LengthPlanSettings s;
+  s.volume_U_um = a.volume_um;
+  s.instrument = a.instrument == "tracker"          ? model::LengthInstrument::tracker
+                 : a.instrument == "interferometer" ? model::LengthInstrument::interferometer
+                                                    : model::LengthInstrument::ball_bar;
+  ECS_TRY(knots, three_lengths_in(a.knots, "--knots"));
+  s.knots_mm = knots;
+  ECS_TRY(tools, places_in(a.tools, "--tools"));
+  if (!tools.empty()) s.tools_mm = tools;
+  ECS_TRY(stations, places_in(a.stations, "--stations"));
+  s.stations_mm = stations;
+  s.reversal_degree = a.reversal_degree;
+  s.instrument_um = a.instrument_um;
+  s.scatter_um = a.scatter_um;
+  s.scatter_um_per_m = a.scatter_um_per_m;
+  s.scale_um_per_m = a.scale_um_per_m;
+  s.ball_bar_mm = a.ball_bar_mm;
+  s.bar_um = a.bar_um;
+  s.bar_lowest_deg = a.bar_lowest_deg;
+  s.targets_an_interval = a.targets_an_interval;
+  s.feed_mm_min = a.feed_mm_min;
+  s.dwell_s = a.dwell_s;
+  s.times.line_minutes = s.times.align_minutes = a.set_up_minutes;
+  s.tool_minutes = a.tool_minutes;
+  return s;
+}
+
+cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
+  using A = LengthsPlanAsked;
+  using cli::Is, cli::Need, cli::Range, cli::Words;
+  return {{"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+          {"--volume-um", &A::volume_um,
+           "wanted expanded uncertainty (k = 2) of the error vector, root mean "
+           "square over the volume and the tools [um]",
+           Need::required, Range{0.01, 1e6}},
+          {"--instrument", &A::instrument, "what measures", Words{"tracker", "interferometer", "ball_bar"}},
+          {"-o,--output", &A::output, "the plan (.csv): for `ecs-emulator lengths`, or by hand", Is::output},
+          {"--tools", &A::tools, "offsets of the reflector: 0,0,0;0,0,-250;150,0,-120 [mm]"},
+          {"--stations", &A::stations,
+           "where the instrument may stand: -250,-200,-750;1450,800,-700 [mm]; "
+           "by default around the volume, of a ball bar within it"},
+          {"--knots", &A::knots, "spacing of the curves' knots X,Y,Z [mm]; default: a twelfth of the travel"},
+          {"--reversal-degree", &A::reversal_degree, "of the reversal error as a polynomial", Range{0, 6}},
+          {"--instrument-um", &A::instrument_um, "of a reading, standard deviation [um]", Range{0.001}},
+          {"--scatter-um", &A::scatter_um, "of a stop of the machine, each axis and direction [um]", Range{0.0}},
+          {"--scatter-um-per-m", &A::scatter_um_per_m, "the same of its angles [um/m]", Range{0.0}},
+          {"--scale", &A::scale_um_per_m, "of each set-up, standard uncertainty [um/m]", Range{0.0}},
+          {"--ball-bar-mm", &A::ball_bar_mm, "reach of a ball bar: its radius [mm]", Range{1.0}},
+          {"--bar-um", &A::bar_um, "of a ball bar's length, standard uncertainty [um]; 0: not known", Range{0.0}},
+          {"--bar-lowest-deg", &A::bar_lowest_deg, "elevation below which the post of the ball is in the way",
+           Range{-90.0, 0.0}},
+          {"--targets", &A::targets_an_interval, "of a line, between two knots (and four more)", Range{0.1, 10.0}},
+          {"--feed", &A::feed_mm_min, "between targets [mm/min]", Range{1.0}},
+          {"--dwell", &A::dwell_s, "before each reading [s]", Range{0.0}},
+          {"--set-up-minutes", &A::set_up_minutes, "instrument to another station or line", Range{0.0}},
+          {"--tool-minutes", &A::tool_minutes, "another tool at the same station", Range{0.0}}};
+}
+
+Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std::function<bool()>& stopped) {
+  ECS_TRY(machine, params::read_machine(asked.machine));
+  ECS_TRY(settings, settings_of(asked));
+  settings.stopped = stopped;
+  auto plan = model::planned_lengths(machine.machine, settings);
+  if (plan && stopped && stopped()) return problem(ProblemKind::refused, "stopped: there is no plan");
+  return plan;
+}
+
+double greatest_in(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0.0;
+  for (const auto* list : {&a, &b})
+    for (const double value : *list) most = std::max(most, std::abs(value));
+  return most;
+}
+
+template <class Identified>
+std::optional<double> freedom_of(const Identified& one) {
+  return one.determined ? std::optional(one.degrees_of_freedom) : std::nullopt;
+}
+
+Cell curve_cell(const model::IdentifiedCurve& curve) {
+  const std::string unit(unit_of(curve.component));
+  Json points{{"position_mm", curve.position_mm},
+              {"forward", curve.forward},
+              {"reverse", curve.reverse},
+              {"U_forward", curve.U_forward},
+              {"U_reverse", curve.U_reverse}};
+  if (!curve.determined) points = nullptr;
+  const auto number = [&](double value) {
+    return number_cell(curve.determined ? std::optional(value) : std::nullopt, 2);
+  };
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
+                     {{"component", word_cell(name_of(curve.component))},
+                      {"description", word_cell(laser::description_of(curve.component))},
+                      {"unit", word_cell(unit)},
+                      {"determined", yes_cell(curve.determined, "", "")},
+                      {"largest", number(greatest_in(curve.forward, curve.reverse))},
+                      {"reversal",
+                       [&] {
+                         std::vector<double> reversal;
+                         for (std::size_t i = 0; i < curve.forward.size(); ++i)
+                           reversal.push_back(curve.forward[i] - curve.reverse[i]);
+                         return number(greatest_in(reversal, {}));
+                       }()},
+                      {"U_largest", number(greatest_in(curve.U_forward, curve.U_reverse))},
+                      {"degrees_of_freedom", number_cell(freedom_of(curve), 1)},
+                      {"points", {std::move(points), {}}}});
+}
+
+Cell square_cell(const model::IdentifiedSquareness& square) {
+  const auto number = [&](double value) {
+    return number_cell(square.determined ? std::optional(value) : std::nullopt, 2);
+  };
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
+                     {{"component", word_cell(name_of(square.component))},
+                      {"description", word_cell(laser::description_of(square.component))},
+                      {"unit", word_cell("um/m")},
+                      {"determined", yes_cell(square.determined, "", "")},
+                      {"um_per_m", number(square.um_per_m)},
+                      {"none", shown_cell("")},
+                      {"U", number(square.U_um_per_m)},
+                      {"degrees_of_freedom", number_cell(freedom_of(square), 1)}});
+}
+
+Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
+  return record_cell(
+      "  set-up {name}: {readings} readings, residuals {rms_um} um, station off by {shown} mm\n",
+      {{"name", word_cell(set_up.name)},
+       {"readings", count_cell(set_up.readings)},
+       {"rms_um", number_cell(set_up.rms_um, 3)},
+       {"station_correction_mm", {Json(set_up.station_correction_mm), {}}},
+       {"shown", shown_cell(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
+                                        set_up.station_correction_mm[1], set_up.station_correction_mm[2]))}});
+}
+
+Cell outlier_cell(const model::LengthOutlier& outlier) {
+  return record_cell("  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n",
+                     {{"line", integer_cell(outlier.line)},
+                      {"residual_um", number_cell(outlier.residual_um, 2)},
+                      {"sigmas", number_cell(outlier.sigmas, 1)}});
+}
+
+std::vector<std::string> missing_in(const model::Identification& found) {
+  std::vector<std::string> out;
+  for (const auto& curve : found.curves)
+    if (!curve.why_not.empty()) out.push_back(curve.why_not);
+  for (const auto& square : found.squareness)
+    if (!square.why_not.empty()) out.push_back(square.why_not);
+  return out;
+}
+
+std::vector<std::string> without_effect(const model::Identification& found) {
+  std::vector<std::string> out;
+  for (const auto& curve : found.curves)
+    if (!curve.acts) out.emplace_back(name_of(curve.component));
+  return out;
+}
+
+std::string idle_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? text : fmt::format("  {}: only a tool offset levers them, and none was used\n", text);
+}
+
+Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
+  return record_cell(
+      "single set-ups for {wanted} um: {set_ups} of {runs} runs of {targets} targets{not_reached}, {minutes} minutes; "
+      "ratio {ratio}\n",
+      {{"wanted", shown_cell(number_cell(U_um, 3).text)},
+       {"set_ups", integer_cell(single.set_ups)},
+       {"runs", integer_cell(single.runs)},
+       {"targets", integer_cell(single.targets)},
+       {"minutes", number_cell(single.minutes, 1)},
+       {"volume_U_um", number_cell(single.volume_U_um, 3)},
+       {"reached", yes_cell(single.reached, "", "")},
+       {"ratio", number_cell(minutes / single.minutes, 3)},
+       {"not_reached", shown_cell(single.reached ? "" : " (not reached)")}});
+}
+
+/// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
+Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::string& params_out) {
+  const model::Identification& found = work.found;
+  std::vector<model::IdentifiedCurve> acting;
+  for (const auto& curve : found.curves)
+    if (curve.acts) acting.push_back(curve);
+  const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
+                                         : "map not written: something is not determined\n";
+  return record_cell(
+      "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
+      "{components}{squareness}{without_effect}{not_determined}"
+      "  single reading {residual_um} um (by itself {white_um}, a stop {stop_um} um and {stop_um_per_m} um/m, a pass "
+      "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
+      "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
+      "{set_ups}{outliers}{notes}{map}{params_out}",
+      {{"file", word_cell(work.test.source)},
+       {"machine", word_cell(work.machine_name)},
+       {"readings", count_cell(found.readings)},
+       {"unknowns", integer_cell(found.unknowns)},
+       {"degrees_of_freedom", integer_cell(found.degrees_of_freedom)},
+       {"knots_mm", {Json(found.knots_mm), {}}},
+       {"determined", yes_cell(found.whole(), "", "")},
+       {"components", list_cell(acting, curve_cell,
+                                fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
+                                            "largest", "reversal", "U (95 %)"))},
+       {"squareness", list_cell(found.squareness, square_cell)},
+       {"without_effect", {Json(without_effect(found)), idle_text(without_effect(found))}},
+       {"not_determined", lines_cell(missing_in(found), "  ")},
+       {"residual_um", number_cell(found.residual_um, 3)},
+       {"white_um", number_cell(found.white_um, 3)},
+       {"stop_um", number_cell(found.stop_um, 3)},
+       {"stop_um_per_m", number_cell(found.stop_um_per_m, 3)},
+       {"pass_um", number_cell(found.pass_um, 3)},
+       {"pass_um_per_m", number_cell(found.pass_um_per_m, 3)},
+       {"repeat_um", number_cell(found.repeat_um, 3)},
+       {"volume_U_um", number_cell(found.volume_U_um, 3)},
+       {"set_ups", list_cell(found.set_ups, set_up_cell)},
+       {"outliers", list_cell(found.outliers, outlier_cell)},
+       {"notes", lines_cell(found.notes, "  note: ")},
+       {"map", written_cell("map", map, none)},
+       {"params_out", written_cell("parameters", params_out)}});
+}
+
+/// The answer of `ecs lengths plan`. @param file  that was written; empty: none
+Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const std::string& file) {
+  const auto set_up = [&](const model::LengthSetUp& one) {
+    return record_cell(
+        "  {name}: {instrument} {place}\n",
+        {{"name", word_cell(one.name)},
+         {"instrument", word_cell(model::word_of(one.instrument))},
+         {"place",
+          {Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2])}}});
+  };
+  return record_cell(
+      "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
+      "with the first tool\n"
+      "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
+      "{stations}{notes}{single}  with the first tool alone: {single_first_tool}{plan}",
+      {{"reached_text", shown_cell(plan.reached ? "reached" : "NOT REACHED with three runs of every path")},
+       {"reached", yes_cell(plan.reached, "", "")},
+       {"wanted_U_um", number_cell(wanted_U_um, 3)},
+       {"volume_U_um", number_cell(plan.volume_U_um, 3)},
+       {"first_tool_U_um", number_cell(plan.first_tool_U_um, 3)},
+       {"minutes", number_cell(plan.minutes, 1)},
+       {"set_up_minutes", number_cell(plan.set_up_minutes, 1)},
+       {"set_ups", count_cell(plan.set_ups)},
+       {"paths", count_cell(plan.paths)},
+       {"readings", count_cell(plan.test.readings.size())},
+       {"stations", list_cell(plan.test.set_ups, set_up)},
+       {"not_determined", {Json(plan.undetermined), {}}},
+       {"notes", lines_cell(plan.notes, "note: ")},
+       {"single", single_cell(plan.single, plan.volume_U_um, plan.minutes)},
+       {"single_first_tool", single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)},
+       {"plan", written_cell("plan", file, "plan not written: give -o plan.csv\n")}});
+}
 
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
   if (const auto wrong = wrong_date(a.date)) return problem(ProblemKind::usage, "--date: " + *wrong);

@@ -10,16 +10,43 @@
 // Sources: M. G. Kenward, J. H. Roger, Biometrics 53 (1997) 983; before them R. N. Kackar, D. A. Harville, J. Am. Stat.
 // Assoc. 79 (1984) 853 (the first part), F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110 (degrees of freedom), and
 // the Guide to the expression of uncertainty in measurement (JCGM 100:2008), annex G.
+// Linear least squares of whitened observations: the solution, its covariance, and what the observations leave free.
+// Does not live here: what the unknowns mean (identify.hpp).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Dense>
+
 #include "modules/lengths/curves.hpp"
 #include "modules/lengths/length_test.hpp"
 
 namespace ecs::model {
+
+struct LengthSolution {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd covariance;  ///< where the whitened observations have unit variance
+  Eigen::MatrixXd free;        ///< orthonormal basis of what is not determined, columns scaled by `norm`
+  Eigen::VectorXd norm;        ///< of the columns
+  Eigen::MatrixXd basis;       ///< orthonormal, of what the columns reach
+  Eigen::MatrixXd back;        ///< from coordinates in it to unknowns; covariance = back · backᵀ
+  double squares = 0.0;        ///< of the whitened residuals
+  int rank = 0;
+};
+
+/// By orthogonal decomposition: of what is not determined, the solution of least norm.
+[[nodiscard]] LengthSolution solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// Values alone, by the normal equations: good enough to make linear about.
+[[nodiscard]] Eigen::VectorXd near_solution_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// Columns divided by their lengths; those of nothing but rounding become nothing, their `norm` 1.
+[[nodiscard]] Eigen::MatrixXd scaled_columns(const Eigen::MatrixXd& columns, Eigen::VectorXd& norm);
+
+/// Whether the observations leave a linear value of unknowns free. @param first  of the unknowns that `row` weighs
+[[nodiscard]] bool is_free(const LengthSolution& solution, const Eigen::VectorXd& row, Eigen::Index first);
 
 enum class Scatter : std::uint8_t {
   reading,     ///< of each reading by itself [um]

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "modules/logbook/instrument.hpp"
+#include "modules/logbook/place.hpp"
 #include "modules/logbook/replay.hpp"
 
 namespace ecs::commissioning {

@@ -10,10 +10,9 @@
 #include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "modules/logbook/certificate.hpp"
-#include "modules/logbook/log_source.hpp"
+#include "modules/logbook/log_verbs.hpp"
 #include "modules/logbook/place.hpp"
 #include "modules/logbook/recorder.hpp"
-#include "modules/logbook/view.hpp"
 
 namespace ecs::app {
 namespace {

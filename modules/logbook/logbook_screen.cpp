@@ -10,12 +10,13 @@
 #include "app/screens/unit/list_screen.hpp"
 #include "app/screens/unit/screens.hpp"
 #include "app/verbs/registry.hpp"
+#include "base/answer_table.hpp"
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "modules/logbook/place.hpp"
 #include "modules/logbook/recorder.hpp"
-#include "modules/logbook/view.hpp"
+#include "modules/logbook/replay.hpp"
 
 namespace ecs::app {
 namespace {

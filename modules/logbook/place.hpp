@@ -1,9 +1,12 @@
-// Which file is the logbook of a machine, and whether one is kept at all.
+// Which file is the logbook of a machine, and whether one is kept at all. What files say of whose they are and what
+// measured: the header of a measured file or a map; the measuring instrument of an entry with the certificate that
+// covers it, with the names that OPC 40210 gives to the calibration of a measuring device.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.hpp"
@@ -33,5 +36,46 @@ struct LogbookSetting {
 
 /// Whose file it is, by what it says: a machine file, parameters, a measurement set, a map. Empty: it does not say.
 [[nodiscard]] LogOwner owner_in(std::string_view content);
+
+struct HeaderLine {
+  std::string key;         ///< in lower case
+  std::string_view value;  ///< without blanks around it
+};
+
+/// As far as lines begin with #; those without a colon are left out. Views into `content`.
+[[nodiscard]] std::vector<HeaderLine> header_lines(std::string_view content);
+
+struct Instrument {
+  std::string name;
+  std::string manufacturer;
+  std::string serial_number;
+  std::string calibration_certificate;  ///< number of the certificate
+  std::string calibration_date;         ///< ISO 8601
+  std::optional<int> calibration_interval_days;
+  std::string valid_until;  ///< ISO 8601; empty: date and interval give it, or it is unknown
+  friend bool operator==(const Instrument&, const Instrument&) = default;
+};
+
+/// Empty where nothing is known.
+[[nodiscard]] bool is_known(const Instrument& instrument);
+
+/// Stated, else date plus interval; empty: unknown.
+[[nodiscard]] std::string valid_until(const Instrument& instrument);
+/// Whether a certificate covers it on that day; nothing: it does not say.
+[[nodiscard]] std::optional<bool> calibrated_on(const Instrument& instrument, const std::string& day);
+
+/// A JSON object {"name", "serial_number", "calibrated", "calibration_date", …}, empty text where nothing is known.
+[[nodiscard]] std::string instrument_json(const Instrument& instrument, const std::string& day);
+[[nodiscard]] Instrument instrument_in_json(std::string_view json);
+
+/// From the header of a measurement set, `# instrument: …`, `# instrument_serial_number: …`, `# calibration_date: …`.
+[[nodiscard]] Instrument instrument_in_header(std::string_view content);
+
+/// The instrument in use: `$ECS_INSTRUMENT`, else `instrument` in the settings, names its file, else instrument.toml
+/// beside the settings. Nothing where there is no such file.
+[[nodiscard]] std::string instrument_file();
+[[nodiscard]] Result<std::optional<Instrument>> instrument_in_use();
+[[nodiscard]] std::string to_toml(const Instrument& instrument);
+[[nodiscard]] Result<Instrument> parse_instrument(std::string_view text, const std::string& file);
 
 }  // namespace ecs::commissioning

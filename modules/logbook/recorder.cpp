@@ -18,7 +18,6 @@
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
-#include "modules/logbook/instrument.hpp"
 #include "modules/logbook/place.hpp"
 #include "modules/logbook/store.hpp"
 

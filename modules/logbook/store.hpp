@@ -41,7 +41,7 @@ struct LogbookEntry {
   std::string machine;      ///< empty: not stated
   std::string serial_number;
   std::string operator_name;
-  std::string instrument;  ///< JSON object (instrument.hpp); empty: none took part
+  std::string instrument;  ///< JSON object (place.hpp); empty: none took part
   std::string summary;     ///< one line
   std::string content;     ///< JSON object: program, folder, words, files, answer …
   std::string previous;    ///< hash of the entry before; of the first 64 zeros

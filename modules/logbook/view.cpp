@@ -1,9 +1,10 @@
-#include "modules/logbook/view.hpp"
-
+// Logbook answers as text and JSON.
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/json_values.hpp"
 #include "base/paragraph.hpp"
+#include "modules/logbook/replay.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,7 +1,7 @@
 // The content of a report: which files, named on the command line or found by their usual names in folders; what they
-// say, read and computed before any of it is laid out; what the unit would leave of the errors measured before, by the
-// core that it runs. Does not live here: what follows from it (judgement.hpp), pages (page.hpp), pictures (svg.hpp).
-// Only for .cpp files (heavy headers).
+// say, read and computed before any of it is laid out; a diagnosis, from `ecs model diagnose --json` or from the
+// diagnosis itself; what the unit would leave of the errors measured before, by the core that it runs; what follows:
+// whether the limits hold, what is worst, what to do next. Does not live here: pages and pictures (page.hpp).
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 #include "app/names/commissioning.hpp"
 #include "base/result.hpp"
 #include "commissioning/measurements/table.hpp"
+#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/what_if.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/volume/work.hpp"
 #include "laser/map/error_map.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "modules/report/diagnosis.hpp"
 #include "modules/standards/circle_work.hpp"
 #include "params/check.hpp"
 #include "params/machine.hpp"
@@ -28,6 +28,50 @@
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::app {
+
+struct ReportedEffect {
+  std::string place;                             ///< "cyclic:X:EX, reverse"
+  std::string title;                             ///< "Periodic error"
+  std::vector<commissioning::EffectFact> facts;  ///< cause, what to check, how it is compensated …
+  bool named = false;                            ///< part of the answer: proved, or likely
+  std::string but;                               ///< of what is likely: what is not excluded
+  std::vector<std::string> parameters;           ///< "period 8.00 ± 0.02 mm"
+  std::optional<double> rms_after_um;
+  std::optional<double> explained;
+  std::optional<double> held_out_before_um;
+  std::optional<double> held_out_after_um;
+  std::vector<std::string> rivals;
+  std::string because;
+  std::string next_measurement;
+};
+
+struct ReportedDependence {
+  std::string variable;
+  double strength = 0.0;
+};
+
+struct ReportedDiagnosis {
+  std::string
+      verdict;  ///< as in JSON: adequate, missing_effect, partly_explained, unexplained_structure, likely_effect …
+  std::string headline;  ///< the answer in words; of an answer saved without one the verdict with the ids named
+  std::size_t readings = 0;
+  double rms_um = 0.0;
+  std::optional<double> rms_after_um;
+  double noise_um = 0.0;
+  std::size_t noise_replicates = 0;
+  std::vector<ReportedEffect> effects;  ///< named ones first
+  std::vector<ReportedDependence> where;
+  std::vector<std::string> notes;
+};
+
+/// "period 8.003 ± 0.012 mm", digits as far as the sigma goes. @param name  as model files have it, "period_mm"
+[[nodiscard]] std::string parameter_text(std::string_view name, std::string_view unit, double value,
+                                         const std::optional<double>& sigma);
+
+[[nodiscard]] ReportedDiagnosis reported(const model::Diagnosis& diagnosis);
+/// Refuses what is no answer of `ecs model diagnose --json`.
+[[nodiscard]] Result<ReportedDiagnosis> parse_diagnosis(std::string_view json, const std::string& name);
+[[nodiscard]] Result<ReportedDiagnosis> read_diagnosis(const std::filesystem::path& path);
 
 /// As typed; empty: not given.
 struct ReportArguments {
@@ -173,5 +217,33 @@ struct ReportContent {
 /// those before compensation of the senses and axes on which the model's effects act; of all, if these are none.
 [[nodiscard]] Result<void> add_model(VerbContext& context, const ReportArguments& arguments, const ReportFiles& files,
                                      ReportContent& content);
+
+enum class RowVerdict {
+  within,       ///< not above its limit
+  above,        ///< above it
+  no_limit,     ///< measured after compensation, nothing to compare with
+  before_only,  ///< not measured after compensation, nor planned
+  missing,      ///< planned, and a file is missing or unfit
+};
+[[nodiscard]] RowVerdict verdict_of(const TableRow& row);
+/// "within", "above", "no limit", "before only", "missing"
+[[nodiscard]] std::string_view word_for(RowVerdict verdict);
+
+struct Judgement {
+  std::size_t after = 0;            ///< rows measured after compensation
+  std::size_t judged = 0;           ///< of them, with a limit
+  std::size_t within = 0;           ///< of these, within it
+  std::size_t missing = 0;          ///< rows with a missing or unfit file
+  const TableRow* worst = nullptr;  ///< closest to its limit, or above it most; without limits the largest band left
+  std::string sentence;             ///< the verdict, plain
+  std::string worst_sentence;       ///< empty without `worst`
+  std::vector<std::string> next;    ///< what is open, most urgent first; empty: nothing
+};
+
+/// @param content  must outlive the answer
+[[nodiscard]] Judgement judgement_of(const ReportContent& content);
+
+/// Decimals in which all bands of a row are shown.
+[[nodiscard]] int decimals_of(const TableRow& row);
 
 }  // namespace ecs::app

@@ -8,7 +8,6 @@
 #include "commissioning/measurements/fields.hpp"
 #include "laser/map/recipe.hpp"
 #include "modules/report/page.hpp"
-#include "modules/report/svg.hpp"
 #include "modules/standards/circle_work.hpp"
 
 namespace ecs::app {

@@ -1,12 +1,11 @@
-#include "modules/report/judgement.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "commissioning/unit/status.hpp"
-#include "modules/report/markup.hpp"
+#include "modules/report/content.hpp"
+#include "modules/report/page.hpp"
 
 namespace ecs::app {
 namespace {

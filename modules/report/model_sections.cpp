@@ -12,7 +12,6 @@
 #include "commissioning/models/what_if.hpp"
 #include "model/effects/definition.hpp"
 #include "modules/report/page.hpp"
-#include "modules/report/svg.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,9 +1,11 @@
-// `ecs report`: one self-contained HTML page of a commissioning.
+// `ecs report`: one self-contained HTML page of a commissioning. What the module brings.
+
 #include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
@@ -174,12 +176,17 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
                  unfit_files(content) ? kUnfitFile : kDone};
 }
 
-}  // namespace
-
-extern const std::vector<Action> kReport{
+const std::vector<Action> kReport{
     action("report", "one self-contained HTML page of a commissioning, to read, print and keep",
            "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
            "-o report.html\n  ecs report commissioning/ -o report.html",
            report, {.logged = Logged::when_written, .kind = "report"})};
+
+}  // namespace
+
+const Module& report_module() {
+  static const Module module{.verbs = {{"volume", &kReport}}};
+  return module;
+}
 
 }  // namespace ecs::app

@@ -10,7 +10,6 @@
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 #include "modules/report/page.hpp"
-#include "modules/report/svg.hpp"
 
 namespace ecs::app {
 namespace {

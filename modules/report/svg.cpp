@@ -1,9 +1,9 @@
-#include "modules/report/svg.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "modules/report/page.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,14 +1,18 @@
 // The thesis's single-axis test rig (3.1, 3.5): controller, servo drive, slide with a worn screw, and the prototype
 // compensation unit, whose loop is core/; calibrated as 3.5.2 does (BS 4656: linear cycle, five runs each way, ±3σ),
-// with compensation tables made from it. Does not live here: the servo (ecs_emulator/drive/servo_drive.hpp), the
-// figures (figures.hpp).
+// with compensation tables made from it. Figures 3.3, 3.5 and 3.9 to 3.12 from it, their numbers beside the printed
+// ones. Does not live here: the servo (ecs_emulator/drive/servo_drive.hpp), their drawing (figures.cpp).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "base/result.hpp"
 #include "core/tick.hpp"
 #include "ecs_emulator/drive/servo_drive.hpp"
 #include "ecs_emulator/random/random.hpp"
@@ -132,5 +136,45 @@ struct RigBand {
 
 /// Minus the means, at the targets. @pre the targets are `plan`'s
 [[nodiscard]] RigTables tables_of(const RigBand& band, const RigPlan& plan);
+
+/// One number of a figure.
+struct RigNumber {
+  std::string figure;  ///< "3.9"
+  std::string name;
+  std::string unit;
+  std::optional<double> thesis;  ///< as printed; absent: not given
+  double here = 0.0;
+};
+
+/// A step of the servo: D/A output against time (figures 3.3, 3.4).
+struct ServoStep {
+  std::vector<double> time_s;
+  std::vector<double> dac_V;
+  double steady_V = 0.0;
+  double rise_s = 0.0;        ///< 10 to 90 % of the steady level
+  double falls_from_s = 0.0;  ///< last time before the fall at which it stood at the steady level
+  double largest_V = 0.0;
+};
+[[nodiscard]] ServoStep servo_step(const ServoParameters& servo, double distance_mm, double feed_mm_min,
+                                   double length_s);
+
+/// Error of the moving slide with and without compensation (figure 3.5), the motion itself taken off.
+struct MovingError {
+  std::vector<double> desired_mm;
+  std::vector<double> uncompensated_um;
+  std::vector<double> compensated_um;
+  std::vector<double> compensation_um;  ///< what the unit adds
+};
+[[nodiscard]] MovingError moving_error(double feed_mm_min);
+
+/// Runs all experiments; writes each figure's data as CSV and, where gnuplot is installed, its picture as SVG.
+/// @return the numbers
+[[nodiscard]] Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& folder, std::uint64_t seed);
+
+/// The files that draw_rig_figures writes into a folder, pictures too.
+[[nodiscard]] std::vector<std::string> rig_files(const std::filesystem::path& folder);
+
+/// The numbers as a table for a terminal.
+[[nodiscard]] std::string table_of(const std::vector<RigNumber>& numbers);
 
 }  // namespace ecs::emulator

@@ -1,13 +1,89 @@
-// A capture under way, from triggers and values to the part file, with a display that exists only here.
+// Where readings come from, and what a plan says of them. A capture under way, from triggers and values to the part
+// file, with a display that exists only here. Surroundings beside the monitor: run under umockdev-wrapper.
+
+#include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <thread>
 
 #include <doctest/doctest.h>
 
+#include "commissioning/measurements/table.hpp"
 #include "laser/measurement_set.hpp"
 #include "modules/capture/capture.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
+#include "tests/support/folder.hpp"
 
 namespace ecs::commissioning {
 namespace {
+
+TEST_CASE("the number of a display is the last one of its line") {
+  CHECK(last_number_in("X -50.0012 mm") == -50.0012);
+  CHECK(last_number_in("12 3.5um") == 3.5);
+  CHECK(!last_number_in("no signal").has_value());
+  CHECK(!last_number_in("").has_value());
+}
+
+TEST_CASE("a display that writes continuously is followed: its last complete line counts") {
+  const Folder folder;
+  const std::string file = folder.with("log.txt", "1\n2\n3\n4.5");
+  auto source = following_source(file);
+  REQUIRE(source);
+  (*source)->ask(0.0);
+  const Shown shown = (*source)->shown(0.1);
+  REQUIRE(shown.kind == Shown::Kind::value);
+  CHECK(shown.value == 3.0);
+  std::ofstream(file, std::ios::app) << "6\n";
+  CHECK((*source)->shown(0.2).value == 4.56);
+}
+
+TEST_CASE("a command is asked for what its display shows") {
+  const auto source = command_source("echo shows 7.25 um");
+  CHECK(source->shown(0.0).value == 7.25);
+  CHECK(command_source("false")->shown(0.0).kind == Shown::Kind::none);
+}
+
+TEST_CASE("the default slope follows the kind of measurement") {
+  const auto plan = parse_plan(
+      "[[measure]]\nname = \"a\"\naxis = \"X\"\nsense = \"EX\"\n[[measure]]\nname = \"b\"\naxis = \"X\"\nsense = "
+      "\"EY\"\n"
+      "[[measure]]\nname = \"c\"\naxis = \"X\"\nsense = \"EC\"\n"
+      "[[measure]]\nname = \"d\"\naxis = \"Y\"\nsense = \"EX\"\ninstrument = \"square\"\n",
+      "plan.toml");
+  REQUIRE(plan);
+  CHECK((*plan)[0].slope == laser::SlopeMethod::none);
+  CHECK((*plan)[1].slope == laser::SlopeMethod::least_squares);
+  CHECK((*plan)[2].slope == laser::SlopeMethod::none);
+  CHECK((*plan)[3].slope == laser::SlopeMethod::none);
+}
+
+bool says(const SurroundingsWatch& watch, const std::string& text) {
+  for (int k = 0; k < 500; ++k) {
+    if (watch.now().text.find(text) != std::string::npos) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  MESSAGE(watch.now().text);
+  return false;
+}
+
+TEST_CASE("a thermometer is read beside the monitor, reported when unplugged, and read again when it is back") {
+  fake::Bus bus;
+  const auto watch = environment_watch("temper", 0.1);
+  CHECK(says(*watch, "temper"));  // none is plugged in, and that is said
+  auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
+  fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
+  CHECK(says(*watch, "air 20.50 degC, material 19.25 degC"));
+  stick->unplug();
+  CHECK(says(*watch, "was unplugged"));
+  stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
+  fake::answer_like_temper(*stick, {{0x80, 0x04, 0x15, 0x00, 0x13, 0x40, 0, 0}});
+  CHECK(says(*watch, "air 21.00 degC"));
+}
+
+TEST_CASE("a device that is not an environment sensor is refused with its kind") {
+  const auto watch = environment_watch("samples/devices/foot_switch.toml", 0.1);
+  CHECK(says(*watch, "trigger"));
+}
 
 /// A display that shows these values, one for each trigger, and then none any more.
 class Display final : public ReadingSource {

@@ -7,7 +7,6 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "modules/capture/hid_device.hpp"
 #include "modules/capture/port.hpp"
 
 namespace ecs::devices {

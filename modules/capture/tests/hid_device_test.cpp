@@ -1,6 +1,4 @@
 // The real hidapi over devices that umockdev plays: run under umockdev-wrapper.
-#include "modules/capture/hid_device.hpp"
-
 #include <chrono>
 #include <thread>
 

@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include "modules/capture/learn.hpp"
 #include "modules/capture/port.hpp"
 
 namespace ecs::devices {

@@ -1,5 +1,3 @@
-#include "modules/controllers/heidenhain.hpp"
-
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -7,7 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include "modules/controllers/residual.hpp"
+#include "modules/controllers/curve.hpp"
+#include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {

@@ -1,9 +1,8 @@
-#include "modules/controllers/linuxcnc.hpp"
-
 #include <sstream>
 
 #include <doctest/doctest.h>
 
+#include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {

@@ -1,11 +1,10 @@
-#include "modules/controllers/siemens.hpp"
-
 #include <cmath>
 #include <map>
 #include <sstream>
 
 #include <doctest/doctest.h>
 
+#include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {

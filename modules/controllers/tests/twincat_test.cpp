@@ -1,10 +1,9 @@
-#include "modules/controllers/twincat.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 
+#include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {

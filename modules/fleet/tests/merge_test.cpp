@@ -1,5 +1,3 @@
-#include "modules/fleet/merge.hpp"
-
 #include <cmath>
 #include <random>
 
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/random.hpp"
+#include "modules/fleet/result.hpp"
 
 namespace ecs::commissioning {
 namespace {

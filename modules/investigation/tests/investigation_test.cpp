@@ -1,4 +1,6 @@
-// The loop of an investigation, against a machine of one axis whose errors are known.
+// The loop of an investigation, against a machine of one axis whose errors are known: the runs it begins with, its
+// readings; stopped and gone on with, and its ledger as rows of a screen.
+
 #include "modules/investigation/investigation.hpp"
 
 #include <atomic>
@@ -6,10 +8,126 @@
 
 #include <doctest/doctest.h>
 
+#include "model/fit/fit.hpp"
+#include "modules/investigation/followed.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
 
 namespace ecs::commissioning {
 namespace {
+
+TEST_CASE("the first look keeps inside the travel, ascending, on steps that differ by a tenth and more") {
+  const auto look = first_look({Axis::X, Sense::EX}, one_axis_machine(), workshop_times());
+  const double overrun = look.overrun_mm;
+  REQUIRE(look.targets_mm.size() >= 5);
+  const double step = 1000.0 / static_cast<double>(look.targets_mm.size() - 1);
+  double shortest = 1000.0, longest = 0.0;
+  for (std::size_t i = 1; i < look.targets_mm.size(); ++i) {
+    const double gap = look.targets_mm[i] - look.targets_mm[i - 1];
+    shortest = std::min(shortest, gap);
+    longest = std::max(longest, gap);
+  }
+  CHECK(look.targets_mm.front() >= overrun);
+  CHECK(look.targets_mm.back() <= 1000.0 - overrun);
+  CHECK(shortest > 0.0);
+  CHECK(longest - shortest > 0.1 * step);
+}
+
+TEST_CASE("the programme of ISO 230-2 is five runs both ways over 25 targets, set-up included") {
+  const IsoProgramme programme = iso_programme({{Axis::X, Sense::EX}}, one_axis_machine(), workshop_times());
+  CHECK(programme.targets == 25);
+  CHECK(programme.set_up_minutes == doctest::Approx(3.0));
+  // 250 readings of 3 s, ten passes of 990 mm at 2000 mm/min, and the ways to the overruns
+  CHECK(programme.minutes == doctest::Approx(3.0 + 250 * 3.0 / 60.0 + 10 * 0.99 / 2.0).epsilon(0.02));
+}
+
+TEST_CASE("a model names its lines; positioning of the axes that it does not speak of comes last") {
+  params::Machine machine = one_axis_machine();
+  machine.axes[1] = machine.axes[0];
+  model::Model model = usual_model();
+  const auto lines = lines_of_model(model, machine);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front() == InvestigatedLine{Axis::X, Sense::EX});
+  CHECK(other_lines(lines, machine) == std::vector<InvestigatedLine>{{Axis::Y, Sense::EY}});
+  CHECK(lines_of_model({}, machine).size() == 2);
+}
+
+TEST_CASE("a squareness is looked at along its second axis, against a square; the artefact lies as it was first") {
+  params::Machine machine = one_axis_machine();
+  machine.axes[1] = machine.axes[0];
+  model::EffectInstance squareness;
+  squareness.id = model::effect_named("squareness");
+  squareness.code = Component::C0Y;
+  squareness.axis = Axis::Y;
+  model::Model model;
+  model.effects = {squareness};
+  const auto lines = lines_of_model(model, machine);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front() == InvestigatedLine{Axis::Y, Sense::EX, true});
+  const auto look = first_look(lines.front(), machine, workshop_times());
+  CHECK(look.reversed == false);
+  CHECK(look.sentence.find("Measure EX along Y against a square, first look") == 0);
+  CHECK_FALSE(first_look({Axis::X, Sense::EX}, machine, workshop_times()).reversed.has_value());
+  const auto turned = look_turned_over(look, workshop_times());
+  CHECK(turned.reversed == true);
+  CHECK(turned.set_up_minutes == doctest::Approx(4.0));
+}
+
+model::MeasurementProposal a_run() {
+  model::MeasurementProposal run;
+  run.targets_mm = {10.0, 200.0, 410.0, 600.0, 790.0, 990.0};
+  return run;
+}
+double slope_only(double x_mm, int) { return 0.01 * x_mm; }
+
+TEST_CASE("a second run of a line has a zero of its own, which is no part of the model that is kept") {
+  InvestigationReadings readings(usual_model());
+  readings.add(made_readings(a_run(), slope_only, 0.01, 1, 0.0), 0.0);
+  CHECK(readings.model_with_zeros().effects.size() == 3);
+  laser::MeasurementSet shifted = made_readings(a_run(), slope_only, 0.01, 2, 0.0);
+  for (laser::Reading& reading : shifted.readings) reading.error += 7.0;
+  readings.add(shifted, 5.0);
+  const model::Model with = readings.model_with_zeros();
+  REQUIRE(with.effects.size() == 4);
+  CHECK(is_zero_of_run(to_text(with.effects.back())));
+  const auto fit = model::fit(with, readings.observations(one_axis_machine()));
+  REQUIRE(fit.has_value());
+  CHECK(fit->rms_um < 0.05);
+  CHECK(without_zeros(with).effects == usual_model().effects);
+}
+
+TEST_CASE("a straight edge has a slope of its own in each run, a square only a zero") {
+  model::MeasurementProposal run = a_run();
+  run.sense = Sense::EY;
+  const auto zero_of_second = [&](bool against_square) {
+    InvestigationReadings readings(model::Model{});
+    for (const unsigned seed : {1U, 2U}) {
+      readings.add(made_readings(run, slope_only, 0.01, seed, 0.0), 5.0, against_square);
+    }
+    return readings.model_with_zeros().effects.back().user.size();
+  };
+  CHECK(zero_of_second(false) == 2);
+  CHECK(zero_of_second(true) == 1);
+}
+
+TEST_CASE("rows, runs and times of a later run are numbered on") {
+  InvestigationReadings readings(usual_model());
+  readings.add(made_readings(a_run(), slope_only, 0.0, 1, 0.0), 0.0);
+  const double end_s = *readings.all().readings.back().time_s;
+  readings.add(made_readings(a_run(), slope_only, 0.0, 2, 0.0), 5.0);
+  const laser::Reading& last = readings.all().readings.back();
+  CHECK(last.row == 24);
+  CHECK(last.run == 2);
+  CHECK(*last.time_s == doctest::Approx(2.0 * end_s + 300.0 - *readings.all().readings.front().time_s));
+}
+
+TEST_CASE("a run of another line begins with run 1") {
+  InvestigationReadings readings(usual_model());
+  readings.add(made_readings(a_run(), slope_only, 0.0, 1, 0.0), 0.0);
+  model::MeasurementProposal other = a_run();
+  other.parked_mm[1] = 300.0;
+  readings.add(made_readings(other, slope_only, 0.0, 2, 1000.0), 5.0);
+  CHECK(readings.all().readings.back().run == 1);
+}
 
 double usual_error(double x_mm, int approach) { return 0.012 * x_mm + 1.5 * approach; }
 double waving_error(double x_mm, int approach) {
@@ -109,6 +227,62 @@ TEST_CASE("an investigation that is cancelled asks for nothing more") {
   REQUIRE_FALSE(found.has_value());
   CHECK(found.error().kind == ProblemKind::refused);
   CHECK(workshop.asked.empty());
+}
+
+double wave_of_ten(double x_mm, int approach) {
+  return 0.012 * x_mm + 1.5 * approach + 3.0 * std::sin(2.0 * std::numbers::pi * x_mm / 10.0 + 0.4);
+}
+
+InvestigationOptions options_with(const std::atomic<bool>& cancelled) {
+  constexpr double kMinutes = 200.0;
+  return {kMinutes, workshop_times(), &cancelled};
+}
+
+TEST_CASE("what was measured before a stop is not measured again") {
+  FollowedInvestigation followed;
+  MadeWorkshop machine(wave_of_ten);
+  std::atomic<bool> cancelled{false};
+  {
+    FollowedWorkshop workshop(followed, machine, [&] { cancelled = !followed.progress().steps.empty(); });
+    CHECK_FALSE(investigate(usual_model(), one_axis_machine(), workshop, options_with(cancelled)).has_value());
+  }
+  const std::size_t asked = machine.asked.size();
+  CHECK(asked == 1);
+  CHECK(followed.progress().steps.size() == 1);
+  cancelled = false;
+  FollowedWorkshop workshop(followed, machine);
+  const auto found = investigate(usual_model(), one_axis_machine(), workshop, options_with(cancelled));
+  REQUIRE(found.has_value());
+  CHECK(found->causes.size() == 1);
+  CHECK(followed.progress().steps.size() == found->steps.size());
+  for (std::size_t k = asked; k < machine.asked.size(); ++k) CHECK(machine.asked[k].number != 1);
+}
+
+TEST_CASE("the ledger has a row a run, the members of the last set, and what is being done") {
+  InvestigationProgress progress;
+  InvestigationStep step;
+  step.minutes = 8.0;
+  step.measured = "EX along X, first look: 13 targets, 2 runs both ways";
+  step.verdict = model::Verdict::missing_effect;
+  step.rms_um = 1.5;
+  step.set = {{"sag:X:EX", 0.9}, {"progressive:X:EX", 0.1}};
+  progress.steps.push_back(step);
+  step.minutes = 4.5;
+  step.set = {{"sag:X:EX", 1.0}};
+  progress.steps.push_back(step);
+  progress.doing = "run 3";
+  const LedgerView view = view_of(progress);
+  REQUIRE(view.rows.size() == 2);
+  CHECK(view.rows[0].members == 2);
+  CHECK_FALSE(view.rows[0].settled);
+  CHECK(view.rows[1].settled);
+  CHECK(view.rows[1].numbers == " 2    4.5   12.5    1.500    1");
+  CHECK(view.set == "sag:X:EX 1.00");
+  constexpr std::size_t kColumns = 60;
+  const auto lines = lines_of(view, kColumns);
+  CHECK(lines.size() == 5);
+  CHECK(lines[1].find("##") != std::string::npos);
+  for (const std::string& line : lines) CHECK(line.size() <= kColumns);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "base/random.hpp"
 #include "model/planning/run.hpp"
-#include "modules/investigation/workshop.hpp"
+#include "modules/investigation/investigation.hpp"
 #include "params/machine.hpp"
 
 namespace ecs {

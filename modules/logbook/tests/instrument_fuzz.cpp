@@ -1,5 +1,5 @@
 // The files of measuring instruments (text_fuzz.cpp says how).
-#include "modules/logbook/instrument.hpp"
+#include "modules/logbook/place.hpp"
 #include "tests/fuzz/parsers.hpp"
 
 namespace {

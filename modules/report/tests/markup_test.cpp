@@ -1,5 +1,3 @@
-#include "modules/report/markup.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +5,6 @@
 #include <rapidcheck.h>
 
 #include "modules/report/page.hpp"
-#include "modules/report/svg.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,12 +1,11 @@
 // The thesis's test rig: the servo of appendix A, its slide, and the compensation of figures 3.5 and 3.9 to 3.12.
-#include "modules/rig/figures.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include <doctest/doctest.h>
 
+#include "modules/rig/rig.hpp"
 #include "tests/support/folder.hpp"
 
 using namespace ecs;

@@ -1,4 +1,6 @@
-// A bed bent by the difference of two temperatures: the errors file, and the hidden case that asks for it.
+// An artefact set up turned, and a bed bent by the difference of two temperatures: the errors file, and the hidden case
+// that asks for it.
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +9,64 @@
 
 #include "modules/hidden_cases/tests/hidden_cases.hpp"
 #include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+
+namespace {
+
+std::string turned(const std::string& keys) {
+  return "[[effect]]\nid = 'set_up_rotation'\n" + keys + "\nparameters = { um_per_m = 40 }\n";
+}
+
+}  // namespace
+
+TEST_CASE("a turned set-up gives each axis of the plane a straightness in the direction of the other") {
+  const TrueErrors errors = errors_of(turned("code = 'EB'"));
+  MachineState state;
+  state.position_mm = {500.0, 300.0, -250.0};
+  const ComponentValues values = errors.at(state);
+  CHECK(values[index_of(Component::EZX)] == doctest::Approx(-40.0 * 0.5));
+  CHECK(values[index_of(Component::EXZ)] == doctest::Approx(40.0 * -0.25));
+  CHECK(values[index_of(Component::EXX)] == 0.0);
+  CHECK(values[index_of(Component::EYX)] == 0.0);
+}
+
+TEST_CASE("a turned set-up has a code EA, EB or EC and no place besides") {
+  const auto refusal = [](const std::string& keys) {
+    const auto errors = TrueErrors::parse(turned(keys), "errors.toml", ".");
+    REQUIRE(!errors.has_value());
+    return to_text(errors.error());
+  };
+  CHECK(refusal("code = 'ECX'").find("code: expected EA, EB or EC") != std::string::npos);
+  CHECK(refusal("").find("code: expected EA, EB or EC") != std::string::npos);
+  CHECK(refusal("code = 'EC'\naxis = 'X'").find("axis: set_up_rotation has a code alone") != std::string::npos);
+}
+
+TEST_CASE("a turned set-up is hidden where asked for, in both senses of its plane") {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    CAPTURE(seed);
+    const HiddenCase c = case_of(request_for(seed, CaseKind::single, "set_up_rotation"));
+    const PlacedEffect& effect = c.hidden.at(0).effect;
+    const Axis about = direction_of(*effect.sense);
+    const auto one = static_cast<Axis>((index_of(about) + 1) % kAxes);
+    const auto other = static_cast<Axis>((index_of(about) + 2) % kAxes);
+    const auto values = contribution(c.scene, effect);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const Stop& stop = c.scene.stops[k];
+      const double c_um_per_mm = effect.parameters.at("um_per_m") / 1000.0;
+      double expected = 0.0;
+      if (stop.sense == static_cast<Sense>(one)) expected = -c_um_per_mm * c.scene.p_mm(stop, other);
+      if (stop.sense == static_cast<Sense>(other)) expected = c_um_per_mm * c.scene.p_mm(stop, one);
+      REQUIRE(values[k] == doctest::Approx(expected));
+    }
+    const auto truth = nlohmann::json::parse(truth_of(c));
+    CHECK(truth["effects"][0]["name"] == name_of(effect));
+    CHECK(truth["effects"][0]["code"] == name_of(*effect.sense));
+    CHECK(truth["effects"][0]["sense"].is_null());
+  }
+}
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,13 +1,21 @@
-// `ecs export read`: a control's compensation tables back into a map CSV.
+// `ecs export <format>`: the map as files that another controller reads, a verb for each format of the registry, its
+// options fields of the request. `ecs export read`: a control's compensation tables back into a map CSV.
+
 #include <filesystem>
 #include <map>
+#include <string>
+#include <system_error>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
+#include "app/verbs/map/unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/machine_map.hpp"
@@ -16,11 +24,142 @@
 #include "laser/text_decoding.hpp"
 #include "modules/controllers/export.hpp"
 #include "modules/controllers/format.hpp"
-#include "modules/controllers/format_arguments.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 namespace {
+
+/// What was typed for the options of formats, by their names.
+struct FormatValues {
+  std::map<std::string, std::variant<std::string, int, bool>> typed;
+  [[nodiscard]] controllers::OptionValues values() const;
+};
+
+/// `--name`
+Fields<FormatValues> field_of(const controllers::FormatOption& option, const std::string& help) {
+  cli::Argument argument{"--" + std::string(option.name), {}, help};
+  if (option.range)
+    say(argument, Range{static_cast<double>(option.range->least), static_cast<double>(option.range->most)});
+  if (!option.words.empty()) say(argument, Words(option.words.begin(), option.words.end()));
+  return {std::move(argument), [option](FormatValues& formats) -> cli::Argument::Target {
+            auto& value = formats.typed[std::string(option.name)];
+            if (option.is_flag) return &value.emplace<bool>(false);
+            if (option.range) return &value.emplace<int>(static_cast<int>(integer_in(option.fallback).value_or(0)));
+            return &value.emplace<std::string>(option.fallback);
+          }};
+}
+
+controllers::OptionValues FormatValues::values() const {
+  controllers::OptionValues values;
+  for (const auto& [name, value] : typed) {
+    if (const auto* text = std::get_if<std::string>(&value)) values.set(name, *text);
+    if (const auto* number = std::get_if<int>(&value)) values.set(name, std::to_string(*number));
+    if (const auto* given = std::get_if<bool>(&value)) values.set(name, *given ? "1" : "");
+  }
+  return values;
+}
+
+Result<void> make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder, error)) return {};
+  return problem(ProblemKind::output, fmt::format("cannot make the folder {}: {}", folder,
+                                                  error ? error.message() : "something else of that name is there"));
+}
+
+/// Into a folder, or the only file under the name given.
+Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& made, const std::string& output,
+                                           bool folder, const std::vector<std::string>& inputs, bool force) {
+  std::vector<OutputFile> files;
+  if (output.empty()) return std::vector<WrittenFile>();
+  for (const controllers::ExportFile& file : made.files)
+    files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
+  for (const OutputFile& file : files) ECS_DO(check_output_not_input(file.path, inputs));
+  for (const OutputFile& file : files)
+    if (!force && would_overwrite(file.path))
+      return problem(ProblemKind::usage,
+                     fmt::format("{} exists already: give another name, or --force to overwrite it", file.path));
+  if (folder) ECS_DO(make_folder(output));
+  return write_together(files);
+}
+
+/// Directions that a model does not predict: the values there are what the compensation adds by itself.
+void note_silent_directions(ExportWork& work, const std::vector<controllers::ResidualRow>& residuals) {
+  for (const Axis axis : kAllAxes) {
+    const std::size_t d = index_of(axis);
+    const controllers::ResidualRow& volume = residuals.back();
+    if (volume.before.largest_um[d] == 0.0 && volume.unit.largest_um[d] > 0.0)
+      work.notes.push_back(fmt::format("{} has no error along {}: what is left there is what the compensation adds",
+                                       work.errors_from, letter_of(axis)));
+  }
+}
+
+/// A folder that holds files of two maps is named, nothing in it is taken away.
+void note_left_from_before(ExportWork& work, const std::string& folder, const std::vector<WrittenFile>& written,
+                           const controllers::ControllerFormat& format) {
+  const auto left = left_from_before(folder, written, format.is_file);
+  if (!left.empty())
+    work.notes.push_back(fmt::format("left from before, not of this export: {}", fmt::join(left, ", ")));
+}
+
+struct WriteRequest {
+  ExportArguments from;
+  FormatValues options;
+};
+
+Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments& arguments) {
+  if (!arguments.model.empty() && arguments.machine.empty())
+    return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
+  ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
+  return export_work(context.console, arguments, std::move(found));
+}
+
+Result<Outcome> exported(VerbContext& context, const WriteRequest& request,
+                         const controllers::ControllerFormat& format) {
+  const ExportArguments& arguments = request.from;
+  const controllers::OptionValues options = request.options.values();
+  ECS_TRY(work, read_export_work(context, arguments));
+  ECS_TRY(errors, errors_for(context.console, arguments, work));
+  auto made = format.write(work.source, options);
+  if (!made) {
+    Problem why = made.error();
+    if (why.file.empty() && why.kind != ProblemKind::usage) why.file = work.map_name;
+    return tl::unexpected(std::move(why));
+  }
+  const MeasurementLines lines =
+      options.text("levers") == "lines" ? work.source.parameters.measurement_lines_mm : MeasurementLines{};
+  ECS_TRY(residuals, controllers::residuals(work.source, made->applied, lines, errors));
+  note_silent_directions(work, residuals);
+  const bool folder = format.is_file != nullptr;
+  ECS_TRY(written, write_all(*made, arguments.output, folder, work.inputs, arguments.force));
+  if (folder && !arguments.output.empty()) note_left_from_before(work, arguments.output, written, format);
+  const ExportReport report{std::string(format.title),       work, *made, residuals, std::move(written),
+                            folder ? "-o FOLDER" : "-o FILE"};
+  return outcome_of(export_cell(report));
+}
+
+Action writer_of(const controllers::ControllerFormat& format) {
+  const auto fields = [&format] {
+    Fields<WriteRequest> all(&WriteRequest::from, ExportArguments::fields(std::string(format.output_help)));
+    for (const controllers::FormatOption& option : format.write_options)
+      all.add({&WriteRequest::options, field_of(option, std::string(option.help))});
+    return all;
+  };
+  return cli::action<VerbContext, WriteRequest, Outcome>(
+      fmt::format("export {}", format.id), std::string(format.summary), std::string(format.example),
+      [&format](VerbContext& context, const WriteRequest& request) { return exported(context, request, format); },
+      {.link = Link::reads, .logged = Logged::when_written, .kind = "export", .logged_as = "export"}, fields);
+}
+
+const std::vector<Action>& export_writers() {
+  static const std::vector<Action> writers = [] {
+    std::vector<Action> all;
+    for (const controllers::ControllerFormat* format : controllers::controller_formats())
+      if (format->write) all.push_back(writer_of(*format));
+    return all;
+  }();
+  return writers;
+}
 
 std::vector<std::string> format_names() {
   std::vector<std::string> names{"auto"};
@@ -253,12 +392,18 @@ Result<Outcome> read(VerbContext& context, const ReadRequest& request) {
   return outcome_of(read_cell(request, files, made, written));
 }
 
-}  // namespace
-
-extern const std::vector<Action> kExportReading{
+const std::vector<Action> kExportReading{
     action("export read", "the compensation tables of a control as a map CSV",
            "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
            "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
            read, {.logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
+
+}  // namespace
+
+const Module& controllers_module() {
+  static const Module module{.menus = {{"export", "the error map as compensation tables of other controls, and back"}},
+                             .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}}};
+  return module;
+}
 
 }  // namespace ecs::app
