@@ -129,16 +129,6 @@ ResultLines result_lines(std::string_view text, bool keep_errors) {
   return lines;
 }
 
-ResultsFile::ResultsFile(ResultsFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      handle_(std::exchange(other.handle_, -1)),
-      held_(std::move(other.held_)),
-      synced_(other.synced_) {}
-
-ResultsFile::~ResultsFile() {
-  if (handle_ >= 0) ::close(handle_);
-}
-
 Problem ResultsFile::failed(const char* what) const {
   return {ProblemKind::output, fmt::format("cannot {}: {}", what, std::strerror(errno)), path_, 0, 0, {}};
 }
@@ -169,8 +159,8 @@ Result<ResultsFile> ResultsFile::open(const std::string& path) {
     }
     if (rewrite) ECS_DO(write_file(path, kept));
   }
-  file.handle_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (file.handle_ < 0) return tl::unexpected(file.failed("write"));
+  file.handle_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (!file.handle_) return tl::unexpected(file.failed("write"));
   return file;
 }
 
@@ -183,7 +173,7 @@ ResultsFile::Held ResultsFile::holds(const FleetResult& labels, const std::strin
 Result<FleetResult> ResultsFile::held(const std::string& id) const {
   const Known& known = held_.at(id);
   std::string line(known.length, ' ');
-  const auto read = ::pread(handle_, line.data(), line.size(), static_cast<off_t>(known.offset));
+  const auto read = ::pread(handle_.get(), line.data(), line.size(), static_cast<off_t>(known.offset));
   auto result = read == static_cast<ssize_t>(line.size()) ? result_in(line) : std::nullopt;
   if (!result) return problem(ProblemKind::output, path_ + " was changed by another program: run the verb again");
   return std::move(*result);
@@ -191,10 +181,10 @@ Result<FleetResult> ResultsFile::held(const std::string& id) const {
 
 Result<void> ResultsFile::append(const FleetResult& result) {
   const std::string line = to_line(result) + '\n';
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   synced_ = false;
   ssize_t written = 0;
-  do written = ::write(handle_, line.data(), line.size());
+  do written = ::write(handle_.get(), line.data(), line.size());
   while (written < 0 && errno == EINTR);
   if (written < 0) return tl::unexpected(failed("write"));
   if (written == static_cast<ssize_t>(line.size())) return {};
@@ -204,10 +194,10 @@ Result<void> ResultsFile::append(const FleetResult& result) {
 
 Result<void> ResultsFile::sync() {
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(*mutex_);
     if (std::exchange(synced_, true)) return {};
   }
-  if (::fsync(handle_) != 0 && errno != EINVAL && errno != EROFS) return tl::unexpected(failed("write"));
+  if (::fsync(handle_.get()) != 0 && errno != EINVAL && errno != EROFS) return tl::unexpected(failed("write"));
   return {};
 }
 
@@ -247,43 +237,35 @@ std::map<std::string, int> ends_in(const std::string& text) {
 
 }  // namespace
 
-UnderWay::UnderWay(UnderWay&& other) noexcept
-    : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, -1)), ends_(std::move(other.ends_)) {}
-
-UnderWay::~UnderWay() {
-  if (handle_ >= 0) ::close(handle_);
-}
-
 Result<UnderWay> UnderWay::open(const std::string& path, int threads) {
   UnderWay file;
   file.path_ = path;
   for (;;) {
-    file.handle_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-    if (file.handle_ < 0 && errno == ELOOP)
+    file.handle_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
+    if (!file.handle_ && errno == ELOOP)
       return problem(ProblemKind::refused,
                      path +
                          " is a symbolic link: what it leads to would be overwritten. Remove it, or give another "
                          "name for the results");
-    if (file.handle_ < 0)
+    if (!file.handle_)
       return tl::unexpected(
           Problem{ProblemKind::output, fmt::format("cannot write: {}", std::strerror(errno)), path, 0, 0, {}});
-    if (::flock(file.handle_, LOCK_EX | LOCK_NB) != 0)
+    if (::flock(file.handle_.get(), LOCK_EX | LOCK_NB) != 0)
       return problem(ProblemKind::refused, path + ": another `ecs fleet diagnose` writes these results");
     struct stat there {};
-    if (::fstat(file.handle_, &there) == 0 && there.st_nlink > 0) {
+    if (::fstat(file.handle_.get(), &there) == 0 && there.st_nlink > 0) {
       if (!S_ISREG(there.st_mode) || there.st_nlink > 1) return not_ours(path);
       break;
-    }
-    ::close(file.handle_);  // the other run has just ended and removed it
+    }  // else the other run has just ended and removed it
   }
-  const auto text = read_file(fmt::format("/proc/self/fd/{}", file.handle_));  // whatever has that name by now
+  const auto text = read_file(fmt::format("/proc/self/fd/{}", file.handle_.get()));  // whatever has that name by now
   if (!text) return tl::unexpected(text.error());
   if (!is_under_way(*text)) return not_ours(path);
   file.ends_ = ends_in(*text);
   int place = threads;
   for (const auto& [id, times] : file.ends_) file.put(place++, fmt::format("K {} {}", times, id));
   for (int thread = 0; thread < threads; ++thread) file.finish(thread);
-  if (::ftruncate(file.handle_, static_cast<off_t>(kPlace) * place) != 0) file.ends_.clear();
+  if (::ftruncate(file.handle_.get(), static_cast<off_t>(kPlace) * place) != 0) file.ends_.clear();
   return file;
 }
 
@@ -291,7 +273,7 @@ void UnderWay::put(int place, const std::string& text) const {
   const std::string line = fmt::format("{:<{}}\n", text, kPlace - 1);
   // a write that fails loses a precaution, no result
   [[maybe_unused]] const auto written =
-      ::pwrite(handle_, line.data(), kPlace, static_cast<off_t>(kPlace) * static_cast<off_t>(place));
+      ::pwrite(handle_.get(), line.data(), kPlace, static_cast<off_t>(kPlace) * static_cast<off_t>(place));
 }
 
 void UnderWay::begin(int thread, const std::string& id) const {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/result.hpp"
 
 namespace ecs::commissioning {
@@ -61,11 +63,6 @@ class ResultsFile {
   /// Reads what is there. Cut lines, errors and answers that a later line of the same machine replaces are left out,
   /// and the file is replaced by what remains. Refuses a file whose first line is no result (`usage`).
   [[nodiscard]] static Result<ResultsFile> open(const std::string& path);
-  ResultsFile(ResultsFile&& other) noexcept;
-  ResultsFile& operator=(ResultsFile&&) = delete;
-  ResultsFile(const ResultsFile&) = delete;
-  ResultsFile& operator=(const ResultsFile&) = delete;
-  ~ResultsFile();
 
   enum class Held { no, other_labels, yes };
   /// Whether the file opened holds the answer for this content; or holds it under another type or batch.
@@ -90,9 +87,9 @@ class ResultsFile {
   [[nodiscard]] Problem failed(const char* what) const;
 
   std::string path_;
-  int handle_ = -1;
+  Descriptor handle_;
   std::unordered_map<std::string, Known> held_;
-  std::mutex mutex_;
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   bool synced_ = true;
 };
 
@@ -114,17 +111,11 @@ struct ResultLines {
 /// hits the same machine three times only by great misfortune.
 inline constexpr int kMostUncleanEnds = 3;
 
+/// The file stays unless remove() is called.
 class UnderWay {
  public:
   /// Takes `path`, and reads what a run that did not end in good order left there. `refused` while another run has it.
   [[nodiscard]] static Result<UnderWay> open(const std::string& path, int threads);
-  UnderWay(UnderWay&& other) noexcept;
-  UnderWay& operator=(UnderWay&&) = delete;
-  UnderWay(const UnderWay&) = delete;
-  UnderWay& operator=(const UnderWay&) = delete;
-  /// Closes the file; it stays unless remove() was called.
-  ~UnderWay();
-
   /// Machines that were under way when the program ended, and how often.
   [[nodiscard]] const std::map<std::string, int>& ends() const { return ends_; }
   /// Each thread has a place of its own.
@@ -138,7 +129,7 @@ class UnderWay {
   void put(int place, const std::string& text) const;
 
   std::string path_;
-  int handle_ = -1;
+  Descriptor handle_;
   std::map<std::string, int> ends_;
 };
 

@@ -147,8 +147,7 @@ constexpr std::uintmax_t kMostData = 8u << 20;
 Result<std::string> regular_file(const fs::path& path) {
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-    return tl::unexpected(
-        Problem{ProblemKind::bad_input, "expected a file, found a folder or a device", path.string(), 0, 0, {}});
+    return problem_at(path.string(), 0, 0, "expected a file, found a folder or a device");
   return read_file(path);
 }
 
@@ -177,13 +176,9 @@ MachineSet machine_set_of(const Manifest& manifest, const ManifestRow& row) {
 Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replicates) {
   std::error_code error;
   if (const auto bytes = fs::file_size(set.data, error); !error && bytes > kMostData)
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  fmt::format("expected at most {} MiB of readings, found {}: use `ecs model diagnose`",
-                                              kMostData >> 20, bytes >> 20),
-                                  set.data,
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(set.data, 0, 0,
+                      fmt::format("expected at most {} MiB of readings, found {}: use `ecs model diagnose`",
+                                  kMostData >> 20, bytes >> 20));
   std::string all = fmt::format("noise replicates {}\n", noise_replicates);
   ECS_TRY(model_text, regular_file(set.model));
   append_part(all, "model", model_text);

@@ -109,19 +109,13 @@ std::string set_text(const InvestigationStep& step) {
 
 }  // namespace
 
-std::string ledger_numbers_head() {
-  return fmt::format("{:>2} {:>6} {:>6} {:>8} {:>4}", "", "min", "in all", "rms um", "left");
-}
-
 LedgerView view_of(const InvestigationProgress& progress) {
   LedgerView view;
   double minutes = 0.0;
   for (const InvestigationStep& step : progress.steps) {
     minutes += step.minutes;
-    view.rows.push_back({fmt::format("{:>2} {:>6.1f} {:>6.1f} {:>8.3f} {:>4}", view.rows.size() + 1, step.minutes,
-                                     minutes, step.rms_um, step.set.size()),
-                         step.set.size(), step.set.size() == 1 || step.verdict == model::Verdict::adequate,
-                         step.measured});
+    view.rows.push_back({ledger_numbers(view.rows.size() + 1, step, minutes), step.set.size(),
+                         step.set.size() == 1 || step.verdict == model::Verdict::adequate, step.measured});
   }
   if (!progress.steps.empty()) view.set = set_text(progress.steps.back());
   view.doing = progress.doing;

@@ -72,8 +72,6 @@ struct LedgerView {
   std::vector<std::string> said;  ///< newest last
 };
 
-/// " #    min in all   rms um left"
-[[nodiscard]] std::string ledger_numbers_head();
 [[nodiscard]] LedgerView view_of(const InvestigationProgress& progress);
 
 /// The view as lines that fit `columns`, bars as '#'; for a terminal that is redrawn.

@@ -159,9 +159,12 @@ struct Investigation {
   std::vector<std::string> notes;    ///< what was left out, and why
 };
 
-/// The head of the table and the lines of each step, without the last line end.
-[[nodiscard]] std::string ledger_head();
+/// " #    min in all   rms um left", and the numbers of a step below it.
 /// @param number  of the step, from 1 @param total_minutes  up to and with this step
+[[nodiscard]] std::string ledger_numbers_head();
+[[nodiscard]] std::string ledger_numbers(std::size_t number, const InvestigationStep& step, double total_minutes);
+/// The head of the table and the lines of each step with what was measured, without the last line end.
+[[nodiscard]] std::string ledger_head();
 [[nodiscard]] std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes);
 /// {"minutes", "measured", "readings", "verdict", "set", "rms_um"}; no text.
 [[nodiscard]] Cell step_cell(const InvestigationStep& step);

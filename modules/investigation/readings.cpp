@@ -249,13 +249,19 @@ std::string verdict_text(const Investigation& investigation) {
 
 }  // namespace
 
-std::string ledger_head() {
-  return fmt::format("{:>2} {:>6} {:>6} {:>8} {:>4}  {}", "", "min", "in all", "rms um", "left", "measured");
+std::string ledger_numbers_head() {
+  return fmt::format("{:>2} {:>6} {:>6} {:>8} {:>4}", "", "min", "in all", "rms um", "left");
 }
 
+std::string ledger_numbers(std::size_t number, const InvestigationStep& step, double total_minutes) {
+  return fmt::format("{:>2} {:>6.1f} {:>6.1f} {:>8.3f} {:>4}", number, step.minutes, total_minutes, step.rms_um,
+                     step.set.size());
+}
+
+std::string ledger_head() { return ledger_numbers_head() + "  measured"; }
+
 std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes) {
-  const std::string head = fmt::format("{:>2} {:>6.1f} {:>6.1f} {:>8.3f} {:>4}  ", number, step.minutes, total_minutes,
-                                       step.rms_um, step.set.size());
+  const std::string head = ledger_numbers(number, step, total_minutes) + "  ";
   const std::string below(columns_of(head), ' ');
   std::string text = paragraph_after(head, step.measured);
   if (step.set.empty()) {

@@ -91,9 +91,7 @@ Result<void> measured_there(const model::LengthTest& test, const params::Machine
 
 Result<void> same_machine(const params::ParametersFile& unit, const params::Machine& machine, const std::string& file) {
   const UnitParameters& parameters = unit.parameters;
-  const auto refuse = [&](std::string message) {
-    return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file, 0, 0, {}});
-  };
+  const auto refuse = [&](std::string message) { return problem_at(file, 0, 0, std::move(message)); };
   if (!unit.identity.machine.empty() && !machine.name.empty() && unit.identity.machine != machine.name)
     return refuse(fmt::format("expected the parameters of the machine \"{}\", found those of \"{}\"", machine.name,
                               unit.identity.machine));

@@ -33,15 +33,10 @@ bool is_of(const LogOwner& owner, const std::string& machine, const LogOwner& in
 
 tl::unexpected<Problem> none_found(const LogbookSetting& setting, const std::string& machine) {
   const std::string where = setting.file.empty() ? setting.folder.string() : setting.file.string();
-  return tl::unexpected(Problem{ProblemKind::bad_input,
-                                machine.empty()
-                                    ? "no logbook yet: verbs and screens begin one when they work on a machine "
+  return problem_at(where, 0, 0,
+                    machine.empty() ? "no logbook yet: verbs and screens begin one when they work on a machine "
                                       "(modules/logbook/README.md)"
-                                    : fmt::format("no logbook of {} there", machine),
-                                where,
-                                0,
-                                0,
-                                {}});
+                                    : fmt::format("no logbook of {} there", machine));
 }
 
 }  // namespace
@@ -72,12 +67,8 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
     }
     if (!choice.machine.empty() && !is_of(*owner, choice.machine, wanted)) {
       if (!choice.log.empty())
-        return tl::unexpected(Problem{ProblemKind::bad_input,
-                                      fmt::format("is the logbook of {}, not of {}", in_words(*owner), choice.machine),
-                                      choice.log,
-                                      0,
-                                      0,
-                                      {}});
+        return problem_at(choice.log, 0, 0,
+                          fmt::format("is the logbook of {}, not of {}", in_words(*owner), choice.machine));
       continue;
     }
     if (!chosen)

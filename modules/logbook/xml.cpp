@@ -177,14 +177,10 @@ Result<SchemaFolder> schema_in(const fs::path& folder, const std::string& versio
     found = {folder, at->path(), std::move(of)};
   }
   if (found.version.empty())
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  fmt::format("expected a folder with the dcc.xsd of DCC {} and what it imports "
-                                              "(https://ptb.de/dcc); found none",
-                                              version.empty() ? "3.3 or 3.2" : version),
-                                  folder.string(),
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(folder.string(), 0, 0,
+                      fmt::format("expected a folder with the dcc.xsd of DCC {} and what it imports "
+                                  "(https://ptb.de/dcc); found none",
+                                  version.empty() ? "3.3 or 3.2" : version));
   return found;
 }
 
@@ -217,12 +213,7 @@ Result<Instrument> instrument_in_dcc(std::string_view xml, const std::string& fi
   ECS_TRY(document, parsed_xml(xml, file));
   const xmlNode* root = xmlDocGetRootElement(document.get());
   if (root == nullptr || !is_named(root, "digitalCalibrationCertificate"))
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  "expected a Digital Calibration Certificate, found another XML document",
-                                  file,
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(file, 0, 0, "expected a Digital Calibration Certificate, found another XML document");
   const xmlNode* data = below(root, {"administrativeData"});
   const xmlNode* item = below(data, {"items", "item"});
   Instrument instrument;
@@ -232,8 +223,7 @@ Result<Instrument> instrument_in_dcc(std::string_view xml, const std::string& fi
   instrument.calibration_certificate = words_below(data, {"coreData", "uniqueIdentifier"});
   instrument.calibration_date = words_below(data, {"coreData", "endPerformanceDate"});
   if (instrument.name.empty() || instrument.calibration_certificate.empty())
-    return tl::unexpected(
-        Problem{ProblemKind::bad_input, "the certificate names no item, or has no identifier", file, 0, 0, {}});
+    return problem_at(file, 0, 0, "the certificate names no item, or has no identifier");
   return instrument;
 }
 
