@@ -13,6 +13,7 @@
 #include "base/clock.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "base/words.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
@@ -41,23 +42,9 @@ std::string due_text(const devices::CaptureRecord& record) {
 
 std::string around_text(const devices::Values& values) {
   std::string text;
-  for (const auto& [quantity, value] : values) switch (quantity) {
-      case devices::Quantity::air_degC:
-        add(text, fmt::format("air {:.2f} degC", value));
-        break;
-      case devices::Quantity::material_degC:
-        add(text, fmt::format("material {:.2f} degC", value));
-        break;
-      case devices::Quantity::pressure_hPa:
-        add(text, fmt::format("{:.1f} hPa", value));
-        break;
-      case devices::Quantity::humidity_pct:
-        add(text, fmt::format("{:.1f} %RH", value));
-        break;
-      case devices::Quantity::reading_um:
-        add(text, fmt::format("{:.2f} um", value));
-        break;
-    }
+  constexpr WordTable<devices::Quantity, 5> kShown{
+      {"air {:.2f} degC", "material {:.2f} degC", "{:.1f} hPa", "{:.1f} %RH", "{:.2f} um"}};
+  for (const auto& [quantity, value] : values) add(text, fmt::format(fmt::runtime(kShown.of(quantity)), value));
   return text;
 }
 

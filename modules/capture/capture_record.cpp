@@ -138,13 +138,13 @@ std::string CaptureRecord::doubt(double at_s, double shown) const {
   const double took = at_s - taken_.back().time_s.value_or(at_s);
   if (took > rules_.missed_factor * *usual)
     return fmt::format(
-        "this reading came {:.1f} s after the last one where {:.1f} s are usual: was a trigger missed? If "
-        "the machine stands a target further on, take it back (u), skip one (s), and trigger again",
+        "this reading came {:.1f} s after the last one where {:.1f} s are usual: was a trigger missed? If the machine "
+        "stands a target further on, take it back (u), skip one (s), and trigger again",
         took, *usual);
   if (took < kNearlyTheUsual * *usual && shown == shown_.back())
     return fmt::format(
-        "the same value again, {:.1f} s after the last one where {:.1f} s are usual: triggered twice? Then "
-        "take it back (u)",
+        "the same value again, {:.1f} s after the last one where {:.1f} s are usual: triggered twice? Then take it "
+        "back (u)",
         took, *usual);
   return {};
 }
@@ -176,11 +176,10 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
   if (fits(next_)) return take(error(next_), at_s, shown, around);
   const laser::Reading& target = plan_.stops[next_];
   if (!stop_of_.empty() && fits(stop_of_.back()))
-    return {
-        false, 0,
-        fmt::format("not taken: the display still shows {} mm, the target before; {} mm is due. A doubled trigger, or "
-                    "the axis has not moved",
-                    stands_mm, target_mm(target))};
+    return {false, 0,
+            fmt::format("not taken: the display still shows {} mm, the target before; {} mm is due. A doubled trigger, "
+                        "or the axis has not moved",
+                        stands_mm, target_mm(target))};
   for (std::size_t ahead = next_ + 1; ahead < plan_.stops.size() && same_pass(plan_.stops[ahead], target); ++ahead) {
     if (!fits(ahead)) continue;
     const std::size_t missed = ahead - next_;
@@ -189,8 +188,8 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
     Verdict verdict = take(error(ahead), at_s, shown, around);
     verdict.missed = static_cast<int>(missed);
     verdict.warning = fmt::format(
-        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} left "
-        "without a reading in this pass (u takes it back)",
+        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} left without a reading in this "
+        "pass (u takes it back)",
         stands_mm, due_mm, missed, missed == 1 ? " is" : "s are");
     doubts_.back() = fmt::format("{} target(s) before it missed", missed);
     return verdict;
@@ -294,11 +293,10 @@ void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::Meta
 }
 
 Problem broken(const laser::MeasurementSet& part, const std::string& what) {
-  return problem_at(
-             part.source, 0, 0,
-             fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still a "
-                         "measurement set",
-                         what))
+  return problem_at(part.source, 0, 0,
+                    fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still "
+                                "a measurement set",
+                                what))
       .value();
 }
 

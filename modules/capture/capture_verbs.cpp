@@ -2,7 +2,6 @@
 // HID devices are plugged in, udev rules for them, learning a trigger, trying a description.
 
 #include <chrono>
-#include <filesystem>
 #include <thread>
 
 #include <fmt/format.h>

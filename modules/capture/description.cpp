@@ -1,7 +1,6 @@
 #include "modules/capture/description.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -337,8 +336,7 @@ DeviceDescription fm75() {
   out.name = "temper-fm75";
   out.source =
       "github.com/edorfaus/TEMPered wiki and issues 17, 32; github.com/urwen/temper pull request 21 (8002135065723146 "
-      "= "
-      "19.31 degC)";
+      "= 19.31 degC)";
   out.match.ids = {{0x0C45, 0x7401}};
   out.fields = {temperature(Quantity::air_degC, 2, 1.0 / 256.0, -1, {}),
                 temperature(Quantity::material_degC, 4, 1.0 / 256.0, -1, {0x80, 0x04})};

@@ -11,6 +11,7 @@
 #include "base/clock.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "base/words.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 #include "modules/capture/capture.hpp"
 #include "modules/capture/description.hpp"
@@ -94,28 +95,16 @@ void pause(const std::stop_token& stop, std::chrono::milliseconds span) {
 }
 
 /// "t_air_degC" without what everybody knows: "air".
-std::pair<const char*, const char*> words_of(devices::Quantity quantity) {
-  switch (quantity) {
-    case devices::Quantity::air_degC:
-      return {"air", "degC"};
-    case devices::Quantity::material_degC:
-      return {"material", "degC"};
-    case devices::Quantity::pressure_hPa:
-      return {"pressure", "hPa"};
-    case devices::Quantity::humidity_pct:
-      return {"humidity", "%"};
-    default:
-      return {"gauge", "um"};
-  }
-}
+constexpr WordTable<devices::Quantity, 5> kWhat{{"air", "material", "pressure", "humidity", "gauge"}};
+constexpr WordTable<devices::Quantity, 5> kUnits{{"degC", "degC", "hPa", "%", "um"}};
 
 /// The values by their names, and in words.
 Surroundings surroundings_of(const std::string& device, const devices::Values& values) {
   Surroundings now{device, {}, {}, values.empty() ? device + ": no value yet" : ""};
   for (const auto& [quantity, value] : values) {
-    const auto [what, unit] = words_of(quantity);
     now.values.emplace_back(devices::name_of(quantity), value);
-    now.text += fmt::format("{}{} {:.2f} {}", now.text.empty() ? "" : ", ", what, value, unit);
+    now.text +=
+        fmt::format("{}{} {:.2f} {}", now.text.empty() ? "" : ", ", kWhat.of(quantity), value, kUnits.of(quantity));
   }
   return now;
 }

@@ -59,11 +59,10 @@ Result<HidIdentity> matching(const DeviceDescription& device, const std::vector<
         fmt::format("{} is not plugged in; {}", wanted(device),
                     present.empty() ? "there is no HID device at all: plug it in, then look with `ecs laser devices`"
                                     : "there are: " + list_of(present)));
-  return problem(
-      ProblemKind::link,
-      fmt::format("{} devices fit {}: {}. Say which: write its serial (or path, or interface) under [match], or "
-                  "add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
-                  found.size(), wanted(device), list_of(found)));
+  return problem(ProblemKind::link,
+                 fmt::format("{} devices fit {}: {}. Say which: write its serial (or path, or interface) under "
+                             "[match], or add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
+                             found.size(), wanted(device), list_of(found)));
 }
 
 Result<DevicePort> DevicePort::open(DeviceDescription device) {
@@ -370,11 +369,10 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
     if (entry.second.steps.size() == wanted) found.emplace_back(entry);
   if (found.empty())
     return problem(ProblemKind::refused,
-                   bits.empty()
-                       ? fmt::format("{} reports came and not one bit of them changed", reports.size())
-                       : fmt::format("no bit changed {} times, as {} presses and releases do; seen: {}. Press and "
-                                     "release exactly {} times, with half a second between",
-                                     wanted, presses, what_changed(bits), presses));
+                   bits.empty() ? fmt::format("{} reports came and not one bit of them changed", reports.size())
+                                : fmt::format("no bit changed {} times, as {} presses and releases do; seen: {}. Press "
+                                              "and release exactly {} times, with half a second between",
+                                              wanted, presses, what_changed(bits), presses));
   const BitPlace& first = found.front().first;
   for (const auto& [place, behaviour] : found) {
     if (!move_together(behaviour, found.front().second))
@@ -383,11 +381,10 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
                                  "button. Touch nothing else on the device, and learn again",
                                  text_of(first), text_of(place), wanted));
     if (place.number != first.number || place.byte != first.byte)
-      return problem(
-          ProblemKind::refused,
-          fmt::format("{} and {} changed together with every press: it is not clear which one is the button. "
-                      "Write the one that you mean into a description by hand",
-                      text_of(first), text_of(place)));
+      return problem(ProblemKind::refused,
+                     fmt::format("{} and {} changed together with every press: it is not clear which one is the "
+                                 "button. Write the one that you mean into a description by hand",
+                                 text_of(first), text_of(place)));
   }
   return layout_of(found, reports, numbered);
 }

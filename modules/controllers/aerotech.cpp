@@ -207,8 +207,8 @@ class AerotechMeaning {
     add(table, curve_at(positioning_curve(*axis), places, values));
     if (table.keys.contains("HOMEOFFSET") || table.keys.contains("HOMEDIRECTION"))
       read.notes.push_back(
-          fmt::format("line {}: positions count from home, where HOMEOFFSET and HOMEDIRECTION put it: they "
-                      "are taken as machine coordinates",
+          fmt::format("line {}: positions count from home, where HOMEOFFSET and HOMEDIRECTION put it: they are taken "
+                      "as machine coordinates",
                       table.line));
   }
 
@@ -226,8 +226,7 @@ class AerotechMeaning {
         take_output(table, out, *output, *along_rows, *along_columns);
       else
         read.notes.push_back(
-            fmt::format("line {}: the corrections of axis number {} are left out: it is no axis given "
-                        "by --axes",
+            fmt::format("line {}: the corrections of axis number {} are left out: it is no axis given by --axes",
                         table.line, *number));
     }
   }
@@ -274,10 +273,10 @@ class AerotechMeaning {
                         places_of(columns, number_of(table, "OFFSETCOL"), table.step[1]), by_column));
     add(table, curve_at(ecs::curve_of(static_cast<Sense>(output), along_rows),
                         places_of(rows, number_of(table, "OFFSETROW"), table.step[0]), by_row));
-    read.notes.push_back(fmt::format(
-        "{}: taken apart into a curve along each axis; what only a table of two axes holds is left out: rms {:.3g} um, "
-        "{:.3g} um at most; rows and columns of zeros at the border count as unmeasured",
-        name, std::sqrt(squares / static_cast<double>(rows.size() * columns.size())), largest));
+    read.notes.push_back(
+        fmt::format("{}: taken apart into a curve along each axis; what only a table of two axes holds is left out: "
+                    "rms {:.3g} um, {:.3g} um at most; rows and columns of zeros at the border count as unmeasured",
+                    name, std::sqrt(squares / static_cast<double>(rows.size() * columns.size())), largest));
   }
 
   std::vector<double> places_of(const std::vector<std::size_t>& indices, double offset, double step) const {
@@ -325,9 +324,9 @@ Result<ControllerTables> read_aerotech(const ReadRequest& request) {
   AerotechMeaning meaning(reader, axes);
   for (const AerotechTable& table : reader.tables) meaning.take(table);
   if (reader.findings.empty() && meaning.read.tables.empty())
-    reader.findings.add(reader.tables.front().line, 1,
-                        "no correction of an axis of the machine is in it: say which number is which axis, as in "
-                        "--axes X=1,Y=2,Z=4");
+    reader.findings.add(
+        reader.tables.front().line, 1,
+        "no correction of an axis of the machine is in it: say which number is which axis, as in --axes X=1,Y=2,Z=4");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   for (const laser::MapTable& table : meaning.read.tables)
     meaning.read.sources.push_back(

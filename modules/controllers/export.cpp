@@ -230,8 +230,7 @@ Cell residual_cell(const ExportReport& report) {
                   "this export"));
   Cell cell = record_cell(
       "what is left, predicted from {from}: largest / rms, um\n{rows}both approaches; counted from the reference "
-      "point, "
-      "as a work offset is\n",
+      "point, as a work offset is\n",
       {{"from", word_cell(report.work.errors_from)}, {"rows", rows}});
   if (report.work.errors_from == "the map")
     cell.text += paragraph(

@@ -2,7 +2,6 @@
 // documentation and tests walk the list of those that the program knows. Then what tests ask of single formats.
 #pragma once
 
-#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -120,9 +119,6 @@ struct LinuxCncOptions {
 /// strictly increasing: LinuxCNC stops reading without a message at anything else. Refused: no positioning table.
 [[nodiscard]] Result<ControllerExport> linuxcnc_export(const ExportSource& source, const LinuxCncOptions& options);
 
-/// Whether the writer names files like that.
-[[nodiscard]] bool is_linuxcnc_file(std::string_view name);
-
 struct LinuxCncReadOptions {
   Axis axis = Axis::X;
   std::optional<int> type;  ///< absent: taken from the numbers, with a note; refused where they leave it open
@@ -135,9 +131,6 @@ struct LinuxCncReadOptions {
 /// numbers, values no machine can need, no rows.
 [[nodiscard]] Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string& file_name,
                                                       const LinuxCncReadOptions& options);
-
-/// What is to be written into the INI file for the joint that moves the axis, each line by itself.
-[[nodiscard]] std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type);
 
 struct SiemensOptions {
   PerAxis<std::string> axis_name{"AX1", "AX2", "AX3"};  ///< machine axes, as the control numbers or names them
@@ -153,9 +146,6 @@ struct SiemensOptions {
 /// has: squareness goes into the straightness tables, two directions are kept where they bring most, and if even the
 /// means are too many the smallest stay behind; the answer says so.
 [[nodiscard]] Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options);
-
-/// Whether the writer names files like that.
-[[nodiscard]] bool is_siemens_file(std::string_view name);
 
 /// Reads either kind of file, also of a whole-control backup: `N10` numbers, `%_N_…`, `CHANDATA`, M0, M02, M17, M30,
 /// RET, machine data, comments; blanks instead of `=`; `[0.1]` instead of `[0,1]`; EX exponents; any case. Left out

@@ -295,8 +295,7 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
                "of an axis that the machine does not have");
   made.notes = {
       "values are errors in mm and degrees (the positive sign: moved too far); the sign and the unit of C4 to C6 are "
-      "not "
-      "printed in the pages at hand: try one table first (modules/controllers/README.md)",
+      "not printed in the pages at hand: try one table first (modules/controllers/README.md)",
       "squareness is a slope of the straightness columns",
       "the columns of the tables must be those of the axis list of the control"};
   if (source.parameters.tool_offset_mm != Vector3{})
@@ -317,8 +316,8 @@ extern const ControllerFormat kHeidenhain{
     .resolution_um = 0.1,
     .write_options =
         {{.name = "tables",
-          .help = "kinematics: straightness and rotations in C2 to C6 (default); plain: axis columns only, "
-                  "without rotations",
+          .help = "kinematics: straightness and rotations in C2 to C6 (default); plain: axis columns only, without "
+                  "rotations",
           .fallback = "kinematics",
           .words = {"kinematics", "plain"}},
          {.name = "com-sign",
@@ -326,8 +325,7 @@ extern const ControllerFormat kHeidenhain{
           .fallback = "subtracts",
           .words = {"subtracts", "adds"}},
          {.name = "levers",
-          .help = "where the control counts lever arms from: the machine zero (default), or the "
-                  "measurement lines",
+          .help = "where the control counts lever arms from: the machine zero (default), or the measurement lines",
           .fallback = "zero",
           .words = {"zero", "lines"}},
          {.name = "points", .help = "most points of a table", .fallback = "256", .range = IntegerRange{2, 100'000}}},

@@ -50,6 +50,16 @@ int joint_of(const UnitParameters& parameters, Axis axis) {
 
 std::string file_of(Axis axis) { return fmt::format("{}.comp", small_letter_of(axis)); }
 
+bool is_linuxcnc_file(std::string_view name) {
+  return std::ranges::any_of(kAllAxes, [&](Axis axis) { return name == file_of(axis); });
+}
+
+/// What is to be written into the INI file for the joint that moves the axis, each line by itself.
+std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type) {
+  return {fmt::format("[JOINT_{}]", joint), fmt::format("COMP_FILE = {}", file_name),
+          fmt::format("COMP_FILE_TYPE = {}", type)};
+}
+
 MachineUnits units_option(const OptionValues& options) {
   return options.text("units") == "inch" ? MachineUnits::inch : MachineUnits::mm;
 }
@@ -95,11 +105,6 @@ Result<ControllerTables> read_linuxcnc(const ReadRequest& request) {
 
 }  // namespace
 
-std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type) {
-  return {fmt::format("[JOINT_{}]", joint), fmt::format("COMP_FILE = {}", file_name),
-          fmt::format("COMP_FILE_TYPE = {}", type)};
-}
-
 Result<ControllerExport> linuxcnc_export(const ExportSource& source, const LinuxCncOptions& options) {
   ECS_DO(check_exportable(source.map));
   ControllerExport made;
@@ -130,17 +135,12 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   leave_behind(made, source, carried, "a joint's table has no lever arm",
                "a joint's table acts along its own axis only");
   made.notes = {
-      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the "
-      "two columns",
+      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the two columns",
       "beyond the ends of a file LinuxCNC holds the end values, as the unit does",
-      "joints are numbered as trivkins does it; with other kinematics put the lines under the joint that "
-      "moves the axis",
+      "joints are numbered as trivkins does it; with other kinematics put the lines under the joint that moves the "
+      "axis",
       "a wrong file is not reported: read joint.N.backlash-filt back (modules/controllers/README.md)"};
   return made;
-}
-
-bool is_linuxcnc_file(std::string_view name) {
-  return std::ranges::any_of(kAllAxes, [&](Axis axis) { return name == file_of(axis); });
 }
 
 extern const ControllerFormat kLinuxCnc{
@@ -262,10 +262,11 @@ class LinuxCncReader {
 
   void keep(const Row& row, int column) {
     if (!rows_.empty() && row.nominal <= rows_.back().nominal)
-      return warn(row.line, column,
-                  fmt::format("nominal {} does not increase (line {} has {}): LinuxCNC drops this row, and so it is "
-                              "left out here",
-                              row.nominal, rows_.back().line, rows_.back().nominal));
+      return warn(
+          row.line, column,
+          fmt::format(
+              "nominal {} does not increase (line {} has {}): LinuxCNC drops this row, and so it is left out here",
+              row.nominal, rows_.back().line, rows_.back().nominal));
     if (rows_.size() == kLinuxCncMostPoints) {
       if (!full_) warn(row.line, column, "LinuxCNC takes 256 points: it uses none from this line on");
       full_ = true;
@@ -329,10 +330,9 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     const auto trim_um = [&](double value) { return (*type == 0 ? row.nominal - value : value) * to_mm * kUmPerMm; };
     for (const double value : {row.forward, row.reverse})
       if (std::abs(trim_um(value)) > kLargestValue_um)
-        reader.findings().add(row.line, 1,
-                              "a compensation of {:.6g} mm is implausibly large: is the file of "
-                              "type {}, in these units?",
-                              trim_um(value) / kUmPerMm, *type);
+        reader.findings().add(
+            row.line, 1, "a compensation of {:.6g} mm is implausibly large: is the file of type {}, in these units?",
+            trim_um(value) / kUmPerMm, *type);
     forward.position_mm.push_back(row.nominal * to_mm);
     forward.compensation.push_back(trim_um(row.forward));
     reverse.compensation.push_back(trim_um(row.reverse));

@@ -506,8 +506,6 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   return made;
 }
 
-bool is_siemens_file(std::string_view name) { return name == kEncoderFile || name == kCrossFile; }
-
 extern const ControllerFormat kSiemens{
     .id = "siemens",
     .title = "SINUMERIK 840D",
@@ -532,7 +530,7 @@ extern const ControllerFormat kSiemens{
                        .fallback = "62",
                        .range = IntegerRange{0, 200}}},
     .read_options = {kAxes, kEncoder, kCecSign},
-    .is_file = is_siemens_file,
+    .is_file = [](std::string_view name) { return name == kEncoderFile || name == kCrossFile; },
     .recognises = has_siemens_tables,
     .write = write_siemens,
     .read = read_siemens,

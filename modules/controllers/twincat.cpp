@@ -148,11 +148,10 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
   return parse_twincat(request.text, request.file_name, options, axis);
 }
 
-const FormatOption kSign{.name = "ssfk-sign",
-                         .help =
-                             "what TwinCAT does with a value; default subtracts, as its manual computes; lists of "
-                             "ours say it",
-                         .words = {"subtracts", "adds"}};
+const FormatOption kSign{
+    .name = "ssfk-sign",
+    .help = "what TwinCAT does with a value; default subtracts, as its manual computes; lists of ours say it",
+    .words = {"subtracts", "adds"}};
 
 }  // namespace
 
@@ -171,15 +170,14 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   add_settings(options, carried, made);
   leave_behind(made, source, carried, "a table of one axis has no lever arm",
                "leadscrew compensation acts along its own axis only");
-  made.notes.insert(
-      made.notes.begin(),
-      {"no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the reversal is in "
-       "the two tables",
-       "beyond the ends of a list the control holds the end values, as the unit does",
-       "values are whole tenths of a micrometre",
-       fmt::format("the sign is {} the manual's worked example; no such control was at hand: measure one axis again "
-                   "first (modules/controllers/README.md)",
-                   options.adds.value_or(false) ? "against" : "that of")});
+  made.notes.insert(made.notes.begin(),
+                    {"no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the "
+                     "reversal is in the two tables",
+                     "beyond the ends of a list the control holds the end values, as the unit does",
+                     "values are whole tenths of a micrometre",
+                     fmt::format("the sign is {} the manual's worked example; no such control was at hand: measure one "
+                                 "axis again first (modules/controllers/README.md)",
+                                 options.adds.value_or(false) ? "against" : "that of")});
   return made;
 }
 
@@ -311,8 +309,8 @@ class TwinCatReader {
         if (number->second.value == options_.axis_number[index_of(one)]) by_number = one;
     if (by_name && by_number && *by_name != *by_number) {
       findings.add(number->second.line, 1,
-                   "the name of the axis says {}, its number {} is that of {}: give --axes with the numbers "
-                   "of the control, or --axis",
+                   "the name of the axis says {}, its number {} is that of {}: give --axes with the numbers of the "
+                   "control, or --axis",
                    letter_of(*by_name), number->second.value, letter_of(*by_number));
       return std::nullopt;
     }
@@ -349,10 +347,10 @@ class TwinCatReader {
       if (says_adds_.value_or(adds) != adds)
         findings.add(line_, 1, "this comment says another sign than the one before it: read one list at a time");
       else if (options_.adds.value_or(adds) != adds)
-        findings.add(line_, 1,
-                     "the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option "
-                     "away",
-                     sign_name(adds), sign_name(!adds));
+        findings.add(
+            line_, 1,
+            "the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option away",
+            sign_name(adds), sign_name(!adds));
       says_adds_ = adds;
     }
   }
@@ -440,10 +438,9 @@ class TwinCatReader {
     if (!row.pos) return missing("pos");
     if (two && !row.neg) return missing("neg");
     if (!two && row.neg && row.neg->value != row.pos->value && row.neg->value != 0.0)
-      return findings.add(
-          row.neg->line, 1,
-          "neg differs from pos in a list for one direction (kw.ssfk.bilateral is not 1): which of them "
-          "the control takes is not known");
+      return findings.add(row.neg->line, 1,
+                          "neg differs from pos in a list for one direction (kw.ssfk.bilateral is not 1): which of "
+                          "them the control takes is not known");
     const double place =
         interval == 0.0 ? row.setpoint->value : value_of("kw_startpos") + interval * static_cast<double>(i);
     const double place_mm = place / kTenthsPerMm;

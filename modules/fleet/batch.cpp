@@ -17,6 +17,7 @@
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "base/words.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "modules/fleet/run.hpp"
@@ -297,21 +298,8 @@ class Run {
 }  // namespace
 
 std::string_view name_of(BatchState state) {
-  switch (state) {
-    case BatchState::ready:
-      return "ready";
-    case BatchState::sent:
-      return "sent";
-    case BatchState::held:
-      return "held already";
-    case BatchState::failed:
-      return "failed";
-    case BatchState::wrong_unit:
-      return "skipped";
-    case BatchState::not_attempted:
-      break;
-  }
-  return "not attempted";
+  constexpr WordTable<BatchState, 6> kWords{{"ready", "sent", "held already", "failed", "skipped", "not attempted"}};
+  return kWords.of(state);
 }
 
 std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMode mode, int lines,

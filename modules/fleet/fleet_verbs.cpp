@@ -6,7 +6,6 @@
 
 #include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
-#include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "modules/fleet/batch.hpp"
@@ -97,8 +96,8 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
 
 const std::vector<Action> kBatch{
     action("batch", "parameters and maps for many units, by a plan",
-           "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
-           "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
+           "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              link "
+           "= \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
            "\"mill3.toml\"\n              map = \"mill3_map.csv\"\n              arm_code = \"271828\"",
            batch)};
 
@@ -162,8 +161,7 @@ Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseRequest&
   if (!report) return tl::unexpected(report.error());
   const Cell answer = record_cell(
       "{machines} machines: {diagnosed} diagnosed, {skipped} done before, {error_count} with errors; {processor_s} s "
-      "of "
-      "processor time\n{verdicts}{stopped}",
+      "of processor time\n{verdicts}{stopped}",
       {{"manifest", word_cell(request.manifest)},
        {"output", word_cell(request.output)},
        {"machines", count_cell(report->machines)},

@@ -249,9 +249,8 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
     if (lines.results.empty() && !text.empty()) return tl::unexpected(no_results(files[f], 1));
     if (lines.unreadable > 0)
       gathered.unreadable.push_back(
-          fmt::format("{}:{}: {} cut or unreadable line{} left out: run `ecs fleet diagnose` "
-                      "again",
-                      files[f], lines.first_unreadable, lines.unreadable, lines.unreadable == 1 ? "" : "s"));
+          fmt::format("{}:{}: {} cut or unreadable line{} left out: run `ecs fleet diagnose` again", files[f],
+                      lines.first_unreadable, lines.unreadable, lines.unreadable == 1 ? "" : "s"));
     for (auto& one : lines.results) {
       FleetResult& result = one.result;
       if (result.id.empty() || result.doubled) {
@@ -267,8 +266,7 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
       if (!result.error.empty() && other.error.empty()) continue;
       if (result.error.empty() && other.error.empty() && result.hash != other.hash)
         gathered.conflicts.push_back(fmt::format(
-            "{}: {} has other contents than in {}: give each machine an id of its own, or leave old results "
-            "out",
+            "{}: {} has other contents than in {}: give each machine an id of its own, or leave old results out",
             files[f], result.id, files[known->second.second]));
       known->second.second = f;
       other = std::move(result);

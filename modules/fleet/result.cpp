@@ -243,10 +243,9 @@ Result<UnderWay> UnderWay::open(const std::string& path, int threads) {
   for (;;) {
     file.handle_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
     if (!file.handle_ && errno == ELOOP)
-      return problem(ProblemKind::refused,
-                     path +
-                         " is a symbolic link: what it leads to would be overwritten. Remove it, or give another "
-                         "name for the results");
+      return problem(ProblemKind::refused, path +
+                                               " is a symbolic link: what it leads to would be overwritten. Remove it, "
+                                               "or give another name for the results");
     if (!file.handle_)
       return tl::unexpected(
           Problem{ProblemKind::output, fmt::format("cannot write: {}", std::strerror(errno)), path, 0, 0, {}});

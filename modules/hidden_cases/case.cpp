@@ -60,7 +60,8 @@ Result<void> check(const HiddenCaseRequest& request) {
     return refused("noise: laws other than the usual one are for --kind blank");
   if (request.effect == nullptr || !request.kind) return {};
   if (*request.kind == CaseKind::blank || *request.kind == CaseKind::out_of_library)
-    return refused(fmt::format("effect: a {} hides no effect of the library; omit --effect", name_of(*request.kind)));
+    return refused(
+        fmt::format("effect: a {} hides no effect of the library; omit --effect", kCaseKinds.of(*request.kind)));
   if (*request.kind == CaseKind::confounded && confounded_designs_of(*request.effect).empty())
     return refused(fmt::format("effect: no confounded design is known for {}", request.effect->id));
   return {};
@@ -111,14 +112,8 @@ std::string number_words(const PlacedEffect& effect) {
 }
 
 std::string sentence(const HiddenCase& c) {
-  switch (c.kind) {
-    case CaseKind::blank:
-      return "Nothing is hidden: the base model is complete.";
-    case CaseKind::out_of_library:
-      return fmt::format("Something that is in no library: {}.", c.structure.text);
-    default:
-      break;
-  }
+  if (c.kind == CaseKind::blank) return "Nothing is hidden: the base model is complete.";
+  if (c.kind == CaseKind::out_of_library) return fmt::format("Something that is in no library: {}.", c.structure.text);
   std::string text = "Hidden:";
   for (const HiddenEffect& hidden : c.hidden)
     text += fmt::format("{} {}{}, {:.3g} um rms, signal to noise {:.3g}", &hidden == &c.hidden.front() ? "" : ";",
@@ -135,9 +130,7 @@ std::string sentence(const HiddenCase& c) {
 std::optional<CaseKind> case_kind_named(std::string_view name) {
   std::string word(name);
   std::replace(word.begin(), word.end(), '-', '_');
-  for (std::size_t i = 0; i < kCaseKindNames.size(); ++i)
-    if (kCaseKindNames[i] == word) return static_cast<CaseKind>(i);
-  return std::nullopt;
+  return kCaseKinds.value_of(word);
 }
 
 Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request) {

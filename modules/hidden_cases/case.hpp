@@ -6,7 +6,6 @@
 // the machine itself (ecs_emulator/errors/kinematics.hpp).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "base/words.hpp"
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/random/random.hpp"
 #include "ecs_emulator/scene/scene.hpp"
@@ -47,9 +47,8 @@ enum class NoiseLaw : std::uint8_t {
   by_run,       ///< white, and a zero of each run that depends on the one before (first-order autoregression)
   random_walk,  ///< white, and a zero that walks from row to row
 };
-inline constexpr std::array<std::string_view, 8> kNoiseLawNames{"usual",       "white", "rounded", "doubled",
-                                                                "heavy-tails", "slow",  "by-run",  "random-walk"};
-[[nodiscard]] constexpr std::string_view name_of(NoiseLaw law) { return kNoiseLawNames[static_cast<std::size_t>(law)]; }
+inline constexpr WordTable<NoiseLaw, 8> kNoiseLaws{
+    {"usual", "white", "rounded", "doubled", "heavy-tails", "slow", "by-run", "random-walk"}};
 
 /// What does not repeat.
 struct Noise {
@@ -92,11 +91,7 @@ struct StructureDefinition {
                                        const StructureDefinition& definition);
 
 enum class CaseKind : std::uint8_t { blank, single, pair, out_of_library, confounded };
-inline constexpr std::array<std::string_view, 5> kCaseKindNames{"blank", "single", "pair", "out_of_library",
-                                                                "confounded"};
-[[nodiscard]] constexpr std::string_view name_of(CaseKind kind) {
-  return kCaseKindNames[static_cast<std::size_t>(kind)];
-}
+inline constexpr WordTable<CaseKind, 5> kCaseKinds{{"blank", "single", "pair", "out_of_library", "confounded"}};
 /// `out-of-library` is understood too.
 [[nodiscard]] std::optional<CaseKind> case_kind_named(std::string_view name);
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/effects/drawing.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"

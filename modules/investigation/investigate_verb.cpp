@@ -1,6 +1,5 @@
 // `ecs model investigate`: measure, diagnose, measure what separates, until one cause is left; then compensate and
 // measure again.
-#include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"

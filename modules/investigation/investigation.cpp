@@ -375,8 +375,7 @@ class Investigator {
     if (cancelled()) return stopped();
     if (was_compensated()) {
       result_.notes.emplace_back(
-          "not compensated: a map was active already while the lines were measured; a new one "
-          "would have to hold both");
+          "not compensated: a map was active already while the lines were measured; a new one would have to hold both");
       return {};
     }
     if (auto active = workshop_.activate(result_.model); !active) {

@@ -135,11 +135,10 @@ std::optional<std::string> InvestigationController::place_of(const std::string& 
   const std::string link = model_.unit()->snapshot().link;  // emulator:MACHINE
   const auto emulated = params::read_machine(link.substr(std::min(link.size(), link.find(':') + 1)));
   if (emulated && model_.machine() && emulated->machine.name != model_.machine()->name) {
-    model_.message().say(
-        fmt::format("the emulated machine of this link is {}, the machine file of the model is of {}: set the "
-                    "link to emulator:{} in LINK (F3) first",
-                    emulated->machine.name, model_.machine()->name, model_.files().machine),
-        Tone::bad);
+    model_.message().say(fmt::format("the emulated machine of this link is {}, the machine file of the model is of {}: "
+                                     "set the link to emulator:{} in LINK (F3) first",
+                                     emulated->machine.name, model_.machine()->name, model_.files().machine),
+                         Tone::bad);
     return std::nullopt;
   }
   return workshop;
@@ -264,18 +263,17 @@ NextPart investigation_part(ModelController& model, Prompt& prompt) {
                std::filesystem::path(model.model_file()).replace_extension(".found.toml").string(),
                [investigation](const std::string& file) { investigation->write_model(file); });
   };
-  return {
-      {{"f", "write what was found", write_found, [investigation] { return investigation->found().has_value(); }},
-       {"i", "investigate", [investigation, &prompt] { ask_investigation(*investigation, prompt); }}},
-      [investigation](Canvas& canvas, const Area& area, const ScrollPlace& scroll) {
-        if (investigation->was_begun()) draw_ledger(canvas, area, *investigation, scroll);
-        return investigation->was_begun();
-      },
-      "Or i: measure, diagnose and take the next run, one after the other, until one cause is left; in the workshop "
-      "of an emulator, or with files that you bring.",
-      "On the page Next i investigates: a workshop is asked for one run after the other (with the bundled emulator "
-      "it is the emulated machine of the link) until one cause is left; the ledger shows minutes, error and the "
-      "causes still possible. Esc stops it, i goes on where it was, f writes the model with what was found."};
+  return {{{"f", "write what was found", write_found, [investigation] { return investigation->found().has_value(); }},
+           {"i", "investigate", [investigation, &prompt] { ask_investigation(*investigation, prompt); }}},
+          [investigation](Canvas& canvas, const Area& area, const ScrollPlace& scroll) {
+            if (investigation->was_begun()) draw_ledger(canvas, area, *investigation, scroll);
+            return investigation->was_begun();
+          },
+          "Or i: measure, diagnose and take the next run, one after the other, until one cause is left; in the "
+          "workshop of an emulator, or with files that you bring.",
+          "On the page Next i investigates: a workshop is asked for one run after the other (with the bundled emulator "
+          "it is the emulated machine of the link) until one cause is left; the ledger shows minutes, error and the "
+          "causes still possible. Esc stops it, i goes on where it was, f writes the model with what was found."};
 }
 
 }  // namespace

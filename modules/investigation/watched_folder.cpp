@@ -327,8 +327,7 @@ Result<laser::MeasurementSet> WatchedFolder::taken(const std::filesystem::path& 
   if (set->readings.size() < asked && !is_complete(file))
     return refused(
         fmt::format("it holds {} of the {} readings asked for; it may be half written. If no more will come, put an "
-                    "empty file {}{} "
-                    "beside it",
+                    "empty file {}{} beside it",
                     set->readings.size(), asked, file.filename().string(), kComplete));
   return set;
 }

@@ -1,3 +1,5 @@
+#include <map>
+
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -13,25 +15,13 @@ constexpr const char* kUnknownCountry = "ZZ";  ///< of ISO 3166-1's codes for us
 
 /// For text and attributes; characters that XML 1.0 has not are left out.
 std::string escaped(std::string_view text) {
+  static const std::map<char, std::string_view> kNamed{{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
-    }
-  }
+  for (const char c : text)
+    if (const auto named = kNamed.find(c); named != kNamed.end())
+      out += named->second;
+    else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t')
+      out += c;
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include "base/json_values.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "base/words.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "modules/logbook/certificate.hpp"
@@ -52,18 +53,8 @@ LineKind kind_of(const laser::Group& group, const std::string& file) {
   return LineKind::straightness;
 }
 
-const char* noun_of(LineKind kind) {
-  switch (kind) {
-    case LineKind::rotation:
-      return "angular error motion";
-    case LineKind::straightness:
-      return "straightness error motion";
-    case LineKind::square:
-      return "straightness along the square";
-    default:
-      return "positioning";
-  }
-}
+constexpr WordTable<LineKind, 4> kNouns{
+    {"positioning", "angular error motion", "straightness error motion", "straightness along the square"}};
 
 CertifiedCurve curve_of(const Json& targets, const char* key, std::string name, const std::string& unit) {
   CertifiedCurve curve{std::move(name), unit, {}, {}};
@@ -104,7 +95,7 @@ CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
                   measured.square ? std::filesystem::path(file_name).stem().string() : text_at(line, "component"),
                   text_at(line, "sense"), text_at(line, "axis"), state_of(line));
   one.description = fmt::format("readings {}, SHA-256 {}", file_name, file.sha256);
-  one.method = positioning ? "statistics of positioning" : fmt::format("statistics of a line: {}", noun_of(kind));
+  one.method = positioning ? "statistics of positioning" : fmt::format("statistics of a line: {}", kNouns.of(kind));
   one.norm = positioning ? "ISO 230-2:2014" : "ISO 230-1:2012";
   if (measured.levelled)
     one.description += fmt::format(". The slope of the set-up, {:.2f} um/m, was removed by least squares",
@@ -129,7 +120,7 @@ CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
           positioning
               ? CertifiedValue{fmt::format("{} (ISO 230-2)", stated.positioning),
                                fmt::format("iso230-2_{}", stated.key), *value, unit, number_at(uncertainty, stated.key)}
-              : CertifiedValue{fmt::format("{}: {} (formula of ISO 230-2)", noun_of(kind), stated.other),
+              : CertifiedValue{fmt::format("{}: {} (formula of ISO 230-2)", kNouns.of(kind), stated.other),
                                fmt::format("iso230-1_{}", stated.key),
                                *value,
                                unit,

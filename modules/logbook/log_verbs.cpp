@@ -1,11 +1,11 @@
 // `ecs log list` and `show`: what was done at a machine, and one entry of it whole. `compare`: what has worn between
 // two days. Which logbook is meant. `verify` and `replay`: whether the logbook is as it was written, and whether the
 // active map follows from it. `instrument`: what measures, from its own calibration certificate or a file of ours.
-#include "modules/logbook/log_verbs.hpp"
+// `export`: the logbook as text, one JSON object a line; the files that an entry keeps; a calibration certificate.
 
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -21,10 +21,22 @@
 #include "commissioning/unit/transfer.hpp"
 #include "modules/logbook/certificate.hpp"
 #include "modules/logbook/place.hpp"
+#include "modules/logbook/recorder.hpp"
 #include "modules/logbook/replay.hpp"
+#include "modules/logbook/store.hpp"
 
 namespace ecs::app {
 namespace {
+
+/// Which logbook a verb reads.
+struct LogChoice {
+  std::string log, machine;
+  static Fields<LogChoice> fields() {
+    using C = LogChoice;
+    return {{"--log", &C::log, "logbook file (.ecslog); by default the one of --machine, else the one written last"},
+            {"--machine", &C::machine, "name or serial number of the machine, or its machine file or parameters"}};
+  }
+};
 
 bool is_of(const LogOwner& owner, const std::string& machine, const LogOwner& in_file) {
   if (!in_file.machine.empty() || !in_file.serial_number.empty()) return belongs(owner, in_file);
@@ -33,14 +45,14 @@ bool is_of(const LogOwner& owner, const std::string& machine, const LogOwner& in
 
 tl::unexpected<Problem> none_found(const LogbookSetting& setting, const std::string& machine) {
   const std::string where = setting.file.empty() ? setting.folder.string() : setting.file.string();
-  return problem_at(where, 0, 0,
-                    machine.empty() ? "no logbook yet: verbs and screens begin one when they work on a machine "
-                                      "(modules/logbook/README.md)"
-                                    : fmt::format("no logbook of {} there", machine));
+  return problem_at(
+      where, 0, 0,
+      machine.empty()
+          ? "no logbook yet: verbs and screens begin one when they work on a machine (modules/logbook/README.md)"
+          : fmt::format("no logbook of {} there", machine));
 }
 
-}  // namespace
-
+/// Refused where the file is the logbook of another machine than --machine.
 Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   LogOwner wanted;
   if (const auto content = choice.machine.empty() ? problem(ProblemKind::usage, "") : read_file(choice.machine))
@@ -83,6 +95,7 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   return std::move(*chosen);
 }
 
+/// Runs a verb of this program with --json and answers what it says on stdout.
 RunVerb run_again() {
   return [](const std::vector<std::string>& words) -> Result<std::string> {
     std::vector<std::string> with_json = words;
@@ -96,8 +109,6 @@ RunVerb run_again() {
     return problem(ProblemKind::refused, has ? (*error)["message"].get<std::string>() : messages.str());
   };
 }
-
-namespace {
 
 struct ListLogRequest {
   LogChoice book;
@@ -163,17 +174,6 @@ Result<Outcome> compare_log(VerbContext& context, const CompareLogRequest& reque
   ECS_TRY(comparison, compared(book, request.from, request.to, run_again()));
   return outcome_of(comparison_of_log_cell(comparison));
 }
-
-}  // namespace
-
-extern const std::vector<Action> kLogReading{
-    action("log list", "what was done at a machine: every entry of its logbook",
-           "ecs log list --machine machine.toml --kind activation", list_log),
-    action("log show", "one entry whole: files with their hashes, instrument, answer", "ecs log show 12", show_log),
-    action("log compare", "what has worn between two days: curves, causes and volume side by side",
-           "ecs log compare 2025-03-12 2026-03-12", compare_log)};
-
-namespace {
 
 struct VerifyLogRequest {
   LogChoice book;
@@ -276,9 +276,218 @@ Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
   return outcome_of({Json{{"instrument", object}, {"file", request.use ? Json(in_use) : Json(nullptr)}}, text});
 }
 
+/// Those of `laser stats`, where they were given.
+struct GivenUncertainty {
+  std::optional<double> instrument_um_per_m, instrument_um, misalignment_mm, environment_um, temperature_range, off_20,
+      expansion, expansion_range;
+  static Fields<GivenUncertainty> fields() {
+    using U = GivenUncertainty;
+    return Fields<U>{
+        {"--instrument-um-per-m", &U::instrument_um_per_m, "of the instrument, expanded, in proportion to the length"},
+        {"--instrument-um", &U::instrument_um, "of the instrument, expanded, the constant part"},
+        {"--misalignment-mm", &U::misalignment_mm, "lateral offset of beam and axis over the measured length"},
+        {"--environment-um", &U::environment_um, "environmental variation error EVE: range of a drift test"},
+        {"--temperature-range", &U::temperature_range, "range of the error of the machine's temperature [degC]"},
+        {"--off-20", &U::off_20, "the machine's temperature less 20 degC"},
+        {"--expansion", &U::expansion, "expansion coefficient of the correction [um/m/degC]"},
+        {"--expansion-range", &U::expansion_range, "range of the expansion coefficient [um/m/degC]"}}
+        .under("Uncertainty of the certificate (ISO 230-2 annex A, k = 2)");
+  }
+  /// As words of a command line.
+  [[nodiscard]] std::vector<std::string> words() const {
+    std::vector<std::string> words;
+    GivenUncertainty given = *this;
+    for (const cli::Argument& one : fields_of<GivenUncertainty>().arguments_for(given))
+      if (const auto& value = *std::get<std::optional<double>*>(one.into))
+        words.insert(words.end(), {one.name, shortest(*value)});
+    return words;
+  }
+};
+
+struct ExportLogRequest : CertificateWishes {
+  LogChoice book;
+  std::string output, entry, folder, dcc, schema, sign, signer;
+  GivenUncertainty given;
+  static Fields<ExportLogRequest> fields() {
+    using R = ExportLogRequest;
+    return {&R::book,
+            {"-o,--output", &R::output, "file for all entries, one JSON object a line", Is::output},
+            {"--entry", &R::entry, "number of the entry whose files are wanted"},
+            {"--files", &R::folder, "folder for the files of --entry"},
+            {"--dcc", &R::dcc, "a Digital Calibration Certificate (XML) of what was measured", Is::output},
+            {"--schema", &R::schema, "folder with the schemas of the certificate; by default $ECS_DCC_SCHEMA"},
+            {"--all", &R::all, "certify every measurement, not only those since the last certificate"},
+            {"--laboratory", &R::laboratory, "who calibrates"},
+            {"--city", &R::city, "of the laboratory"},
+            {"--country", &R::country, "of the laboratory, two letters (ISO 3166-1)"},
+            {"--customer", &R::customer, "who owns the machine"},
+            {"--person", &R::person, "who answers for it; by default the operator"},
+            {"--sign", &R::sign, "private key (PEM) to sign with: needs the program xmlsec1"},
+            {"--signer", &R::signer, "certificate (PEM) of that key, kept in the signature"},
+            &R::given};
+  }
+};
+
+/// "2_EXX.csv": the place in the entry and the last part of the name.
+std::string file_name(std::size_t place, const LogFile& file) {
+  return fmt::format("{}_{}", place + 1, std::filesystem::path(file.name).filename().string());
+}
+
+Result<std::vector<std::string>> files_written(const Logbook& book, const LogbookEntry& entry,
+                                               const std::filesystem::path& folder) {
+  const std::vector<LogFile> files = files_of(entry);
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < files.size(); ++k)
+    if (files[k].kept) names.push_back((folder / file_name(k, files[k])).string());
+  ECS_DO(none_there(names, "give another folder"));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (!files[k].kept) continue;
+    ECS_TRY(content, book.original(files[k].sha256));
+    ECS_DO(write_file(folder / file_name(k, files[k]), content));
+  }
+  return names;
+}
+
+/// What became of a certificate.
+struct WrittenCertificate {
+  Certificate certificate;
+  std::string sha256;
+  std::string schema;  ///< version that it was validated against; empty: it was not
+};
+
+Result<void> check_words(const ExportLogRequest& request) {
+  if (request.output.empty() && request.entry.empty() && request.dcc.empty())
+    return problem(ProblemKind::usage, "give -o FILE for all entries, --entry NUMBER --files FOLDER, or --dcc FILE");
+  if (request.entry.empty() != request.folder.empty())
+    return problem(ProblemKind::usage, "--entry and --files go together");
+  const std::string& country = request.country;
+  if (!country.empty() &&
+      (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
+    return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, found {}", country));
+  if (!request.signer.empty() && request.sign.empty())
+    return problem(ProblemKind::usage, "--signer: give the key with --sign");
+  return {};
+}
+
+void log_certificate(const Logbook& book, const ExportLogRequest& request, const WrittenCertificate& written,
+                     const std::string& xml) {
+  const auto owner = book.owner();
+  if (!owner) return;
+  LogRecord made{
+      .kind = "certificate",
+      .machine = owner->machine,
+      .serial_number = owner->serial_number,
+      .summary = fmt::format("{}, {} lines, {}", written.certificate.identifier, written.certificate.lines.size(),
+                             written.schema.empty() ? "not validated" : "validated against DCC " + written.schema),
+      .content = one_line(Json{{"identifier", written.certificate.identifier},
+                               {"sha256", written.sha256},
+                               {"schema_version", written.certificate.schema_version},
+                               {"validated", !written.schema.empty()},
+                               {"signed", written.certificate.to_be_signed}}),
+      .files = {{"output", request.dcc, std::make_shared<const std::string>(xml)}}};
+  record_all({std::move(made)}, book.path());
+}
+
+Result<WrittenCertificate> certified(VerbContext& context, const ExportLogRequest& request, const Logbook& book) {
+  CertificateWishes wishes = request;
+  if (wishes.person.empty()) wishes.person = operator_name();
+  wishes.to_be_signed = !request.sign.empty();
+  wishes.uncertainty = request.given.words();
+  std::optional<SchemaFolder> schema;
+  if (const std::string folder = schema_folder_or_empty(request.schema); !folder.empty()) {
+    ECS_TRY(found, schema_in(folder));
+    schema = std::move(found);
+    wishes.schema_version = schema->version;
+  }
+  ECS_TRY(certificate, certificate_of(book, wishes, run_again(), now_utc()));
+  WrittenCertificate written{std::move(certificate), {}, {}};
+  std::string xml = dcc_xml(written.certificate);
+  if (wishes.to_be_signed) {
+    ECS_TRY(with_signature, signed_by(xml, request.sign, request.signer));
+    xml = std::move(with_signature);
+  }
+  if (schema) {
+    ECS_DO(valid_by_schema(xml, *schema, request.dcc));
+    written.schema = schema->version;
+  } else {
+    context.console.note("not validated: name the folder of the published schema with --schema or ECS_DCC_SCHEMA");
+  }
+  ECS_DO(write_file(request.dcc, xml));
+  written.sha256 = sha256_hex(xml);
+  log_certificate(book, request, written, xml);
+  return written;
+}
+
+Cell certificate_cell(const std::optional<WrittenCertificate>& written, const std::string& file) {
+  if (!written) return null_cell();
+  return record_cell(
+      "certificate {identifier} with {lines} lines written to {file}: DCC {schema_version}, {validated_text}, SHA-256 "
+      "{sha256}\n{remarks}",
+      {{"file", word_cell(file)},
+       {"identifier", word_cell(written->certificate.identifier)},
+       {"schema_version", word_cell(written->certificate.schema_version)},
+       {"validated", {!written->schema.empty(), {}}},
+       {"validated_text", shown_cell(written->schema.empty() ? "NOT VALIDATED" : "valid by its schema")},
+       {"signed", {written->certificate.to_be_signed, {}}},
+       {"sha256", word_cell(written->sha256)},
+       {"logbook_hash", {written->certificate.logbook_hash, {}}},
+       {"previous",
+        {written->certificate.previous ? Json(written->certificate.previous->identifier) : Json(nullptr), {}}},
+       {"lines", count_cell(written->certificate.lines.size())},
+       {"remarks", lines_cell(written->certificate.remarks, "- ")}});
+}
+
+Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request) {
+  ECS_DO(check_words(request));
+  ECS_TRY(book, chosen_logbook(context, request.book));
+  std::vector<std::string> names;
+  if (!request.entry.empty()) {
+    const auto number = integer_in(request.entry);
+    ECS_TRY(entry, number ? book.entry(*number) : problem(ProblemKind::usage, "--entry: expected a number"));
+    ECS_TRY(written, files_written(book, entry, request.folder));
+    names = std::move(written);
+  }
+  std::size_t count = 0;
+  if (!request.output.empty()) {
+    ECS_TRY(entries, book.entries());
+    std::string lines;
+    for (const LogbookEntry& entry : entries) lines += one_line(whole_entry_cell(entry).json) + "\n";
+    ECS_DO(write_file(request.output, lines));
+    count = entries.size();
+  }
+  std::optional<WrittenCertificate> certificate;
+  if (!request.dcc.empty()) {
+    ECS_TRY(written, certified(context, request, book));
+    certificate = std::move(written);
+  }
+  const std::string entries_text =
+      request.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, request.output);
+  const std::string files_text =
+      names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), request.folder);
+  return outcome_of(record_cell("{entries_text}{files_text}{certificate}",
+                                {{"log", word_cell(book.path().string())},
+                                 {"output", text_cell(request.output)},
+                                 {"entries", count_cell(count)},
+                                 {"files", {names, {}}},
+                                 {"certificate", certificate_cell(certificate, request.dcc)},
+                                 {"entries_text", shown_cell(entries_text)},
+                                 {"files_text", shown_cell(files_text)}}));
+}
+
 }  // namespace
 
-extern const std::vector<Action> kLogVerification{
+extern const std::vector<Action> kLog{
+    action("log list", "what was done at a machine: every entry of its logbook",
+           "ecs log list --machine machine.toml --kind activation", list_log),
+    action("log show", "one entry whole: files with their hashes, instrument, answer", "ecs log show 12", show_log),
+    action("log compare", "what has worn between two days: curves, causes and volume side by side",
+           "ecs log compare 2025-03-12 2026-03-12", compare_log),
+    action("log export", "every entry as text, the files of one entry, or a Digital Calibration Certificate",
+           "ecs log export -o log.jsonl\n  ecs log export --entry 12 --files entry12/\n  ecs log export --dcc "
+           "certificate.xml --schema schemas/ --laboratory \"Example Ltd\" --customer Works --instrument-um-per-m 0.5",
+           export_log),
     action("log verify", "every entry against its hash and the one before; exit 1 names the first that does not fit",
            "ecs log verify --hash 3f0c…", verify_log),
     action("log replay", "the active map derived again from the raw readings, compared bit for bit",

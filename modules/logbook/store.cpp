@@ -1,9 +1,6 @@
 // Entries and their hashes, whose logbook it is, and the file: opened, made, added to.
 #include "modules/logbook/store.hpp"
 
-#include <algorithm>
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
@@ -103,8 +100,8 @@ constexpr const char* kWriteAhead = "-wal";
 
 constexpr const char* kEntryTable =
     "CREATE TABLE entry(number INTEGER PRIMARY KEY, time TEXT NOT NULL, kind TEXT NOT NULL, machine TEXT NOT NULL, "
-    "serial_number TEXT NOT NULL, operator TEXT NOT NULL, instrument TEXT NOT NULL, summary TEXT NOT NULL, "
-    "content TEXT NOT NULL, previous TEXT NOT NULL, hash TEXT NOT NULL)";
+    "serial_number TEXT NOT NULL, operator TEXT NOT NULL, instrument TEXT NOT NULL, summary TEXT NOT NULL, content "
+    "TEXT NOT NULL, previous TEXT NOT NULL, hash TEXT NOT NULL)";
 constexpr const char* kOriginalTable =
     "CREATE TABLE original(sha256 TEXT PRIMARY KEY, bytes INTEGER NOT NULL, packed BLOB NOT NULL) WITHOUT ROWID";
 
@@ -122,9 +119,8 @@ std::optional<Problem> schema_fault(const fs::path& path, sqlite3* file) {
   const auto changed = [&path](std::string_view found) {
     return file_fault(
         path, ProblemKind::bad_input,
-        fmt::format("is damaged, or was changed by another program: expected the tables entry and original "
-                    "of a logbook and nothing else, found {}. Restore an older copy, or look at it with "
-                    "`sqlite3`",
+        fmt::format("is damaged, or was changed by another program: expected the tables entry and original of a "
+                    "logbook and nothing else, found {}. Restore an older copy, or look at it with `sqlite3`",
                     found));
   };
   Statement rows(file, "SELECT type, name, sql FROM sqlite_master");
@@ -294,9 +290,9 @@ Result<Logbook> Logbook::opened_unwritable(const fs::path& path) {
   const fs::path there = copy->folder / "copy.ecslog";
   if (made == nullptr || !fs::copy_file(path, there, error) ||
       !fs::copy_file(beside(path, kWriteAhead), beside(there, kWriteAhead), error))
-    return tl::unexpected(file_fault(path, ProblemKind::output,
-                                     "cannot be read here: its last entries are in the file beside it, and "
-                                     "there is no room for a copy of both"));
+    return tl::unexpected(file_fault(
+        path, ProblemKind::output,
+        "cannot be read here: its last entries are in the file beside it, and there is no room for a copy of both"));
   auto book = opened(path, there.string(), SQLITE_OPEN_READWRITE);
   if (book) book->copy_ = std::move(copy);
   return book;

@@ -3,7 +3,6 @@
 
 #include "base/answer_table.hpp"
 #include "base/json_values.hpp"
-#include "base/paragraph.hpp"
 #include "modules/logbook/replay.hpp"
 
 namespace ecs::commissioning {

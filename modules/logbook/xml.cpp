@@ -1,7 +1,5 @@
-#include <algorithm>
 #include <cstdarg>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <vector>
 

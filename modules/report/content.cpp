@@ -2,7 +2,6 @@
 #include "modules/report/content.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include <fmt/format.h>

@@ -294,8 +294,7 @@ Markup volume_table(const ReportContent& content, const ReportedVolume& volume) 
 std::string volume_sentence(const ReportedVolume& volume) {
   const auto size = [](double value) { return quantity_text(value, kDecimals, "um"); };
   const std::string before = fmt::format(
-      "Predicted from {}: the largest error vector in the volume is {} before "
-      "compensation (rms {})",
+      "Predicted from {}: the largest error vector in the volume is {} before compensation (rms {})",
       volume.prepared.errors_from, size(volume.answer.before.all.largest_um), size(volume.answer.before.all.rms_um));
   const std::string after =
       fmt::format("{} (rms {})", size(volume.answer.after.all.largest_um), size(volume.answer.after.all.rms_um));
@@ -303,8 +302,7 @@ std::string volume_sentence(const ReportedVolume& volume) {
   for (const Component component : volume.declared_zero) unmeasured.push_back(name_of(component));
   return fmt::format(
       "{0}. The unit puts out all that {1} holds but {2}{3}. After compensation this stays, and what {1} does not "
-      "hold: "
-      "with the uncertainty of the map at most {4} anywhere (95 %).{5}",
+      "hold: with the uncertainty of the map at most {4} anywhere (95 %).{5}",
       before, volume.prepared.errors_from, after, volume.from_map() ? ": that is interpolation" : "",
       size(volume.uncertainty.largest_95_um),
       unmeasured.empty() ? ""
@@ -320,9 +318,8 @@ ReportSection volume_section(const ReportContent& content) {
   Markup body = paragraph_of(volume_sentence(volume));
   std::string how = fmt::format(
       "{} in {}{}, each with all axes arriving forward, then all in reverse; counted from the reference point, as a "
-      "work offset "
-      "is. After: what the unit puts out with these parameters and the whole map. Nothing was measured across the "
-      "volume: the achieved figures are bands on the measured lines alone.",
+      "work offset is. After: what the unit puts out with these parameters and the whole map. Nothing was measured "
+      "across the volume: the achieved figures are bands on the measured lines alone.",
       counted(volume.answer.grid.places(), "place", "places"), travels_in_words(volume.prepared.machine.travel_mm),
       volume.prepared.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
   how += fmt::format(" What {} does not hold counts as zero before compensation; scatter and drift are not in it.",

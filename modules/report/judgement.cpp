@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/words.hpp"
 #include "commissioning/unit/status.hpp"
 #include "modules/report/content.hpp"
 #include "modules/report/page.hpp"
@@ -145,18 +146,8 @@ RowVerdict verdict_of(const TableRow& row) {
 }
 
 std::string_view word_for(RowVerdict verdict) {
-  switch (verdict) {
-    case RowVerdict::within:
-      return "within";
-    case RowVerdict::above:
-      return "above";
-    case RowVerdict::no_limit:
-      return "no limit";
-    case RowVerdict::before_only:
-      return "before only";
-    default:
-      return "missing";
-  }
+  constexpr WordTable<RowVerdict, 5> kWords{{"within", "above", "no limit", "before only", "missing"}};
+  return kWords.of(verdict);
 }
 
 int decimals_of(const TableRow& row) {

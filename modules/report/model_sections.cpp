@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "commissioning/measurements/fields.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
@@ -36,8 +35,8 @@ std::string noise_ratio_text(const std::vector<TableRow>& rows) {
   if (fewest < 2) return "";
   const auto n = static_cast<double>(fewest);
   return fmt::format(
-      "The map was made from such readings and carries their noise: with {} runs, noise alone makes the "
-      "last column {:.1f} where nothing was smoothed.",
+      "The map was made from such readings and carries their noise: with {} runs, noise alone makes the last column "
+      "{:.1f} where nothing was smoothed.",
       fewest, std::sqrt((n + 1.0) / (n - 1.0)));
 }
 
@@ -145,12 +144,10 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
     body +=
         paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
   if (d.noise_replicates > 0 && !d.effects.empty())
-    body +=
-        paragraph_of(fmt::format("Noise alone was "
-                                 "made up {} times on the same design. Held out: rms of readings that the effect was "
-                                 "not fitted to.",
-                                 d.noise_replicates),
-                     "class=\"small\"");
+    body += paragraph_of(fmt::format("Noise alone was made up {} times on the same design. Held out: rms of readings "
+                                     "that the effect was not fitted to.",
+                                     d.noise_replicates),
+                         "class=\"small\"");
   if (!d.notes.empty()) body += element("div", list_of(without_commands(d.notes)), "class=\"small\"");
   return body;
 }

@@ -33,7 +33,7 @@
 #include "model/fit/model_file.hpp"
 #include "modules/capture/description.hpp"
 #include "modules/fleet/batch.hpp"
-#include "modules/report/content.hpp"
+#include "modules/report/diagnosis.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 #include "tests/fuzz/parsers.hpp"

@@ -1,13 +1,10 @@
 // A capture on the screen, typed, and with a foot switch, a gauge and a thermometer: run under umockdev-wrapper.
-#include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/screens/forms/rows.hpp"
-#include "app/ui/screen_program.hpp"
+#include "app/screens/forms/form_screen.hpp"
 #include "app/verbs/registry.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"

@@ -1,5 +1,4 @@
 // Aerotech calibration files: tables of one and of two axes by hand, units, signs, and what is refused.
-#include <cmath>
 
 #include <doctest/doctest.h>
 

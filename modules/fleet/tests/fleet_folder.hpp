@@ -1,7 +1,6 @@
 // A small fleet in a folder of its own: healthy machines and some with a periodic error.
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>

@@ -332,7 +332,7 @@ TEST_CASE("the noise of a reading is what the truth says") {
 TEST_CASE("every law of noise has the size that the truth says, and its own marks") {
   for (const NoiseLaw law : {NoiseLaw::white, NoiseLaw::rounded, NoiseLaw::doubled, NoiseLaw::heavy_tails,
                              NoiseLaw::slow, NoiseLaw::by_run}) {
-    CAPTURE(name_of(law));
+    CAPTURE(kNoiseLaws.of(law));
     double sum = 0.0;
     constexpr int kCases = 12;
     for (std::uint64_t seed = 1; seed <= kCases; ++seed) {

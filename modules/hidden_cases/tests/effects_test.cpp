@@ -2,7 +2,6 @@
 // that asks for it.
 
 #include <algorithm>
-#include <cmath>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,8 @@
 // A machine of one axis that measures itself: errors from a function, normal noise, a zero of its own for each run.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -9,7 +9,6 @@
 
 #include <doctest/doctest.h>
 
-#include "base/file.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
