@@ -1,5 +1,3 @@
-#include "modules/investigation/followed.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -8,6 +6,7 @@
 #include "base/answer_table.hpp"
 #include "commissioning/session/records.hpp"
 #include "laser/writers/measurement_writer.hpp"
+#include "modules/investigation/investigation.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -6,7 +6,6 @@
 #include "base/interrupt.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/work.hpp"
-#include "modules/investigation/followed.hpp"
 #include "modules/investigation/investigation.hpp"
 #include "modules/investigation/workshops.hpp"
 

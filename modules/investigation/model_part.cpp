@@ -21,7 +21,6 @@
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
 #include "model/fit/model_file.hpp"
-#include "modules/investigation/followed.hpp"
 #include "modules/investigation/investigation.hpp"
 #include "modules/investigation/workshops.hpp"
 

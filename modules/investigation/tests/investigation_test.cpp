@@ -9,7 +9,6 @@
 #include <doctest/doctest.h>
 
 #include "model/fit/fit.hpp"
-#include "modules/investigation/followed.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
 
 namespace ecs::commissioning {
