@@ -8,7 +8,6 @@
 // of a screen too (a falling staircase of the causes that are still possible); and the readings it was given, so that
 // one that was stopped goes on where it was. Does not live here: the diagnosis (model/diagnosis/diagnose.hpp), the
 // choice of the run (model/planning/next_measurement.hpp).
-/// Readings of one sense along one axis, the other axes on its measurement line.
 #pragma once
 
 #include <atomic>
