@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/screens/forms/form_screen.hpp"
+#include "app/screens/forms/rows.hpp"
 #include "app/verbs/registry.hpp"
 #include "laser/measurement_set.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
