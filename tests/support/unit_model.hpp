@@ -305,6 +305,11 @@ class Workshop {
     }
     return answer.get();
   }
+  /// The same, of the model only.
+  template <class Task>
+  auto in_model(Task task) {
+    return in_server([task](ModbusServer&, UnitModel& model) { return task(model); });
+  }
   void fault(LinkFault fault, std::uint32_t transactions) {
     in_server([=](ModbusServer& server, UnitModel&) { server.faults().next(fault, transactions); });
   }
@@ -327,6 +332,11 @@ class Workshop {
   }
   [[nodiscard]] UnitClient client(const std::atomic<bool>* cancelled = nullptr) const {
     return UnitClient(Link::open(address_, options(cancelled)).value());
+  }
+  [[nodiscard]] UnitClient client_of_tries(int tries) const {
+    auto patience = options();
+    patience.timing->tries = tries;
+    return UnitClient(Link::open(address_, patience).value());
   }
 
  private:
@@ -351,6 +361,12 @@ class Workshop {
   std::atomic<bool> ended_{false};
   std::thread thread_;
 };
+
+/// Whether it is a problem whose message holds these words.
+template <class T>
+bool says(const Result<T>& result, std::string_view words) {
+  return !result && result.error().message.find(words) != std::string::npos;
+}
 
 /// Bytes without a pattern that a shifted or doubled block could hide in.
 inline std::vector<std::uint8_t> noise_image(std::size_t size, std::uint32_t seed = 7) {

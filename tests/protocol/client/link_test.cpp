@@ -17,8 +17,6 @@ using namespace std::chrono_literals;
 
 namespace {
 
-bool says(const Problem& problem, std::string_view word) { return problem.message.find(word) != std::string::npos; }
-
 void check_everyday_use(Workshop& shop) {
   auto unit = shop.client();
   const auto identity = unit.identity();
@@ -39,13 +37,13 @@ void check_everyday_use(Workshop& shop) {
   const auto refused = unit.set_axis_position(Axis::X, 1.0);
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().kind == ProblemKind::refused);
-  CHECK(says(refused.error(), "integration mode"));
+  CHECK(says(refused, "integration mode"));
   const auto protected_memory = unit.write_memory(kBankA.first, noise_image(100));
   REQUIRE_FALSE(protected_memory.has_value());
   CHECK(protected_memory.error().kind == ProblemKind::refused);
   CHECK(unit.enter_integration().has_value());
   CHECK(unit.set_axis_position(Axis::Y, -1.5).has_value());
-  shop.in_server([](ModbusServer&, UnitModel& model) {
+  shop.in_model([](UnitModel& model) {
     CHECK(model.last.axis == Axis::Y);
     CHECK(model.last.position_mm == -1.5);
   });
@@ -55,8 +53,7 @@ void check_everyday_use(Workshop& shop) {
   CHECK(unit.read_memory(kBankA.first + 7, image.size()).value() == image);
   CHECK(unit.check_memory(kBankA.first + 7, 5001).value() == crc32_of(image));
   const auto nowhere = unit.read_memory(0x900000, 16);
-  REQUIRE_FALSE(nowhere.has_value());
-  CHECK(says(nowhere.error(), "no such registers or memory"));
+  CHECK(says(nowhere, "no such registers or memory"));
   CHECK(unit.link().statistics().retries == 0);
 }
 
@@ -139,7 +136,7 @@ TEST_CASE("a repeated command is carried out once") {
   CHECK(unit.output_off().has_value());
   shop.fault(LinkFault::no_reply, 2);
   CHECK(unit.clear_fault().has_value());
-  const auto log = shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; });
+  const auto log = shop.in_model([](UnitModel& model) { return model.log; });
   CHECK(log == std::vector{CommandCode::output_off, CommandCode::clear_fault});
 }
 
@@ -147,7 +144,7 @@ TEST_CASE("a long command is followed to its end, and stopped when its time is o
   std::atomic<bool> cancelled{false};
   auto shop = Workshop::on_pty();
   auto unit = shop.client(&cancelled);
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 3; });
+  shop.in_model([](UnitModel& model) { model.busy_polls_left = 3; });
   int seen = 0;
   const auto result = unit.test_datum(Axis::X, 10s, [&](const CommandResult& busy) {
     ++seen;
@@ -157,31 +154,29 @@ TEST_CASE("a long command is followed to its end, and stopped when its time is o
   CHECK(result->value == 99);
   CHECK(seen >= 3);
 
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  shop.in_model([](UnitModel& model) { model.busy_polls_left = 1'000'000; });
   const auto late = unit.test_datum(Axis::X, 100ms);
-  REQUIRE_FALSE(late.has_value());
-  CHECK(says(late.error(), "not done in time"));
-  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.busy; }));
+  CHECK(says(late, "not done in time"));
+  CHECK_FALSE(shop.in_model([](UnitModel& model) { return model.busy; }));
 
   const auto given_up = unit.test_datum(Axis::X, 10s, [&](const CommandResult&) { cancelled = true; });
-  REQUIRE_FALSE(given_up.has_value());
-  CHECK(says(given_up.error(), "cancelled"));
-  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.busy; }));
+  CHECK(says(given_up, "cancelled"));
+  CHECK_FALSE(shop.in_model([](UnitModel& model) { return model.busy; }));
 }
 
 TEST_CASE("while a command is busy another one is refused and the first goes on") {
   auto shop = Workshop::on_tcp();
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  shop.in_model([](UnitModel& model) { model.busy_polls_left = 1'000'000; });
   auto other = shop.client();
   auto unit = shop.client();
   std::optional<Problem> refusal;
   const auto result = unit.test_datum(Axis::X, 10s, [&](const CommandResult&) {
     if (refusal) return;
     refusal = other.clear_fault().error();
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 0; });
+    shop.in_model([](UnitModel& model) { model.busy_polls_left = 0; });
   });
   REQUIRE(refusal.has_value());
-  CHECK(says(*refusal, "another command is under way"));
+  CHECK(refusal->message.find("another command is under way") != std::string::npos);
   REQUIRE(result.has_value());  // though another host has asked meanwhile
   CHECK(result->value == 99);
 }
@@ -193,16 +188,14 @@ TEST_CASE("an absent unit and a wrong unit number give no answer on a serial lin
   auto options = shop.options();
   options.timing->tries = 2;
   const auto wrong = UnitClient::connect(address, options);
-  REQUIRE_FALSE(wrong.has_value());
-  CHECK(says(wrong.error(), "no answer"));
-  CHECK(says(wrong.error(), "2 tries"));
-  CHECK(says(wrong.error(), "unit number"));
+  CHECK(says(wrong, "no answer"));
+  CHECK(says(wrong, "2 tries"));
+  CHECK(says(wrong, "unit number"));
   auto tcp_shop = Workshop::on_tcp();
   address = tcp_shop.address();
   address.unit = 9;
   const auto wrong_tcp = UnitClient::connect(address, tcp_shop.options());
-  REQUIRE_FALSE(wrong_tcp.has_value());
-  CHECK(says(wrong_tcp.error(), "no unit of this number"));
+  CHECK(says(wrong_tcp, "no unit of this number"));
 }
 
 TEST_CASE("a link that corrupts every reply is reported as such") {
@@ -210,22 +203,17 @@ TEST_CASE("a link that corrupts every reply is reported as such") {
   auto unit = shop.client();
   shop.fault_often(LinkFault::bad_crc, 1.0);
   const auto sample = unit.monitor();
-  REQUIRE_FALSE(sample.has_value());
-  CHECK(says(sample.error(), "garbled"));
+  CHECK(says(sample, "garbled"));
   CHECK(unit.link().statistics().crc_errors == 4);
 }
 
 TEST_CASE("each way a port cannot be opened has its own message") {
-  const auto problem_of = [](const std::string& text) {
-    const auto link = Link::open(link_address_of(text).value());
-    REQUIRE_FALSE(link.has_value());
-    return link.error();
-  };
-  CHECK(says(problem_of("rtu:/dev/no_such_port:9600"), "no such port"));
-  CHECK(says(problem_of("rtu:/tmp:9600"), "folder"));
-  CHECK(says(problem_of("rtu:/dev/null:9600"), "not a serial port"));
-  CHECK(says(problem_of("tcp:no-such-host.invalid:502"), "no such host"));
-  CHECK(says(problem_of("tcp:127.0.0.1:1"), "cannot connect"));
+  const auto opened = [](const std::string& text) { return Link::open(link_address_of(text).value()); };
+  CHECK(says(opened("rtu:/dev/no_such_port:9600"), "no such port"));
+  CHECK(says(opened("rtu:/tmp:9600"), "folder"));
+  CHECK(says(opened("rtu:/dev/null:9600"), "not a serial port"));
+  CHECK(says(opened("tcp:no-such-host.invalid:502"), "no such host"));
+  CHECK(says(opened("tcp:127.0.0.1:1"), "cannot connect"));
 }
 
 TEST_CASE("a port without permission says so") {
@@ -237,8 +225,7 @@ TEST_CASE("a port without permission says so") {
   if (root) REQUIRE(::seteuid(kNobody) == 0);
   const auto link = Link::open(server.address());
   if (root) REQUIRE(::seteuid(0) == 0);
-  REQUIRE_FALSE(link.has_value());
-  CHECK(says(link.error(), "permission"));
+  CHECK(says(link, "permission"));
 }
 
 TEST_CASE("a port in use is refused with its user; it is free again after closing") {
@@ -247,7 +234,7 @@ TEST_CASE("a port in use is refused with its user; it is free again after closin
     auto unit = shop.client();
     const auto second = Link::open(shop.address());
     REQUIRE_FALSE(second.has_value());
-    CHECK(says(second.error(), "in use by pid " + std::to_string(::getpid())));
+    CHECK(says(second, "in use by pid " + std::to_string(::getpid())));
     CHECK(unit.identity().has_value());
   }
   CHECK(Link::open(shop.address()).has_value());
@@ -263,8 +250,7 @@ TEST_CASE("a link that disappears is an error at once, and every later call too"
     const auto begun = std::chrono::steady_clock::now();
     for (int n = 0; n < 3; ++n) {
       const auto sample = unit.monitor();
-      REQUIRE_FALSE(sample.has_value());
-      CHECK(says(sample.error(), "the connection is lost"));
+      CHECK(says(sample, "the connection is lost"));
       CHECK(unit.link().last_failure() == LinkFailure::disconnected);
     }
     CHECK(std::chrono::steady_clock::now() - begun < 5s);
@@ -385,15 +371,14 @@ TEST_CASE("answers to another host's requests do not count as late ones") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   REQUIRE(unit.monitor().has_value());
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_replies = 1; });
+  shop.in_model([](UnitModel& model) { model.foreign_replies = 1; });
   const auto sample = unit.monitor();
   CHECK(sample.has_value());
   CHECK(unit.link().statistics().foreign_replies == 1);
   CHECK(unit.link().statistics().stale_replies == 0);
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_replies = 100; });
+  shop.in_model([](UnitModel& model) { model.foreign_replies = 100; });
   const auto none = unit.monitor();
-  REQUIRE_FALSE(none.has_value());
-  CHECK(says(none.error(), "end the other program, or take it off the link"));
+  CHECK(says(none, "end the other program, or take it off the link"));
 }
 
 TEST_CASE("a TCP peer that is no unit is distinguished from a disturbed line: there is no CRC on TCP") {
@@ -403,9 +388,8 @@ TEST_CASE("a TCP peer that is no unit is distinguished from a disturbed line: th
   timing.tries = 1;
   UnitClient unit(Link::open(address, {nullptr, timing}).value());
   const auto answer = unit.identity();
-  REQUIRE_FALSE(answer.has_value());
-  CHECK(says(answer.error(), "no answers of a unit"));
-  CHECK_FALSE(says(answer.error(), "CRC"));
+  CHECK(says(answer, "no answers of a unit"));
+  CHECK_FALSE(says(answer, "CRC"));
 }
 
 TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
@@ -420,8 +404,7 @@ TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
   auto& peer = std::get<TcpPeer>(address.endpoint);
   peer.token_file = wrong;
   const auto refused = UnitClient::connect(address, shop.options());
-  REQUIRE_FALSE(refused.has_value());
-  CHECK(says(refused.error(), "does not take the token"));
+  CHECK(says(refused, "does not take the token"));
   peer.token_file.clear();
   CHECK_FALSE(UnitClient::connect(address, shop.options()).has_value());
   peer.token_file = folder / "none";
@@ -430,33 +413,29 @@ TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
   address = open_shop.address();
   std::get<TcpPeer>(address.endpoint).token_file = right;
   const auto superfluous = UnitClient::connect(address, open_shop.options());
-  REQUIRE_FALSE(superfluous.has_value());
-  CHECK(says(superfluous.error(), "asks for no token"));
+  CHECK(says(superfluous, "asks for no token"));
 }
 
 TEST_CASE("TCP beyond this computer needs a token at both ends") {
   TcpOptions everywhere;
   everywhere.host = "0.0.0.0";
   const auto server = ModbusServer::on_tcp(everywhere);
-  REQUIRE_FALSE(server.has_value());
-  CHECK(says(server.error(), "a token is needed"));
+  CHECK(says(server, "a token is needed"));
   const auto client = UnitClient::connect({TcpPeer{"192.0.2.1", 502}, 1});
-  REQUIRE_FALSE(client.has_value());
-  CHECK(says(client.error(), "?token=FILE"));
+  CHECK(says(client, "?token=FILE"));
 }
 
 TEST_CASE("a unit that starts between arm and begin is armed again by a host that knows the code") {
   Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
   auto unit = shop.client();
   unit.know_code("271828");
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_arming = 2; });
+  shop.in_model([](UnitModel& model) { model.starts_on_arming = 2; });
   CHECK(unit.begin_staging(StagingFrom::cleared).has_value());
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.unit_clock.starts; }) == 3);
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_arming = 100; });
+  CHECK(shop.in_model([](UnitModel& model) { return model.unit_clock.starts; }) == 3);
+  shop.in_model([](UnitModel& model) { model.starts_on_arming = 100; });
   REQUIRE(unit.disarm());
   const auto hopeless = unit.begin_staging(StagingFrom::cleared);
-  REQUIRE_FALSE(hopeless);
-  CHECK(says(hopeless.error(), "restarts each time"));
+  CHECK(says(hopeless, "restarts each time"));
 }
 
 TEST_CASE("a unit that starts between the look at the session and begin begins all the same") {
@@ -464,9 +443,9 @@ TEST_CASE("a unit that starts between the look at the session and begin begins a
   auto unit = shop.client();
   unit.know_code("271828");
   REQUIRE(unit.begin_staging(StagingFrom::cleared));
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.starts_on_look = true; });
+  shop.in_model([](UnitModel& model) { model.starts_on_look = true; });
   CHECK(unit.begin_staging(StagingFrom::cleared).has_value());
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.unit_clock.starts; }) == 2);
+  CHECK(shop.in_model([](UnitModel& model) { return model.unit_clock.starts; }) == 2);
 }
 
 TEST_CASE("a host without the code says whether its time has ended or the unit was restarted since it was armed") {
@@ -474,16 +453,14 @@ TEST_CASE("a host without the code says whether its time has ended or the unit w
   auto unit = shop.client();
   REQUIRE(unit.arm("271828", 1));
   REQUIRE(unit.clear_fault());
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.unit_clock.ms += 60'000; });
+  shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; });
   const auto late = unit.clear_fault();
-  REQUIRE_FALSE(late);
-  CHECK(says(late.error(), "the time for which this host was armed has ended; the unit is read-only"));
+  CHECK(says(late, "the time for which this host was armed has ended; the unit is read-only"));
   REQUIRE(unit.arm("271828", 1));
   REQUIRE(unit.clear_fault());
-  shop.in_server([](ModbusServer&, UnitModel& model) { ++model.unit_clock.starts; });
+  shop.in_model([](UnitModel& model) { ++model.unit_clock.starts; });
   const auto restarted = unit.clear_fault();
-  REQUIRE_FALSE(restarted);
-  CHECK(says(restarted.error(), "the unit was restarted since this host was armed"));
+  CHECK(says(restarted, "the unit was restarted since this host was armed"));
   CHECK(unit.take_wants_code());
 }
 
@@ -491,7 +468,7 @@ TEST_CASE("a host arms a unit that was restarted since the host opened its sessi
   Workshop shop(ModbusServer::on_pty({}).value(), "271828");
   auto unit = shop.client();
   REQUIRE(unit.armed_s().value() == 0);
-  shop.in_server([](ModbusServer&, UnitModel& model) { return ++model.unit_clock.starts; });
+  shop.in_model([](UnitModel& model) { return ++model.unit_clock.starts; });
   CHECK(unit.arm("271828", 30).has_value());
   CHECK(unit.armed_s().value() == 1800);
 }
@@ -519,8 +496,7 @@ TEST_CASE("every command of a host reaches the unit as it was given") {
   CHECK(unit.run_ram_test().has_value());
   CHECK(unit.reset_unit().has_value());
   CHECK(unit.run_user_software(0x041000, 77, 1s).has_value());
-  const auto [log, last] =
-      shop.in_server([](ModbusServer&, UnitModel& model) { return std::pair(model.log, model.last); });
+  const auto [log, last] = shop.in_model([](UnitModel& model) { return std::pair(model.log, model.last); });
   CHECK(log == std::vector{CommandCode::record_datum, CommandCode::run_ram_test, CommandCode::reset_unit,
                            CommandCode::run_user_software});
   CHECK(last.address == 0x041000);
@@ -530,19 +506,17 @@ TEST_CASE("every command of a host reaches the unit as it was given") {
 
 TEST_CASE("a unit of another protocol version is refused, and both versions are named") {
   auto shop = Workshop::on_tcp();
-  shop.in_server([](ModbusServer&, UnitModel& model) { return model.protocol_version = 7; });
+  shop.in_model([](UnitModel& model) { return model.protocol_version = 7; });
   const auto unit = UnitClient::connect(shop.address(), shop.options());
-  REQUIRE_FALSE(unit.has_value());
-  CHECK(says(unit.error(), "the unit speaks protocol version 7, this program version 2"));
+  CHECK(says(unit, "the unit speaks protocol version 7, this program version 2"));
 }
 
 TEST_CASE("a symbolic link that leads to a server which lives is not taken from it, and its process is named") {
   const auto path = std::filesystem::temp_directory_path() / ("ecs-held-" + std::to_string(::getpid()));
   const auto server = ModbusServer::on_pty({path, 9600, false, 1}).value();
   const auto second = ModbusServer::on_pty({path, 9600, false, 1});
-  REQUIRE_FALSE(second.has_value());
-  CHECK(says(second.error(), "this link leads to /dev/pts/"));
-  CHECK(says(second.error(), "pid "));
+  CHECK(says(second, "this link leads to /dev/pts/"));
+  CHECK(says(second, "pid "));
   CHECK_FALSE(ModbusServer::on_pty({"/proc/nowhere/line", 9600, false, 1}).has_value());
   CHECK(std::filesystem::is_character_file(path));
 }
@@ -552,11 +526,9 @@ TEST_CASE("a port that cannot be listened at is named, and what is no address") 
   TcpOptions taken;
   taken.port = std::get<TcpPeer>(server.address().endpoint).port;
   const auto second = ModbusServer::on_tcp(taken);
-  REQUIRE_FALSE(second.has_value());
-  CHECK(says(second.error(), "cannot listen on"));
+  CHECK(says(second, "cannot listen on"));
   TcpOptions word;
   word.host = "localhost";
   const auto named = ModbusServer::on_tcp(word);
-  REQUIRE_FALSE(named.has_value());
-  CHECK(says(named.error(), "expected an IPv4 address"));
+  CHECK(says(named, "expected an IPv4 address"));
 }

@@ -28,27 +28,54 @@ std::vector<std::uint8_t> sealed_image(std::uint32_t values) {
   return image;
 }
 
-void install_old(Workshop& shop) {
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
+enum class Over { pty, tcp };
+
+struct UnitWithMap : Workshop {
+  /// @param held  the active map; empty: none
+  explicit UnitWithMap(Over line, const std::vector<std::uint8_t>& held = kOldImage, const std::string& arm_code = {})
+      : Workshop(line == Over::tcp ? ModbusServer::on_tcp({}).value()
+                                   : ModbusServer::on_pty({{}, 115'200, false, 1}).value(),
+                 arm_code) {
+    if (!held.empty()) in_model([&](UnitModel& model) { model.install(held); });
+  }
+  std::vector<std::uint8_t> active_image() {
+    return in_model([](UnitModel& model) { return model.active_image(); });
+  }
+  bool staging() {
+    return in_model([](UnitModel& model) { return model.staging; });
+  }
+};
+
+/// What becomes of an upload when `then` happens as soon as so many bytes of it have travelled.
+Result<UploadReport> sent_while(UnitClient& unit, const std::vector<std::uint8_t>& image, std::size_t after,
+                                const std::function<void()>& then) {
+  bool happened = false;
+  return unit.upload_image(image, [&](const Progress& progress) {
+    if (happened || progress.bytes_done <= after) return;
+    happened = true;
+    then();
+  });
 }
-std::vector<std::uint8_t> active_image(Workshop& shop) {
-  return shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); });
+Result<UploadReport> sent_while(Workshop& shop, const std::function<void(UnitModel&)>& then) {
+  auto unit = shop.client();
+  return sent_while(unit, noise_image(20'000), 5'000, [&] { shop.in_model(then); });
 }
+
+#define CHECK_SENT(sent) CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message))
 
 /// An upload whose line has three faults after so many bytes; it arrives whole. @return bytes that the host has sent
 std::size_t bytes_sent_under(LinkFault fault, const std::vector<std::uint8_t>& image, std::size_t after) {
   CAPTURE(name_of(fault));
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   auto unit = shop.client();
   bool struck = false;
-  const auto sent = unit.upload_image(image, [&](const Progress& progress) {
-    if (!struck && progress.bytes_done > after) shop.fault(fault, 3);
-    struck = struck || progress.bytes_done > after;
+  const auto sent = sent_while(unit, image, after, [&] {
+    shop.fault(fault, 3);
+    struck = true;
   });
-  CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK_SENT(sent);
   CHECK(struck);
-  CHECK(active_image(shop) == image);
+  CHECK(shop.active_image() == image);
   return unit.link().statistics().bytes_sent;
 }
 
@@ -62,12 +89,11 @@ TEST_CASE("64 KB arrive complete under every fault of the link") {
 
 TEST_CASE("a map survives a link that corrupts one frame in fifty, in every way") {
   const auto image = noise_image(20'000);
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   for (std::size_t i = 0; i < kLinkFaults; ++i) shop.fault_often(static_cast<LinkFault>(i), 0.0025);
   auto unit = shop.client();
   const auto sent = unit.upload_image(image);
-  CHECK(active_image(shop) == (sent ? image : kOldImage));
+  CHECK(shop.active_image() == (sent ? image : kOldImage));
 }
 
 TEST_CASE("only missing blocks are sent again") {
@@ -105,83 +131,62 @@ TEST_CASE("progress rises to the end and gives the time left") {
 
 TEST_CASE("a link cut in the middle is an error and leaves the old map active and complete") {
   const auto image = noise_image(65'536);
-  for (const bool tcp : {false, true}) {
-    auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
-    install_old(shop);
+  for (const Over line : {Over::pty, Over::tcp}) {
+    UnitWithMap shop(line);
     auto unit = shop.client();
-    bool cut = false;
-    const auto sent = unit.upload_image(image, [&](const Progress& progress) {
-      if (!cut && progress.bytes_done > 20'000) shop.cut_line();
-      cut = cut || progress.bytes_done > 20'000;
-    });
+    const auto sent = sent_while(unit, image, 20'000, [&] { shop.cut_line(); });
     REQUIRE_FALSE(sent.has_value());
     CHECK(sent.error().kind == ProblemKind::link);
     CHECK(unit.link().last_failure() == LinkFailure::disconnected);
-    CHECK(active_image(shop) == kOldImage);
-    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 0);
+    CHECK(shop.active_image() == kOldImage);
+    CHECK(shop.in_model([](UnitModel& model) { return model.commits; }) == 0);
   }
 }
 
 TEST_CASE("a cancelled upload is abandoned and leaves the old map active and complete") {
   std::atomic<bool> cancelled{false};
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   auto unit = shop.client(&cancelled);
   const auto sent = unit.upload_image(noise_image(30'000),
                                       [&](const Progress& progress) { cancelled = progress.bytes_done > 10'000; });
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("cancelled") != std::string::npos);
-  CHECK(active_image(shop) == kOldImage);
-  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; }).back() ==
-        CommandCode::abandon_staged);
+  CHECK(says(sent, "cancelled"));
+  CHECK(shop.active_image() == kOldImage);
+  CHECK_FALSE(shop.staging());
+  CHECK(shop.in_model([](UnitModel& model) { return model.log; }).back() == CommandCode::abandon_staged);
 }
 
 TEST_CASE("a unit that falls silent in the middle is reported, and the old map stays") {
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  auto options = shop.options();
-  options.timing->tries = 2;
-  UnitClient unit(Link::open(shop.address(), options).value());
+  UnitWithMap shop(Over::pty);
+  auto unit = shop.client_of_tries(2);
   const auto sent = unit.upload_image(noise_image(30'000), [&](const Progress& progress) {
     if (progress.bytes_done > 10'000) shop.fault_often(LinkFault::lost_request, 1.0);
   });
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("no answer") != std::string::npos);
-  CHECK(active_image(shop) == kOldImage);
+  CHECK(says(sent, "no answer"));
+  CHECK(shop.active_image() == kOldImage);
 }
 
 TEST_CASE("memory that does not hold what is written is found before the commit") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
-  auto unit = shop.client();
-  bool spoilt = false;
-  const auto sent = unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
-    if (spoilt || progress.bytes_done < 5'000) return;
-    spoilt = true;
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.bank_b[100] ^= 1; });
-  });
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("does not hold what was written") != std::string::npos);
-  CHECK(active_image(shop) == kOldImage);
+  UnitWithMap shop(Over::tcp);
+  const auto sent = sent_while(shop, [](UnitModel& model) { model.bank_b[100] ^= 1; });
+  CHECK(says(sent, "does not hold what was written"));
+  CHECK(shop.active_image() == kOldImage);
 }
 
 TEST_CASE("a unit that compensates refuses a map and keeps its own") {
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.mode = UnitMode::compensating; });
+  UnitWithMap shop(Over::pty);
+  shop.in_model([](UnitModel& model) { model.mode = UnitMode::compensating; });
   auto unit = shop.client();
   const auto sent = unit.upload_image(noise_image(1000));
   REQUIRE_FALSE(sent.has_value());
   CHECK(sent.error().kind == ProblemKind::refused);
-  CHECK(active_image(shop) == kOldImage);
+  CHECK(shop.active_image() == kOldImage);
 }
 
 namespace {
 
 /// From the moment the unit carries out the commit, so many of its replies are lost.
 void lose_replies_at_commit(Workshop& shop, int replies, std::atomic<bool>* then_cancel = nullptr) {
-  shop.in_server([=](ModbusServer&, UnitModel& model) {
+  shop.in_model([=](UnitModel& model) {
     model.on_commit = [=, &model] {
       model.replies_to_lose = replies;
       if (then_cancel != nullptr) *then_cancel = true;
@@ -193,70 +198,62 @@ void lose_replies_at_commit(Workshop& shop, int replies, std::atomic<bool>* then
 
 TEST_CASE("a commit whose every reply was lost counts as done once the unit says that it has taken the map") {
   const auto image = noise_image(4000);
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  auto options = shop.options();
-  options.timing->tries = 2;
-  UnitClient unit(Link::open(shop.address(), options).value());
+  UnitWithMap shop(Over::pty);
+  auto unit = shop.client_of_tries(2);
   lose_replies_at_commit(shop, 2);
   const auto sent = unit.upload_image(image);
-  CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
-  CHECK(active_image(shop) == image);
+  CHECK_SENT(sent);
+  CHECK(shop.active_image() == image);
 }
 
 TEST_CASE("a commit without a reply on a silent link is reported as in doubt, never as not taken") {
   const auto image = noise_image(4000);
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  auto options = shop.options();
-  options.timing->tries = 2;
-  UnitClient unit(Link::open(shop.address(), options).value());
+  UnitWithMap shop(Over::pty);
+  auto unit = shop.client_of_tries(2);
   lose_replies_at_commit(shop, 1'000);
   const auto sent = unit.upload_image(image);
   REQUIRE_FALSE(sent.has_value());
-  CHECK(active_image(shop) == image);
-  CHECK(sent.error().message.find("may have taken the new map") != std::string::npos);
+  CHECK(shop.active_image() == image);
+  CHECK(says(sent, "may have taken the new map"));
   CHECK(sent.error().message.find("old map is active") == std::string::npos);
 }
 
 TEST_CASE("a commit that the unit does not carry out is reported as not taken, and what was staged is abandoned") {
   for (const bool had_map : {true, false}) {
-    auto shop = Workshop::on_tcp();
-    if (had_map) install_old(shop);
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.takes_commits = false; });
+    UnitWithMap shop(Over::tcp, had_map ? kOldImage : std::vector<std::uint8_t>());
+    shop.in_model([](UnitModel& model) { model.takes_commits = false; });
     auto unit = shop.client();
     const auto sent = unit.upload_image(noise_image(4000));
     REQUIRE_FALSE(sent.has_value());
     CHECK((sent.error().message.find("the old map is active") != std::string::npos) == had_map);
     CHECK((sent.error().message.find("holds none, as before") != std::string::npos) != had_map);
-    CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+    CHECK_FALSE(shop.staging());
   }
 }
 
 TEST_CASE("a cancel while the reply to the commit is awaited says that the new map is active") {
   std::atomic<bool> cancelled{false};
   const auto image = noise_image(4000);
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   auto unit = shop.client(&cancelled);
   lose_replies_at_commit(shop, 1, &cancelled);
   const auto sent = unit.upload_image(image);
   REQUIRE_FALSE(sent.has_value());
-  CHECK(active_image(shop) == image);
-  CHECK(sent.error().message.find("cancelled") != std::string::npos);
-  CHECK(sent.error().message.find("already taken the new map: it is active (commit 1)") != std::string::npos);
+  CHECK(shop.active_image() == image);
+  CHECK(says(sent, "cancelled"));
+  CHECK(says(sent, "already taken the new map: it is active (commit 1)"));
 }
 
 TEST_CASE("of an image that differs from the active one in a byte only that piece is sent") {
-  auto shop = Workshop::on_tcp();
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(noise_image(30'000)); });
+  UnitWithMap shop(Over::tcp, noise_image(30'000));
   auto image = noise_image(30'000);
   image[20'005] ^= 0xFF;
   auto unit = shop.client();
   const auto sent = unit.upload_image(image);
-  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK_SENT(sent);
+  REQUIRE(sent.has_value());
   CHECK(sent->bytes_sent == 480);
-  CHECK(active_image(shop) == image);
+  CHECK(shop.active_image() == image);
   CHECK(unit.link().statistics().bytes_sent < 1500);
 }
 
@@ -281,38 +278,37 @@ std::vector<std::uint8_t> with_same_crc(std::vector<std::uint8_t> image, std::si
 }
 
 TEST_CASE("where nothing counts as held the whole image is sent, whatever the checks say") {
-  auto shop = Workshop::on_tcp();
   const auto image = sealed_image(2000);
   const auto forged = with_same_crc(image, 900);
   REQUIRE(crc32_of(forged) == crc32_of(image));
-  shop.in_server([&](ModbusServer&, UnitModel& model) { model.install(forged); });
+  UnitWithMap shop(Over::tcp, forged);
   auto unit = shop.client();
   CHECK(unit.upload_image(image)->already_held);
-  CHECK(active_image(shop) == forged);
+  CHECK(shop.active_image() == forged);
   const auto sent = unit.upload_image(image, {}, Held::nothing);
   REQUIRE(sent.has_value());
   CHECK(sent->bytes_sent == image.size());
-  CHECK(active_image(shop) == image);
+  CHECK(shop.active_image() == image);
 }
 
 TEST_CASE("an upload that was cancelled goes on with the pieces that have not arrived") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
+  UnitWithMap shop(Over::tcp);
   const auto image = noise_image(60'000, 5);
   std::atomic<bool> cancelled{false};
   auto first = shop.client(&cancelled);
   REQUIRE_FALSE(first.upload_image(image, [&](const Progress& progress) { cancelled = progress.bytes_done > 40'000; }));
   REQUIRE(cancelled);
-  CHECK(active_image(shop) == kOldImage);
+  CHECK(shop.active_image() == kOldImage);
   auto again = shop.client();
   std::size_t begun_at = 0;
   const auto sent = again.upload_image(image, [&](const Progress& progress) {
     if (begun_at == 0) begun_at = progress.bytes_done;
   });
-  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK_SENT(sent);
+  REQUIRE(sent.has_value());
   CHECK(sent->bytes_sent < 25'000);
   CHECK(begun_at > 35'000);
-  CHECK(active_image(shop) == image);
+  CHECK(shop.active_image() == image);
 }
 
 TEST_CASE("a smooth map arrives in coded blocks, complete under every fault of the link") {
@@ -331,23 +327,22 @@ TEST_CASE("two hosts on one unit each get the result of their own command") {
     REQUIRE(one.clear_fault());
     REQUIRE(other.abandon_staged().has_value() == false);  // nothing is staged: refused, but a command
     REQUIRE(one.output_off());
-    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log.back(); }) == CommandCode::output_off);
+    CHECK(shop.in_model([](UnitModel& model) { return model.log.back(); }) == CommandCode::output_off);
   }
 }
 
 TEST_CASE("a commit after which another map is active is reported as such") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
+  UnitWithMap shop(Over::tcp);
   auto unit = shop.client();
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.spoils_commits = true; });
+  shop.in_model([](UnitModel& model) { model.spoils_commits = true; });
   const auto sent = unit.upload_image(noise_image(3000, 2));
   REQUIRE(!sent);
-  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+  CHECK(says(sent, "the active map is another one"));
 }
 
 /// Just before our commit another host makes a map of its own active, from the same staging.
 void another_host_commits_first(Workshop& shop, const std::vector<std::uint8_t>& image) {
-  shop.in_server([image](ModbusServer&, UnitModel& model) {
+  shop.in_model([image](UnitModel& model) {
     model.on_commit = [image, &model] {
       auto& spare = model.active == Bank::A ? model.bank_b : model.bank_a;
       std::copy(image.begin(), image.end(), spare.begin());
@@ -362,42 +357,37 @@ void another_host_commits_first(Workshop& shop, const std::vector<std::uint8_t>&
 TEST_CASE("a refused commit is never reported as done, whatever another host has made active meanwhile") {
   const auto ours = noise_image(4000, 1);
   for (const std::size_t length : {std::size_t{5000}, std::size_t{4000}}) {
-    auto shop = Workshop::on_tcp();
-    install_old(shop);
+    UnitWithMap shop(Over::tcp);
     another_host_commits_first(shop, noise_image(length, 2));
     auto unit = shop.client();
     const auto sent = unit.upload_image(ours);
     REQUIRE_FALSE(sent.has_value());
     CHECK(sent.error().kind == ProblemKind::refused);
-    CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+    CHECK(says(sent, "the active map is another one"));
   }
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
+  UnitWithMap shop(Over::tcp);
   another_host_commits_first(shop, ours);
   auto unit = shop.client();
   const auto sent = unit.upload_image(ours);
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("another host has sent this very map") != std::string::npos);
+  CHECK(says(sent, "another host has sent this very map"));
 }
 
 TEST_CASE("a commit that arrives late, between the status and the abandon, is reported as done") {
   const auto image = noise_image(4000);
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
-  shop.in_server([&](ModbusServer&, UnitModel& model) {
+  UnitWithMap shop(Over::tcp);
+  shop.in_model([&](UnitModel& model) {
     model.takes_commits = false;
     model.on_abandon = [&model, length = static_cast<std::uint32_t>(image.size())] { model.switch_banks(length); };
   });
   auto unit = shop.client();
   REQUIRE(unit.upload_image(image).has_value());
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); }) == image);
+  CHECK(shop.active_image() == image);
 }
 
 TEST_CASE("a commit that the unit carried out before it was restarted is not given again and counts as done") {
   const auto image = noise_image(4000);
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  shop.in_server([](ModbusServer&, UnitModel& model) {
+  UnitWithMap shop(Over::pty);
+  shop.in_model([](UnitModel& model) {
     model.after_commit = [&model] {
       model.replies_to_lose = 1;
       ++model.unit_clock.starts;
@@ -405,76 +395,47 @@ TEST_CASE("a commit that the unit carried out before it was restarted is not giv
   });
   auto unit = shop.client();
   REQUIRE(unit.upload_image(image).has_value());
-  const auto log = shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; });
+  const auto log = shop.in_model([](UnitModel& model) { return model.log; });
   CHECK(std::count(log.begin(), log.end(), CommandCode::commit_staged) == 1);
 }
 
 TEST_CASE("a commit whose replies were lost while another host committed is not taken for ours") {
-  auto shop = Workshop::on_pty();
-  install_old(shop);
-  auto options = shop.options();
-  options.timing->tries = 2;
-  UnitClient unit(Link::open(shop.address(), options).value());
+  UnitWithMap shop(Over::pty);
+  auto unit = shop.client_of_tries(2);
   another_host_commits_first(shop, noise_image(4000, 2));
-  shop.in_server([](ModbusServer&, UnitModel& model) {
+  shop.in_model([](UnitModel& model) {
     model.on_commit = [before = model.on_commit, &model] {
       before();
       model.replies_to_lose = 2;
     };
   });
   const auto sent = unit.upload_image(noise_image(4000, 1));
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+  CHECK(says(sent, "the active map is another one"));
 }
 
 TEST_CASE("a command that acts on the machine and is not answered may have been carried out, and that is reported") {
   auto shop = Workshop::on_pty();
-  auto options = shop.options();
-  options.timing->tries = 2;
-  UnitClient unit(Link::open(shop.address(), options).value());
+  auto unit = shop.client_of_tries(2);
   REQUIRE(unit.output_compensation(Axis::X, 5.0, true));
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.replies_to_lose = 1'000; });
+  shop.in_model([](UnitModel& model) { model.replies_to_lose = 1'000; });
   const auto output = unit.output_compensation(Axis::X, 6.0, true);
-  REQUIRE_FALSE(output);
-  CHECK(output.error().message.find("the relay of X may be closed") != std::string::npos);
+  CHECK(says(output, "the relay of X may be closed"));
   const auto off = unit.output_off();
-  REQUIRE_FALSE(off);
-  CHECK(off.error().message.find("a relay that was closed still is") != std::string::npos);
-  CHECK(off.error().message.find("60 s") != std::string::npos);
+  CHECK(says(off, "a relay that was closed still is"));
+  CHECK(says(off, "60 s"));
 }
-
-namespace {
-
-/// What becomes of an upload when `then` happens as soon as some of it has travelled.
-Result<UploadReport> sent_while(Workshop& shop, const std::function<void(UnitModel&)>& then) {
-  auto unit = shop.client();
-  bool happened = false;
-  return unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
-    if (happened || progress.bytes_done < 5'000) return;
-    happened = true;
-    shop.in_server([&](ModbusServer&, UnitModel& model) { then(model); });
-  });
-}
-
-bool says(const Result<UploadReport>& sent, std::string_view words) {
-  return !sent && sent.error().message.find(words) != std::string::npos;
-}
-
-}  // namespace
 
 TEST_CASE("a unit that names the bank of its active map to be written is not written to") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.names_active_bank = true; });
+  UnitWithMap shop(Over::tcp);
+  shop.in_model([](UnitModel& model) { model.names_active_bank = true; });
   const auto sent = shop.client().upload_image(noise_image(20'000));
   CHECK(says(sent, "the bank beside the active one"));
   CHECK(says(sent, "old map is active"));
-  CHECK(active_image(shop) == kOldImage);
+  CHECK(shop.active_image() == kOldImage);
 }
 
 TEST_CASE("a map that another host commits meanwhile stays active, and the message names it") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
+  UnitWithMap shop(Over::tcp);
   const auto sent = sent_while(shop, [](UnitModel& model) {
     model.commits = 7;
     model.active = Bank::B;
@@ -482,21 +443,17 @@ TEST_CASE("a map that another host commits meanwhile stays active, and the messa
   CHECK(says(sent, "another host"));
   CHECK(says(sent, "commit 7"));
   CHECK(!says(sent, "old map is active"));
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 7);
+  CHECK(shop.in_model([](UnitModel& model) { return model.commits; }) == 7);
 }
 
 TEST_CASE("a host that was paused while another one sent its map is refused, and says that this transfer has ended") {
   for (const bool other_commits : {true, false}) {
     CAPTURE(other_commits);
-    auto shop = Workshop::on_tcp();
-    install_old(shop);
+    UnitWithMap shop(Over::tcp);
     auto paused = shop.client();
     auto other = shop.client();
     const auto others = noise_image(9'000, 3);
-    bool happened = false;
-    const auto sent = paused.upload_image(noise_image(20'000), [&](const Progress& progress) {
-      if (happened || progress.bytes_done < 5'000) return;
-      happened = true;
+    const auto sent = sent_while(paused, noise_image(20'000), 5'000, [&] {
       if (other_commits)
         REQUIRE(other.upload_image(others).has_value());
       else
@@ -504,47 +461,31 @@ TEST_CASE("a host that was paused while another one sent its map is refused, and
     });
     CHECK(says(sent, "this transfer has ended: another host has begun one or sent a map"));
     CHECK(says(sent, other_commits ? "the active map is another one (9000 bytes, commit 1)" : "old map is active"));
-    CHECK(active_image(shop) == (other_commits ? others : kOldImage));
-    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }) != other_commits);
+    CHECK(shop.active_image() == (other_commits ? others : kOldImage));
+    CHECK(shop.staging() != other_commits);
   }
 }
 
 TEST_CASE("a map is not committed in another unit that the cable has been moved to") {
-  auto shop = Workshop::on_tcp();
-  install_old(shop);
+  UnitWithMap shop(Over::tcp);
   const auto sent = sent_while(shop, [](UnitModel& model) { model.serial_number = "ECS-0043"; });
   CHECK(says(sent, "unit ECS-0043 answers on this link now, unit ECS-0042 did before"));
-  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 0);
-  CHECK(active_image(shop) == kOldImage);
+  CHECK(shop.in_model([](UnitModel& model) { return model.commits; }) == 0);
+  CHECK(shop.active_image() == kOldImage);
 }
-
-namespace {
-
-const std::string kUnitCode = "271828";
-
-/// An armed host sends a map to a unit that takes its hosts for armed no longer once some of it has travelled.
-Result<UploadReport> sent_across_the_end_of_arming(Workshop& shop, bool knows_code) {
-  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
-  auto unit = shop.client();
-  REQUIRE(unit.arm(kUnitCode, 1));
-  if (knows_code) unit.know_code(kUnitCode);
-  bool happened = false;
-  return unit.upload_image(noise_image(40'000), [&](const Progress& progress) {
-    if (happened || progress.bytes_done < 5'000) return;
-    happened = true;
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.unit_clock.ms += 60'000; });
-  });
-}
-
-}  // namespace
 
 TEST_CASE("a host whose arming ends within a transfer is armed again if it knows the code, otherwise it says so") {
   for (const bool knows_code : {true, false}) {
     CAPTURE(knows_code);
-    Workshop shop(ModbusServer::on_tcp({}).value(), kUnitCode);
-    const auto sent = sent_across_the_end_of_arming(shop, knows_code);
+    const std::string code = "271828";
+    UnitWithMap shop(Over::tcp, kOldImage, code);
+    auto unit = shop.client();
+    REQUIRE(unit.arm(code, 1));
+    if (knows_code) unit.know_code(code);
+    const auto sent = sent_while(unit, noise_image(40'000), 5'000,
+                                 [&] { shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; }); });
     CHECK(sent.has_value() == knows_code);
-    CHECK((active_image(shop) == noise_image(40'000)) == knows_code);
+    CHECK((shop.active_image() == noise_image(40'000)) == knows_code);
     if (knows_code) continue;
     CHECK(says(sent, "the time for which this host was armed has ended"));
     CHECK(says(sent, "old map is active"));
@@ -553,8 +494,7 @@ TEST_CASE("a host whose arming ends within a transfer is armed again if it knows
 
 TEST_CASE("whatever ends an upload before its commit, the message names the old map as the active one") {
   for (const bool had_map : {true, false}) {
-    auto shop = Workshop::on_tcp();
-    if (had_map) install_old(shop);
+    UnitWithMap shop(Over::tcp, had_map ? kOldImage : std::vector<std::uint8_t>());
     const auto sent = sent_while(shop, [](UnitModel& model) { model.bank_b[100] ^= model.bank_a[100] ^= 1; });
     CHECK(says(sent, had_map ? "old map is active" : "holds none, as before"));
   }
@@ -563,13 +503,9 @@ TEST_CASE("whatever ends an upload before its commit, the message names the old 
 TEST_CASE("a line that dies after the commit was answered leaves no doubt that the new map is active") {
   for (const int answered : {1, 2}) {
     CAPTURE(answered);
-    auto shop = Workshop::on_pty();
-    install_old(shop);
-    auto options = shop.options();
-    options.timing->tries = 1;
-    UnitClient unit(Link::open(shop.address(), options).value());
-    shop.in_server(
-        [=](ModbusServer&, UnitModel& model) { model.on_commit = [=, &model] { model.replies_left = answered; }; });
+    UnitWithMap shop(Over::pty);
+    auto unit = shop.client_of_tries(1);
+    shop.in_model([=](UnitModel& model) { model.on_commit = [=, &model] { model.replies_left = answered; }; });
     const auto sent = unit.upload_image(noise_image(4000));
     CHECK(says(sent, "it is active (commit 1)"));
   }
@@ -577,26 +513,21 @@ TEST_CASE("a line that dies after the commit was answered leaves no doubt that t
 
 TEST_CASE("a cancel after the commit was answered does not hide that the map is active and verified") {
   std::atomic<bool> cancelled{false};
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   auto unit = shop.client(&cancelled);
-  shop.in_server([&](ModbusServer&, UnitModel& model) { model.after_commit = [&cancelled] { cancelled = true; }; });
+  shop.in_model([&](UnitModel& model) { model.after_commit = [&cancelled] { cancelled = true; }; });
   const auto sent = unit.upload_image(noise_image(4000));
   const bool told = sent.has_value() || says(sent, "it is active (commit 1)");
   CHECK(told);
 }
 
 TEST_CASE("wrong checks of another program on a serial line end the upload, and the message names both causes") {
-  auto shop = Workshop::on_pty();
-  install_old(shop);
+  UnitWithMap shop(Over::pty);
   auto unit = shop.client();
-  bool happened = false;
-  const auto sent = unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
-    if (std::exchange(happened, progress.bytes_done > 3'000) || !happened) return;
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.wrong_blocks_to_come = 3; });
-  });
+  const auto sent = sent_while(unit, noise_image(20'000), 3'000,
+                               [&] { shop.in_model([](UnitModel& model) { model.wrong_blocks_to_come = 3; }); });
   CHECK(says(sent, "several came with a wrong check: another program writes on this link"));
   CHECK(says(sent, "old map is active"));
-  CHECK(active_image(shop) == kOldImage);
-  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+  CHECK(shop.active_image() == kOldImage);
+  CHECK_FALSE(shop.staging());
 }
