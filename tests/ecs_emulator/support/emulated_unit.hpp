@@ -12,6 +12,12 @@
 
 namespace ecs::emulator::test {
 
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandResult;
+using protocol::CommandState;
+using protocol::UnitError;
+
 /// Machine, unit and what a host would tell it.
 struct Bench {
   explicit Bench(const std::string& errors = "", const std::string& machine = small_machine(),
@@ -31,23 +37,23 @@ struct Bench {
     return modules;
   }
 
-  protocol::CommandResult tell(protocol::Command command) {
-    protocol::CommandResult result = unit.begin(command);
-    for (int i = 0; i < 100 && result.state == protocol::CommandState::busy; ++i) {
+  CommandResult tell(Command command) {
+    CommandResult result = unit.begin(command);
+    for (int i = 0; i < 100 && result.state == CommandState::busy; ++i) {
       simulation.tick();
       result = unit.progress();
     }
     return result;
   }
-  protocol::CommandResult tell(protocol::CommandCode code) { return tell(protocol::Command{.code = code}); }
+  CommandResult tell(CommandCode code) { return tell(Command{.code = code}); }
 
-  protocol::CommandResult stage_and_commit(const std::vector<std::uint8_t>& image) {
-    const auto staged = tell(protocol::CommandCode::begin_staging);
-    if (staged.state != protocol::CommandState::done) return staged;
-    CHECK(unit.write_memory(staged.value, image) == protocol::UnitError::none);
-    return tell(protocol::Command{.code = protocol::CommandCode::commit_staged,
-                                  .length = static_cast<std::uint32_t>(image.size()),
-                                  .crc = crc32_of(image)});
+  CommandResult stage_and_commit(const std::vector<std::uint8_t>& image) {
+    const auto staged = tell(CommandCode::begin_staging);
+    if (staged.state != CommandState::done) return staged;
+    CHECK(unit.write_memory(staged.value, image) == UnitError::none);
+    return tell(Command{.code = CommandCode::commit_staged,
+                        .length = static_cast<std::uint32_t>(image.size()),
+                        .crc = crc32_of(image)});
   }
 
   std::vector<std::uint8_t> image(const CurveFunction& compensation) {
@@ -57,8 +63,8 @@ struct Bench {
   /// Map in, compensation mode, machine referenced.
   void compensate(const CurveFunction& compensation = [](Component, double, Approach) { return 0.0; }) {
     const auto committed = stage_and_commit(image(compensation));
-    REQUIRE_MESSAGE(committed.state == protocol::CommandState::done, committed.text);
-    REQUIRE(tell(protocol::CommandCode::enter_compensation).state == protocol::CommandState::done);
+    REQUIRE_MESSAGE(committed.state == CommandState::done, committed.text);
+    REQUIRE(tell(CommandCode::enter_compensation).state == CommandState::done);
     reference_all();
     REQUIRE(unit.mode() == UnitMode::compensating);
   }

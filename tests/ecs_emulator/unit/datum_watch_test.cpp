@@ -12,8 +12,6 @@
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using protocol::CommandCode;
-using protocol::CommandState;
 
 namespace {
 

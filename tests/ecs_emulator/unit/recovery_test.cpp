@@ -13,8 +13,6 @@
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using protocol::CommandCode;
-using protocol::CommandState;
 
 namespace {
 

@@ -9,10 +9,6 @@
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using protocol::Command;
-using protocol::CommandCode;
-using protocol::CommandState;
-using protocol::UnitError;
 
 TEST_CASE("a compensating unit answers reads and refuses every write and command but integrate") {
   Bench bench;
