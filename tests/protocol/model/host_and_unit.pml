@@ -3,9 +3,9 @@
  * Checked by `check` beside this file, in every configuration named there. The names are those of docs/protocol.md.
  *
  * What is modelled
- *   serve()     the unit: protocol/server/register_server.cpp, memory_window.cpp, ecs_emulator/unit/commands.cpp
+ *   serve()     the unit: protocol/server/register_server.cpp, ecs_emulator/unit/commands.cpp
  *   give()      how a host gives a command: protocol/client/client.cpp
- *   Uploader    `ecs map send`: protocol/client/upload.cpp, memory.cpp, commit.cpp
+ *   Uploader    `ecs map send`: protocol/client/upload.cpp
  *   Operator    a host that gives commands and writes system RAM: arm, disarm, output compensation, output off
  *   Link        loss, repetition and delay of requests, loss of replies; restart of a unit; time; a cable that is moved
  *

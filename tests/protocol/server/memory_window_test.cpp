@@ -1,6 +1,4 @@
 // The unit's side of a bulk write.
-#include "protocol/server/memory_window.hpp"
-
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
@@ -8,6 +6,7 @@
 #include "base/random.hpp"
 #include "protocol/client/block_frames.hpp"
 #include "protocol/registers/unit_registers.hpp"
+#include "protocol/server/register_server.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
