@@ -15,20 +15,15 @@
 
 namespace ecs::emulator {
 /// Functions of libunicorn by the names of its header, without "uc_".
+#define ECS_PROCESSOR_FUNCTIONS(F)                                                                                 \
+  F(open)                                                                                                          \
+  F(close) F(ctl) F(strerror) F(reg_read) F(reg_write) F(mem_read) F(mem_write) F(mem_map) F(mmio_map) F(hook_add) \
+      F(emu_start) F(emu_stop)
+
 struct ProcessorLibrary {
-  decltype(&uc_open) open = nullptr;
-  decltype(&uc_close) close = nullptr;
-  decltype(&uc_ctl) ctl = nullptr;
-  decltype(&uc_strerror) strerror = nullptr;
-  decltype(&uc_reg_read) reg_read = nullptr;
-  decltype(&uc_reg_write) reg_write = nullptr;
-  decltype(&uc_mem_read) mem_read = nullptr;
-  decltype(&uc_mem_write) mem_write = nullptr;
-  decltype(&uc_mem_map) mem_map = nullptr;
-  decltype(&uc_mmio_map) mmio_map = nullptr;
-  decltype(&uc_hook_add) hook_add = nullptr;
-  decltype(&uc_emu_start) emu_start = nullptr;
-  decltype(&uc_emu_stop) emu_stop = nullptr;
+#define F(name) decltype(&uc_##name) name = nullptr;
+  ECS_PROCESSOR_FUNCTIONS(F)
+#undef F
 };
 
 namespace {
@@ -44,19 +39,9 @@ std::optional<ProcessorLibrary> loaded() {
     whole = whole && function != nullptr;
   };
   ProcessorLibrary functions;
-  take(functions.open, "uc_open");
-  take(functions.close, "uc_close");
-  take(functions.ctl, "uc_ctl");
-  take(functions.strerror, "uc_strerror");
-  take(functions.reg_read, "uc_reg_read");
-  take(functions.reg_write, "uc_reg_write");
-  take(functions.mem_read, "uc_mem_read");
-  take(functions.mem_write, "uc_mem_write");
-  take(functions.mem_map, "uc_mem_map");
-  take(functions.mmio_map, "uc_mmio_map");
-  take(functions.hook_add, "uc_hook_add");
-  take(functions.emu_start, "uc_emu_start");
-  take(functions.emu_stop, "uc_emu_stop");
+#define F(name) take(functions.name, "uc_" #name);
+  ECS_PROCESSOR_FUNCTIONS(F)
+#undef F
   if (!whole) return std::nullopt;
   return functions;
 }
@@ -76,24 +61,20 @@ constexpr std::array<int, 8> kAddress{UC_M68K_REG_A0, UC_M68K_REG_A1, UC_M68K_RE
 
 /// Vectors of the 68000 that a program can meet.
 std::string name_of_exception(std::uint32_t vector) {
-  switch (vector) {
-    case 4:
-      return "illegal instruction";
-    case 5:
-      return "division by zero";
-    case 6:
-      return "CHK out of bounds";
-    case 7:
-      return "TRAPV";
-    case 8:
-      return "privilege violation";
-    case 10:
-      return "line A instruction";
-    case 11:
-      return "line F instruction";
-    default:
-      return vector >= 32 && vector < 48 ? fmt::format("TRAP #{}", vector - 32) : fmt::format("exception {}", vector);
-  }
+  constexpr std::array<std::string_view, 12> kNames{"",
+                                                    "",
+                                                    "",
+                                                    "",
+                                                    "illegal instruction",
+                                                    "division by zero",
+                                                    "CHK out of bounds",
+                                                    "TRAPV",
+                                                    "privilege violation",
+                                                    "",
+                                                    "line A instruction",
+                                                    "line F instruction"};
+  if (vector < kNames.size() && !kNames[vector].empty()) return std::string(kNames[vector]);
+  return vector >= 32 && vector < 48 ? fmt::format("TRAP #{}", vector - 32) : fmt::format("exception {}", vector);
 }
 
 std::uint64_t big_endian(ByteView bytes) {
