@@ -7,7 +7,7 @@
 #include "base/cli/command_tree.hpp"
 #include "base/shown.hpp"
 #include "base/version.hpp"
-#include "ecs_emulator/verbs/registry.hpp"
+#include "ecs_emulator/verbs/verb.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "base/file.hpp"
 #include "base/overwriting.hpp"
 #include "ecs_emulator/part_programs/writer.hpp"
-#include "ecs_emulator/verbs/request_verb.hpp"
+#include "ecs_emulator/verbs/requests.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -14,20 +14,20 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-void add_plan_options(RequestVerb verb) {
-  verb.word("--axis", "axis", "moving axis");
-  verb.word("--sense", "sense", "what is measured (positioning)");
-  verb.word("--instrument", "instrument", "said in the head of the program");
-  verb.number("--from", "from", "first target, mm");
-  verb.number("--to", "to", "last target, mm");
-  verb.number("--step", "step", "mm");
-  verb.numbers("--targets", "targets", "in place of from, to and step");
-  verb.integer("--runs", "runs", "there and back (3)");
-  verb.flag("--unidirectional", "unidirectional", "one way only");
-  verb.number("--feed", "feed", "mm/min (2000)");
-  verb.number("--dwell", "dwell", "before each reading, s (2)");
-  verb.number("--overrun", "overrun", "mm (5)");
-}
+constexpr RequestOption kPlanOptions[]{
+    {"--axis", OptionKind::word, "moving axis"},
+    {"--sense", OptionKind::word, "what is measured (positioning)"},
+    {"--instrument", OptionKind::word, "said in the head of the program"},
+    {"--from", OptionKind::number, "first target, mm"},
+    {"--to", OptionKind::number, "last target, mm"},
+    {"--step", OptionKind::number, "mm"},
+    {"--targets", OptionKind::numbers, "in place of from, to and step"},
+    {"--runs", OptionKind::integer, "there and back (3)"},
+    {"--unidirectional", OptionKind::flag, "one way only"},
+    {"--feed", OptionKind::number, "mm/min (2000)"},
+    {"--dwell", OptionKind::number, "before each reading, s (2)"},
+    {"--overrun", OptionKind::number, "mm (5)"},
+};
 
 struct ProgramRequest {
   std::string plan, output, machine;
@@ -36,7 +36,7 @@ struct ProgramRequest {
   static Fields<ProgramRequest> fields() {
     using R = ProgramRequest;
     return {{"PLAN", &R::plan, "plan file (TOML): one program for each row"},
-            request_fields(&R::request, add_plan_options),
+            request_fields(&R::request, kPlanOptions),
             {"--even", &R::even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks"},
             {"--machine", &R::machine, "machine file: park the other axes, check the travel"},
             {"-o,--output", &R::output, "file; with a plan: folder", cli::Is::output, Need::required},

@@ -1,9 +1,8 @@
 // The list of all verbs, and `completion` and `manual`, which are written from it. A verb is defined in another file of
 // this folder; here it gets its row.
-#include "ecs_emulator/verbs/registry.hpp"
-
 #include "base/cli/documents.hpp"
 #include "ecs_emulator/verbs/module.hpp"
+#include "ecs_emulator/verbs/verb.hpp"
 
 namespace ecs::emulator {
 

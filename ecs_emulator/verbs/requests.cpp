@@ -1,27 +1,252 @@
-// Requests as verbs: of a machine without a unit, and to a running server (docs/emulator.md).
+// Requests as verbs: their options, of a machine without a unit, and to a running server (docs/emulator.md).
+#include "ecs_emulator/verbs/requests.hpp"
 
+#include <cctype>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
+#include "base/outcome.hpp"
+#include "base/overwriting.hpp"
 #include "ecs_emulator/instruments/files.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
-#include "ecs_emulator/verbs/request_verb.hpp"
-#include "ecs_emulator/verbs/verb.hpp"
 #include "ecs_emulator/workshop/serve.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 
 namespace ecs::emulator {
 namespace {
 
+using Json = nlohmann::json;
+using enum OptionKind;
+
+const RequestOption kForceOption{"--force", flag, "overwrites output files that are there"};
+const RequestOption kReversedOption{"--reversed", integer,
+                                    "square or straight edge: 1 turned over, 0 as it was; writes the column"};
+/// Of the instrument.
+const std::vector<RequestOption> kSettings{
+    {"--air", word, "off, manual or automatic"},
+    {"--material", word, "off, manual or automatic"},
+    {"--material-temperature", number, "entered, degC"},
+    {"--dead-path", number, "m"},
+    {"--misalignment", number, "between beam and axis, mrad"},
+    {"--trigger-latency", number, "of readings on the fly, s"},
+};
+
+std::vector<RequestOption> with_settings(std::vector<RequestOption> before, const std::vector<RequestOption>& after) {
+  for (const auto& more : {kSettings, after}) before.insert(before.end(), more.begin(), more.end());
+  return before;
+}
+
+const std::vector<RequestOption> kMeasureOptions = with_settings(
+    {
+        {"--axis", word, "", Need::required},
+        {"--sense", word, "", Need::required},
+        {"--from", number},
+        {"--to", number},
+        {"--step", number},
+        {"--targets", numbers},
+        {"--moved", flag, "targets off equal steps, as ISO 230-2 asks"},
+        {"--runs", integer},
+        {"--unidirectional", flag},
+        {"--parked", coordinates, "for example y=-700,z=0"},
+        {"--feed", number},
+        {"--dwell", number},
+        {"--overrun", number},
+        {"--on-the-fly", flag},
+        {"--instrument", word},
+    },
+    {
+        kReversedOption,
+        {"--beam-broken-at", integer, "somebody steps into the beam before this reading"},
+        {"--date", word},
+        {"--engineer", word},
+        {"--plan-name", word},
+        {"-o,--output", paths, "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos"},
+        kForceOption,
+    });
+const std::vector<RequestOption> kCaptureOptions = with_settings(
+    {
+        {"--axis", word, "", Need::required},
+        {"--sense", word, "", Need::required},
+        {"--rate", number, "Hz (1000)"},
+        {"--seconds", number, "(10)"},
+        {"--to", number, "mm; the axis starts to move there"},
+        {"--feed", number},
+        {"--instrument", word},
+    },
+    {
+        {"--date", word},
+        {"--engineer", word},
+        {"-o,--output", paths, "files: .csv, .rtx"},
+        kForceOption,
+    });
+const std::vector<RequestOption> kSurveyOptions{
+    {"--step", number}, {"--approach", integer}, {"--with-scatter", flag}, {"-o,--output", path}, kForceOption,
+};
+const std::vector<RequestOption> kComponentsOptions{
+    {"--x", numbers, "coordinates, separated by commas, mm"}, {"--y", numbers, "coordinates, separated by commas, mm"},
+    {"--z", numbers, "coordinates, separated by commas, mm"}, {"--a", numbers, "angles, separated by commas, deg"},
+    {"--b", numbers, "angles, separated by commas, deg"},     {"--c", numbers, "angles, separated by commas, deg"},
+};
+const std::vector<RequestOption> kCircleOptions{
+    {"--plane", word, "XY, YZ, ZX, or the axes in the other order; the angle rises from the first to the second",
+     Need::required},
+    {"--centre", coordinates, "x=200,y=300; the middle of the travel where nothing is said"},
+    {"--radius", number, "[mm], 100"},
+    {"--feed", number, "[mm/min], 1000"},
+    {"--start", number, "[deg], 0"},
+    {"--overlap", number, "before and after each turn [deg], 45"},
+    {"--step", number, "between readings [deg], 1"},
+    {"--runs", integer, "each of one turn both ways, 2"},
+    {"--noise", number, "standard deviation of the ball bar [um], 0.1"},
+    {"-o,--output", path, "circle file (modules/standards/README.md)"},
+    kForceOption,
+};
+const std::vector<RequestOption> kLengthsOptions{
+    {"PLAN", path, "plan of lengths (.csv, modules/lengths/README.md)", Need::required},
+    {"--noise", number, "of a reading, standard deviation [um], 0.2"},
+    {"--scale", number, "of each set-up, standard deviation [um/m], 0.1"},
+    {"--station", number, "of each coordinate of a station, standard deviation [mm], 0.2"},
+    {"--tool", number, "of each coordinate of a tool, standard deviation [mm], 0.05"},
+    {"--zero", number, "of each run, standard deviation [um], 100"},
+    {"--bar", number, "of a ball bar's length where the plan says bar_um, standard deviation [um], 1"},
+    {"--no-scatter", flag, "without what does not repeat of the machine"},
+    {"-o,--output", path, "the plan with its readings (.csv)"},
+    kForceOption,
+};
+const std::vector<RequestOption> kRunOptions{
+    {"PROGRAM", path, "part program (docs/unit.md)", Need::required},
+    {"--axis", word, "axis whose component every M08 reads"},
+    {"--sense", word, "EX, EY, EZ, EA, EB or EC"},
+    {"--instrument", word, "linear, straightness, angular, level or square"},
+    kReversedOption,
+    {"-o,--output", paths, "readings; the form follows the name, as with measure"},
+    {"--trace", path, "the track, sample by sample (.csv)"},
+    {"--trace-period", number, "between samples, s (0.001); 0: every tick"},
+    {"--date", word, "into the metadata"},
+    {"--engineer", word, "into the metadata"},
+    kForceOption,
+};
+const std::vector<RequestOption> kBallOptions{
+    {"--ball", numbers, "X,Y,Z at which the linear axes touch the ball, all rotary axes at 0 [mm]"},
+    {"--sweep", words, "C=0:330:30/A=-60: the axis that turns, from:to:step, and where another stands"},
+    {"--tool-offset", numbers, "X,Y,Z from the point at which errors count to the ball in the spindle"},
+    {"--off", numbers, "X,Y,Z by which the ball is off its place on the table [um]"},
+    {"--tool-off", numbers, "X,Y,Z by which that in the spindle is off [um]"},
+    {"--on-workpiece", flag, "sensors turn with the table"},
+    {"--runs", integer, "each there and back, 2"},
+    {"--noise", number, "of a reading, standard deviation [um], 0.3"},
+    {"--seconds", number, "from one pose to the next, 5"},
+    {"-o,--output", path, "measurement set (.csv); else it comes back as csv"},
+    kForceOption,
+};
+const std::vector<RequestOption> kTurnOptions{
+    {"--sweep", word, "C=0:330:30: the axis that turns, from:to:step [deg]", Need::required},
+    {"--sense", word, "EX, EY, EZ (um), EA, EB, EC (um/m)", Need::required},
+    {"--runs", integer, "each there and back, 3"},
+    {"--noise", number, "of a reading, standard deviation [um, um/m], 0.3"},
+    {"--seconds", number, "from one target to the next, 5"},
+    {"-o,--output", path, "measurement set (.csv); else it comes back as csv"},
+    kForceOption,
+};
+const std::vector<RequestOption> kJogOptions{
+    {"--x,-x", number, "", Need::optional, "X"},
+    {"--y,-y", number, "", Need::optional, "Y"},
+    {"--z,-z", number, "", Need::optional, "Z"},
+    {"--feed", number},
+};
+const std::vector<RequestOption> kFaultOptions{
+    {"NAME", word, "", Need::required},
+    {"--address", integer},
+    {"--bit", integer},
+    {"--level", integer},
+    {"--bits", integer},
+    {"--axis", word},
+    {"--back", flag},
+    {"--us", number},
+    {"--count", integer},
+    {"--probability", number},
+    {"--slow-ms", number},
+};
+
+Json coordinates_in(const std::vector<std::string>& texts) {
+  Json place = Json::object();
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    std::string name = text.substr(0, equals);
+    for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+    const Json value = equals == std::string::npos ? Json() : Json::parse(text.substr(equals + 1), nullptr, false);
+    place[name] = value.is_discarded() ? Json(text.substr(equals + 1)) : value;
+  }
+  return place;
+}
+
+std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
+
+/// "-o,--output" → output
+std::string key_of(const RequestOption& option) {
+  if (option.key != nullptr) return option.key;
+  std::string name(option.option);
+  name.erase(0, name.rfind(',') + 1);
+  name.erase(0, name.find_first_not_of('-'));
+  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// The kind of problem that ends the program with this code.
+ProblemKind kind_of(int exit_code) {
+  for (const ProblemKind kind : {ProblemKind::refused, ProblemKind::usage, ProblemKind::bad_input, ProblemKind::link})
+    if (exit_code_of(kind) == exit_code) return kind;
+  return ProblemKind::output;
+}
+
+/// Whether --force was given; the request itself does not hold it any more.
+bool force_in(Json& request) { return request.erase("force") > 0; }
+
+/// A `usage` problem if the request writes to a file that is there, unless `force`.
+Result<void> spared_by(const Json& request, bool force) {
+  std::vector<std::string> files;
+  for (const char* key : {"output", "trace"}) {
+    if (!request.contains(key)) continue;
+    if (request[key].is_string()) files.push_back(request[key]);
+    if (request[key].is_array())
+      for (const Json& file : request[key]) files.push_back(file);
+  }
+  return spared(files, force);
+}
+
+/// Prints the answer of a workshop on stdout; what it refused is the problem.
+Result<Outcome> printed(const std::string& answer) {
+  const Json parsed = Json::parse(answer, nullptr, false);
+  if (parsed.is_object() && parsed.value("ok", false)) {
+    fmt::print("{}\n", answer);
+    return Outcome{};
+  }
+  if (!parsed.is_object() || !parsed.contains("error"))
+    return problem(ProblemKind::link, fmt::format("expected one JSON object from the workshop, got {}", answer));
+  return problem(kind_of(parsed.value("exit", 5)), parsed["error"].value("message", answer));
+}
+
+/// Draws the progress of a request on a terminal. @param line  {"progress": 0.25}
+void show_progress(const std::string& line) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  const Json parsed = Json::parse(line, nullptr, false);
+  const double part = parsed.is_object() ? parsed.value("progress", 0.0) : 0.0;
+  const int at = parsed.is_object() ? parsed.value("line", 0) : 0;
+  fmt::print(stderr, "\r{:3.0f} %{}{}", part * 100.0, at > 0 ? fmt::format("  line {:<8}", at) : "",
+             part >= 1.0 ? "\n" : "");
+}
+
 struct AloneRequest {
   MachineArguments machine;
-  nlohmann::json request;
+  Json request;
 };
 
 Result<Outcome> act_alone(const std::string& name, const AloneRequest& asked) {
   const auto& [machine, errors, seed] = asked.machine;
-  nlohmann::json request = asked.request;
+  Json request = asked.request;
   request["action"] = name;
   const bool force = force_in(request);
   ECS_DO(spared_by(request, force));
@@ -32,12 +257,12 @@ Result<Outcome> act_alone(const std::string& name, const AloneRequest& asked) {
 }
 
 Action without_unit(const std::string& name, std::string help, const std::string& example,
-                    void (*declare)(RequestVerb)) {
+                    const std::vector<RequestOption>& options) {
   return cli::action<VerbContext, AloneRequest, Outcome>(
       name, std::move(help), "ecs-emulator " + name + " --machine machine.toml " + example,
       [name](VerbContext& /*context*/, const AloneRequest& asked) { return act_alone(name, asked); }, {},
-      [declare] {
-        return Fields<AloneRequest>{&AloneRequest::machine, request_fields(&AloneRequest::request, declare)};
+      [options] {
+        return Fields<AloneRequest>{&AloneRequest::machine, request_fields(&AloneRequest::request, options)};
       });
 }
 
@@ -46,30 +271,28 @@ Action without_unit(const std::string& name, std::string help, const std::string
 const std::vector<Action>& verbs_without_unit() {
   static const std::vector<Action> verbs{
       without_unit("measure", "measure a machine without a unit",
-                   "--axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv", add_measure_options),
+                   "--axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv", kMeasureOptions),
       without_unit("capture", "an instrument's display at a constant rate, on a machine without a unit",
-                   "--axis X --sense EX --seconds 10 -o run.rtx", add_capture_options),
+                   "--axis X --sense EX --seconds 10 -o run.rtx", kCaptureOptions),
       without_unit("survey", "true volumetric error of a machine without a unit", "--step 500 -o survey.csv",
-                   add_survey_options),
+                   kSurveyOptions),
       without_unit("components", "true error components along the axes of a machine without a unit",
-                   "--x 0,500,1000 --y 0,100", add_components_options),
+                   "--x 0,500,1000 --y 0,100", kComponentsOptions),
       without_unit("circle", "circular test (ISO 230-4) of a machine without a unit",
-                   "--plane XY --radius 100 --feed 1000 -o circle.csv", add_circle_options),
+                   "--plane XY --radius 100 --feed 1000 -o circle.csv", kCircleOptions),
       without_unit("lengths", "lengths from stations or along lines to the tool, as a plan says",
-                   "plan.csv -o lengths.csv", add_lengths_options),
+                   "plan.csv -o lengths.csv", kLengthsOptions),
       without_unit("ball", "a ball on the table of a machine with rotary axes, without a unit",
-                   "--ball 750,300,-500 -o ball.csv", add_ball_options),
+                   "--ball 750,300,-500 -o ball.csv", kBallOptions),
       without_unit("turn", "an error motion of a rotary axis by itself, without a unit",
-                   "--sweep C=0:345:15 --sense EC -o ecc.csv", add_turn_options),
+                   "--sweep C=0:345:15 --sense EC -o ecc.csv", kTurnOptions),
       without_unit("run", "run a part program on a machine without a unit", "exx.nc --axis X --sense EX -o exx.csv",
-                   add_run_options),
+                   kRunOptions),
   };
   return verbs;
 }
 
 namespace {
-
-using Json = nlohmann::json;
 
 Result<Outcome> ask(const VerbContext& context, const std::string& request) {
   const auto answer = ask_workshop(context.workshop, request, show_progress);
@@ -80,7 +303,8 @@ Result<Outcome> ask(const VerbContext& context, const std::string& request) {
 struct WorkshopRequest {
   Json request;
 };
-Action request(const std::string& name, std::string help, const std::string& example, void (*declare)(RequestVerb)) {
+Action request(const std::string& name, std::string help, const std::string& example,
+               const std::vector<RequestOption>& options) {
   return cli::action<VerbContext, WorkshopRequest, Outcome>(
       "workshop " + name, std::move(help), "ecs-emulator workshop shop.sock " + example,
       [name](VerbContext& context, const WorkshopRequest& asked) -> Result<Outcome> {
@@ -90,28 +314,7 @@ Action request(const std::string& name, std::string help, const std::string& exa
         ECS_DO(spared_by(request, force));
         return ask(context, request.dump());
       },
-      {}, [declare] { return request_fields(&WorkshopRequest::request, declare); });
-}
-
-void add_jog_options(RequestVerb verb) {
-  verb.number("--x,-x", "X");
-  verb.number("--y,-y", "Y");
-  verb.number("--z,-z", "Z");
-  verb.number("--feed", "feed");
-}
-
-void add_fault_options(RequestVerb verb) {
-  verb.word("NAME", "name", "", Need::required);
-  verb.integer("--address", "address");
-  verb.integer("--bit", "bit");
-  verb.integer("--level", "level");
-  verb.integer("--bits", "bits");
-  verb.word("--axis", "axis");
-  verb.flag("--back", "back");
-  verb.number("--us", "us");
-  verb.integer("--count", "count");
-  verb.number("--probability", "probability");
-  verb.number("--slow-ms", "slow_ms");
+      {}, [options] { return request_fields(&WorkshopRequest::request, options); });
 }
 
 struct PlanRequest {
@@ -153,37 +356,67 @@ Result<Outcome> follow_plan(VerbContext& context, const PlanRequest& arguments) 
 
 const std::vector<Action>& workshop_verbs() {
   static const std::vector<Action> verbs{
-      request("state", "positions, unit, time and counters", "state", [](RequestVerb /*verb*/) {}),
-      request("jog", "move axes", "jog --x -100 --y 50 --feed 2000", add_jog_options),
+      request("state", "positions, unit, time and counters", "state", {}),
+      request("jog", "move axes", "jog --x -100 --y 50 --feed 2000", kJogOptions),
       request("reference", "run the controller's reference sequence, all axes or --axes X", "reference --axes X",
-              [](RequestVerb verb) { verb.words("--axes", "axes"); }),
+              {{"--axes", words}}),
       request("measure", "measure a line", "measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv",
-              add_measure_options),
-      request("run", "run a part program", "run exx.nc --axis X --sense EX -o exx.csv", add_run_options),
+              kMeasureOptions),
+      request("run", "run a part program", "run exx.nc --axis X --sense EX -o exx.csv", kRunOptions),
       request("mdi", "one block of a part program", "mdi \"G01 X-100 F2000\"",
-              [](RequestVerb verb) { verb.word("BLOCK", "block", "one block: \"G01 X-100 F2000\"", Need::required); }),
+              {{"BLOCK", word, "one block: \"G01 X-100 F2000\"", Need::required}}),
       request("capture", "the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
-              add_capture_options),
+              kCaptureOptions),
       request("circle", "circular test (ISO 230-4) with a ball bar", "circle --plane XY --radius 100 -o circle.csv",
-              add_circle_options),
-      request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv",
-              add_survey_options),
+              kCircleOptions),
+      request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv", kSurveyOptions),
       request("power", "the unit's mains switch: off, on or cycle", "power cycle",
-              [](RequestVerb verb) { verb.word("STATE", "state", "", Need::required); }),
-      request("wait", "let simulated time pass", "wait 3600",
-              [](RequestVerb verb) { verb.number("SECONDS", "seconds", "", Need::required); }),
-      request("tick", "run so many periods of the unit's loop", "tick 1000",
-              [](RequestVerb verb) { verb.integer("COUNT", "count", "", Need::required); }),
-      request("load", "put a workpiece on the table", "load 500",
-              [](RequestVerb verb) { verb.number("KG", "kg", "", Need::required); }),
-      request("arm-code", "the code that the unit shows, which a host needs to arm it", "arm-code",
-              [](RequestVerb /*verb*/) {}),
-      request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", add_fault_options),
+              {{"STATE", word, "", Need::required}}),
+      request("wait", "let simulated time pass", "wait 3600", {{"SECONDS", number, "", Need::required}}),
+      request("tick", "run so many periods of the unit's loop", "tick 1000", {{"COUNT", integer, "", Need::required}}),
+      request("load", "put a workpiece on the table", "load 500", {{"KG", number, "", Need::required}}),
+      request("arm-code", "the code that the unit shows, which a host needs to arm it", "arm-code", {}),
+      request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
   };
   return verbs;
 }
 
 extern const Action kPlan = action("workshop plan", "every measurement of a plan",
                                    "ecs-emulator workshop shop.sock plan PLAN.toml --phase before -o DIR", follow_plan);
+
+cli::Argument argument_of(const RequestOption& option) {
+  cli::Argument argument{option.option, {}, option.help, option.need};
+  argument.by_commas = option.kind == numbers || option.kind == words || option.kind == coordinates;
+  return argument;
+}
+
+cli::Argument::Target target_of(Json& request, const RequestOption& option) {
+  const auto take = [&request, key = key_of(option)](const auto& value) { request[key] = value; };
+  switch (option.kind) {
+    case number:
+      return cli::OnNumber(take);
+    case integer:
+      return cli::OnInteger(take);
+    case word:
+      return cli::OnText(take);
+    case flag:
+      return cli::OnFlag([take] { take(true); });
+    case numbers:
+      return cli::OnNumbers(take);
+    case words:
+      return cli::OnTexts(take);
+    case coordinates:
+      return cli::OnTexts([take](const auto& texts) { take(coordinates_in(texts)); });
+    case path:
+      return cli::OnText([take](const auto& text) { take(absolute(text)); });
+    case paths:
+      break;
+  }
+  return cli::OnTexts([take](const auto& texts) {
+    Json list = Json::array();
+    for (const std::string& text : texts) list.push_back(absolute(text));
+    take(list);
+  });
+}
 
 }  // namespace ecs::emulator

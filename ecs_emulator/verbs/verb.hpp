@@ -47,4 +47,11 @@ void stop_on_signals();
 /// @return false: the parent has ended already
 [[nodiscard]] bool stop_with_parent(pid_t parent);
 
+/// What `ecs-emulator --help` says first.
+inline constexpr const char* kProgramHelp =
+    "The virtual workshop: a machine tool with its E.C.S. unit and a laser to measure it.";
+
+/// @param context  takes the arguments that the verbs of a menu share
+[[nodiscard]] Registry all_verbs(VerbContext& context);
+
 }  // namespace ecs::emulator
