@@ -1,7 +1,5 @@
 // Air that the laser does not correct, or not wholly: p·Δn (1: not at all).
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

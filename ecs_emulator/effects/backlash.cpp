@@ -1,6 +1,5 @@
 // Lost motion: b·d/2, of the axis that moves.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

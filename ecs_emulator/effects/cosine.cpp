@@ -1,7 +1,6 @@
 // A beam at an angle to the axis: −p·φ²/2, always short.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

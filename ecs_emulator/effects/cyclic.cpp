@@ -4,8 +4,6 @@
 #include <numbers>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

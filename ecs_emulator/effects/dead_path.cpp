@@ -1,7 +1,5 @@
 // Air between interferometer and reflector at zero that is not corrected: L·Δn.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

@@ -1,8 +1,6 @@
 // A machine that yields under the workpiece: (c + c₁·p)·m.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

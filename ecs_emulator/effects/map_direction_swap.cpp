@@ -1,6 +1,5 @@
 // The unit has its tables for forward and reverse exchanged.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -1,7 +1,5 @@
 // The unit applies its map too large or too small: (g − 1) × the map.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

@@ -1,6 +1,5 @@
 // The unit applies its map with the wrong sign: −2 × the map.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

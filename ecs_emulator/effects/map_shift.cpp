@@ -1,7 +1,5 @@
 // The unit applies its map at the wrong place, after a wrong reference: map(p + Δ) − map(p).
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,7 +1,6 @@
 // A map measured on another line than it is used on: lever × a component measured separately (Abbe).
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,6 +1,5 @@
 // A constant: c.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -1,6 +1,5 @@
 // A smooth curve over the travel, without mean and slope: s(p).
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

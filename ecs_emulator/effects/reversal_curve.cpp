@@ -1,6 +1,5 @@
 // Lost motion that changes along the travel: s(p)·d/2, without mean and slope.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -2,8 +2,6 @@
 #include <cmath>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

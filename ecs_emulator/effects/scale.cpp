@@ -1,7 +1,6 @@
 // A wrong scale: k·p.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

@@ -1,7 +1,6 @@
 // A drive that stays behind by its feed: c·feed·d.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

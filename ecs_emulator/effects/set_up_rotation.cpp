@@ -3,7 +3,6 @@
 
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -2,7 +2,6 @@
 // that changes linearly over the height h bends it with the curvature α·ΔT/h, so that c = α/(2h).
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,6 +1,5 @@
 // A zero that follows a temperature of the machine: c·(T − T₀), T₀ at time 0.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,7 +1,6 @@
 // Expansion of scale and workpiece: k·p·(T − 20 °C), T of the material.
 #include "base/units.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

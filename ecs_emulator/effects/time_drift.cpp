@@ -1,6 +1,5 @@
 // A zero that creeps with time: c·t. In an errors file a fixture, in a hidden case the laser.
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 
 namespace ecs::emulator {
 

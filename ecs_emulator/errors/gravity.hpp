@@ -1,6 +1,6 @@
 // Gravity in the machine: a ram that droops, a carriage that bends the bed it travels on, a workpiece that sinks and
 // tilts the table. Closed forms of beam theory; values are errors of the tool against the workpiece.
-// Does not live here: how they are written down (gravity_reader.cpp), how errors add up at the tool (kinematics.hpp).
+// Does not live here: how they are written down (body_reader.cpp), how errors add up at the tool (kinematics.hpp).
 #pragma once
 
 #include <vector>

@@ -12,7 +12,7 @@
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/formula.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
-#include "ecs_emulator/errors/rotary_errors.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/settings/reader.hpp"
 #include "ecs_emulator/thermal/heat.hpp"
 
@@ -92,11 +92,6 @@ void read_location(ErrorsReading& reading);  ///< [location] of rotary axes
 [[nodiscard]] bool read_rotary_contribution(ErrorsReading& reading, const toml::table& table);
 [[nodiscard]] bool read_rotary_effect(ErrorsReading& reading, const toml::table& table);
 
-/// Where a complaint about a key points: what stands under it, else its table.
-[[nodiscard]] inline const toml::node& place_of(const toml::table& table, std::string_view key) {
-  const toml::node* node = table.get(key);
-  return node != nullptr ? *node : table;
-}
 /// Exactly one of `formula`, `points`, `csv`; complains as `what`.
 [[nodiscard]] std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what);
 /// A formula under `key`.

@@ -15,7 +15,7 @@
 #include "core/axis.hpp"
 #include "core/terms.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
-#include "ecs_emulator/errors/rotary_errors.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/thermal/heat.hpp"
 #include "params/machine.hpp"
 

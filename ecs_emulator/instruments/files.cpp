@@ -7,7 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "base/toml_reader.hpp"
+#include "ecs_emulator/settings/reader.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
@@ -46,11 +46,6 @@ class PlanReader {
     std::string name(axis);
     for (char& c : name) c = c >= 'x' && c <= 'z' ? static_cast<char>(c - 'x' + 'X') : c;
     return name;
-  }
-  /// The value under `key`, or the table where it is missing.
-  static const toml::node& place_of(const toml::table& table, std::string_view key) {
-    const toml::node* node = table.get(key);
-    return node != nullptr ? *node : table;
   }
   static void put_text(Json& request, const char* key, const std::string& text) {
     if (!text.empty()) request[key] = text;

@@ -9,7 +9,6 @@
 #include "base/result.hpp"
 #include "base/units.hpp"
 #include "ecs_emulator/instruments/interferometer.hpp"
-#include "ecs_emulator/instruments/refraction.hpp"
 #include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {

@@ -1,5 +1,5 @@
 // The path of the tool as a control interpolates it: straight lines and arcs, run through without stopping where
-// corners and accelerations allow. Pure kinematics. Does not live here: the drives that follow (axis_of_machine.hpp),
+// corners and accelerations allow. Pure kinematics. Does not live here: the drives that follow (machine_tool.hpp),
 // the words of a part program (ecs_emulator/part_programs/reader.hpp).
 #pragma once
 

@@ -8,7 +8,7 @@
 
 #include "base/moved_targets.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/design.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,6 +1,6 @@
 // What only the virtual workshop knows about its machine: the table `[emulator]` of the machine file
 // (docs/emulator.md), with its axes and its instruments. The rest of that file is read by params/machine.hpp. Does not
-// live here: what an axis does (ecs_emulator/machine/axis_of_machine.hpp), what the instruments show
+// live here: what an axis does (ecs_emulator/machine/machine_tool.hpp), what the instruments show
 // (ecs_emulator/instruments/laser.hpp).
 #pragma once
 
@@ -13,13 +13,13 @@
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "core/parameters.hpp"
-#include "ecs_emulator/drive/transducer.hpp"
+#include "ecs_emulator/drive/servo_drive.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::emulator {
 
 enum class DriveKind : std::uint8_t {
-  servo,  ///< the drive of appendix A in its closed loop, step by step (axis_of_machine.hpp)
+  servo,  ///< the drive of appendix A in its closed loop, step by step (machine_tool.hpp)
   ideal,  ///< follows its command with one lag, to any fineness
 };
 /// Where the transducer sits.

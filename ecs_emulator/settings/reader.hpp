@@ -19,6 +19,12 @@ struct Within {
 /// What a number may be.
 using Bounds = std::variant<Sign, Within>;
 
+/// Where a complaint about a key points: what stands under it, else its table.
+[[nodiscard]] inline const toml::node& place_of(const toml::table& table, std::string_view key) {
+  const toml::node* node = table.get(key);
+  return node != nullptr ? *node : table;
+}
+
 /// Leaves `value` as it is where the key is absent or wrong.
 void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value);
 /// As number_into(), and complains where the key is absent.

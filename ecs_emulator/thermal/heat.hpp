@@ -1,7 +1,7 @@
 // Heat in and around the machine: the air over the day and bodies that follow it with a lag (closed form: no state, any
 // time), screws that their nuts warm, what sensors show. Depends on simulated time, motion and seed alone.
 // Does not live here: the tables of the file (ecs_emulator/errors/body_reader.cpp), formulas
-// (ecs_emulator/errors/true_errors.hpp), what air does to light (ecs_emulator/instruments/refraction.hpp).
+// (ecs_emulator/errors/true_errors.hpp), what air does to light (ecs_emulator/instruments/interferometer.hpp).
 #pragma once
 
 #include <array>

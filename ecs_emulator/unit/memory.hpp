@@ -1,13 +1,18 @@
 // The unit's memory: the regions of core/address_map.hpp with bytes in them, what can be wrong with a memory chip, and
-// what the unit checks before it compensates (thesis 5.3): axis memory, block check, parameters, map. Does not live
-// here: who may write when, and what follows from a test (unit.hpp), the battery's file (battery.hpp).
+// what the unit checks before it compensates (thesis 5.3): axis memory, block check, parameters, map; and the file that
+// stands for the lithium battery, in which axis memory and commit records survive (5.2). One battery, one emulator: a
+// lock lies beside the file, which is replaced whole at every change and cannot carry a lock itself. Does not live
+// here: who may write when, and what follows from a test (unit.hpp).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
+#include "base/descriptor.hpp"
+#include "base/result.hpp"
 #include "core/address_map.hpp"
 #include "core/bytes.hpp"
 #include "core/fault.hpp"
@@ -106,5 +111,27 @@ struct ActiveImage {
 
 /// The parameters of the active image if its block check holds.
 [[nodiscard]] std::optional<UnitParameters> stored_parameters(const UnitMemory& memory);
+
+/// Brings the content of the file into the memory. A file that does not exist leaves it empty (a new battery). A file
+/// that is none of ours, or of a rack with another number of modules, is a `bad_input` problem.
+[[nodiscard]] Result<void> restore(UnitMemory& memory, const std::filesystem::path& path);
+
+/// Writes the file, whole or not at all.
+[[nodiscard]] Result<void> keep(UnitMemory& memory, const std::filesystem::path& path);
+
+class BatteryLock {
+ public:
+  /// Locks `<battery>.in-use`, whatever links lead to the battery. Waits a second for a process that is just ending;
+  /// then an `output` problem that names the process.
+  [[nodiscard]] static Result<BatteryLock> take(const std::filesystem::path& battery);
+  BatteryLock(BatteryLock&& other) noexcept : file_(std::move(other.file_)), path_(std::move(other.path_)) {}
+  BatteryLock& operator=(BatteryLock&&) = delete;
+  ~BatteryLock();  ///< removes the file
+
+ private:
+  BatteryLock(Descriptor file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  Descriptor file_;
+  std::filesystem::path path_;
+};
 
 }  // namespace ecs::emulator

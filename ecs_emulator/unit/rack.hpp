@@ -11,7 +11,7 @@
 
 #include "core/axis.hpp"
 #include "core/parameters.hpp"
-#include "ecs_emulator/machine/axis_of_machine.hpp"
+#include "ecs_emulator/machine/machine_tool.hpp"
 
 namespace ecs::emulator {
 

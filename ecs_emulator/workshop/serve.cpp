@@ -9,7 +9,7 @@
 #include <poll.h>
 
 #include "base/random.hpp"
-#include "ecs_emulator/unit/battery.hpp"
+#include "ecs_emulator/unit/memory.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "protocol/server/server.hpp"

@@ -9,9 +9,9 @@
 
 #include "base/moved_targets.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/design.hpp"
+#include "ecs_emulator/scene/scene.hpp"
+#include "modules/hidden_cases/space.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 #include "modules/hidden_cases/tests/hidden_cases.hpp"
 #include "tests/support/workshop_machines.hpp"
 

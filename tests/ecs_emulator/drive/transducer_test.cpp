@@ -1,11 +1,10 @@
-#include "ecs_emulator/drive/transducer.hpp"
-
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
 #include "base/units.hpp"
+#include "ecs_emulator/drive/servo_drive.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

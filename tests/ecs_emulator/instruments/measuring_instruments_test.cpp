@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/instruments/interferometer.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
-#include "ecs_emulator/instruments/refraction.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "tests/support/workshop_machines.hpp"

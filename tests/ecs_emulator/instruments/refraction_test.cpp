@@ -1,11 +1,11 @@
 // The refractive index of air against published numbers: outputs of the NIST Engineering Metrology Toolbox
 // (emtoolbox.nist.gov/Wavelength, Ciddor, 450 ppm CO2) and tables 1 to 3 of Ciddor 1996. Facts, quoted.
-#include "ecs_emulator/instruments/refraction.hpp"
-
 #include <cmath>
 #include <vector>
 
 #include <doctest/doctest.h>
+
+#include "ecs_emulator/instruments/interferometer.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

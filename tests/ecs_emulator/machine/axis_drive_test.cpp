@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/machine/axis_of_machine.hpp"
+#include "ecs_emulator/machine/machine_tool.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,8 +1,7 @@
-#include "ecs_emulator/unit/battery.hpp"
-
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "ecs_emulator/unit/memory.hpp"
 #include "tests/support/folder.hpp"
 
 using namespace ecs;
