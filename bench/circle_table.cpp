@@ -21,7 +21,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/workshop/circle.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "ecs_emulator/workshop/serve.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/writers/measurement_writer.hpp"

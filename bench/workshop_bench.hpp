@@ -9,7 +9,7 @@
 #include "bench/tick_map.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "ecs_emulator/unit/unit.hpp"
-#include "ecs_emulator/workshop/referencing.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::bench {
 

@@ -27,6 +27,10 @@ std::optional<double> Arguments::number(const char* key) {
   return std::nullopt;
 }
 
+void Arguments::numbers_into(std::initializer_list<std::pair<const char*, double*>> places) {
+  for (const auto& [key, place] : places) *place = number(key).value_or(*place);
+}
+
 std::optional<long long> Arguments::integer(const char* key, long long low, long long high) {
   const auto* value = find(key);
   if (value == nullptr) return std::nullopt;
@@ -85,6 +89,22 @@ std::optional<Axis> Arguments::axis(const char* key) {
   return std::nullopt;
 }
 
+std::optional<Sense> Arguments::sense(bool required) {
+  const std::string name = word("sense");
+  const auto sense = sense_named(name);
+  if (!sense && (required || !name.empty()))
+    complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", name));
+  return sense;
+}
+
+std::optional<InstrumentKind> Arguments::instrument() {
+  const std::string name = word("instrument");
+  const auto kind = instrument_named(name);
+  if (!kind && !name.empty())
+    complain(fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
+  return kind;
+}
+
 PerAxis<std::optional<double>> Arguments::coordinates(const char* object) {
   PerAxis<std::optional<double>> place{};
   if (object == nullptr) {
@@ -140,16 +160,9 @@ std::optional<double> not_negative_in(Arguments& arguments, const char* key) {
 template <class Plan>
 bool component_in(Arguments& arguments, Plan& plan) {
   const auto axis = arguments.axis("axis");
-  const auto sense_name = arguments.word("sense");
-  const auto sense = sense_named(sense_name);
   if (!axis) arguments.complain("axis: expected X, Y or Z");
-  if (!sense) arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense_name));
-  if (const std::string name = arguments.word("instrument"); !name.empty()) {
-    plan.instrument = instrument_named(name);
-    if (!plan.instrument)
-      arguments.complain(
-          fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
-  }
+  const auto sense = arguments.sense(true);
+  plan.instrument = arguments.instrument();
   if (axis) plan.axis = *axis;
   if (sense) plan.sense = *sense;
   return axis && sense;
@@ -181,9 +194,7 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
   plan.bidirectional = !arguments.flag("unidirectional");
   plan.parked_mm = arguments.coordinates("parked");
-  plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
-  plan.dwell_s = arguments.number_or("dwell", plan.dwell_s);
-  plan.overrun_mm = arguments.number_or("overrun", plan.overrun_mm);
+  arguments.numbers_into({{"feed", &plan.feed_mm_min}, {"dwell", &plan.dwell_s}, {"overrun", &plan.overrun_mm}});
   plan.on_the_fly = arguments.flag("on_the_fly");
   plan.setting = setting_in(arguments);
   plan.setting.reversed = arguments.zero_or_one("reversed");
@@ -198,8 +209,7 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
 std::optional<CapturePlan> capture_in(Arguments& arguments) {
   CapturePlan plan;
   const bool whole = component_in(arguments, plan);
-  plan.rate_Hz = arguments.number_or("rate", plan.rate_Hz);
-  plan.seconds = arguments.number_or("seconds", plan.seconds);
+  arguments.numbers_into({{"rate", &plan.rate_Hz}, {"seconds", &plan.seconds}});
   plan.to_mm = arguments.number("to");
   plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
   plan.setting = setting_in(arguments);

@@ -2,8 +2,10 @@
 // made from them. For .cpp files only: it is heavy.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -20,6 +22,8 @@ class Arguments {
 
   [[nodiscard]] std::optional<double> number(const char* key);
   [[nodiscard]] double number_or(const char* key, double otherwise) { return number(key).value_or(otherwise); }
+  /// Each number that is there goes into its place.
+  void numbers_into(std::initializer_list<std::pair<const char*, double*>> places);
   /// A whole number from `low` to `high`.
   [[nodiscard]] std::optional<long long> integer(const char* key, long long low, long long high);
   [[nodiscard]] std::string word(const char* key);  ///< empty where it is absent
@@ -29,6 +33,10 @@ class Arguments {
   [[nodiscard]] std::vector<double> numbers(const char* key);
   [[nodiscard]] std::vector<std::string> words(const char* key);  ///< one text or a list of them
   [[nodiscard]] std::optional<Axis> axis(const char* key);
+  /// Under "sense".
+  [[nodiscard]] std::optional<Sense> sense(bool required);
+  /// Under "instrument".
+  [[nodiscard]] std::optional<InstrumentKind> instrument();
   /// Coordinates under X, Y, Z of `object` (null: of the request itself).
   [[nodiscard]] PerAxis<std::optional<double>> coordinates(const char* object);
 

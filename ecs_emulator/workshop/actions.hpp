@@ -12,6 +12,9 @@
 
 namespace ecs::emulator {
 
+/// The values of the axes that the machine has, by their letters.
+[[nodiscard]] nlohmann::json by_axis(const MachineTool& machine, const Vector3& values);
+
 /// Provokes the fault that the argument `name` names, or mends everything (`clear`); docs/emulator.md lists them.
 [[nodiscard]] Result<void> provoke(const Workshop& workshop, Arguments& arguments);
 

@@ -1,11 +1,10 @@
-#include "ecs_emulator/workshop/ball.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,5 +1,3 @@
-#include "ecs_emulator/workshop/circle.hpp"
-
 #include <cmath>
 #include <numbers>
 
@@ -7,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "ecs_emulator/part_programs/run.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::emulator {
 namespace {

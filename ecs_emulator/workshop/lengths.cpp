@@ -1,5 +1,3 @@
-#include "ecs_emulator/workshop/lengths.hpp"
-
 #include <array>
 #include <cmath>
 #include <map>
@@ -12,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "laser/csv_table.hpp"
 
 namespace ecs::emulator {

@@ -1,8 +1,8 @@
-#include "ecs_emulator/workshop/referencing.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::emulator {
 namespace {

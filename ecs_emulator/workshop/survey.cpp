@@ -1,5 +1,3 @@
-#include "ecs_emulator/workshop/survey.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "ecs_emulator/instruments/measurement.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::emulator {
 namespace {

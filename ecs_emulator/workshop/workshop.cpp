@@ -1,6 +1,10 @@
 #include "ecs_emulator/workshop/workshop.hpp"
 
+#include <array>
 #include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,14 +14,18 @@
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/workshop/actions.hpp"
-#include "ecs_emulator/workshop/ball.hpp"
-#include "ecs_emulator/workshop/circle.hpp"
-#include "ecs_emulator/workshop/lengths.hpp"
-#include "ecs_emulator/workshop/referencing.hpp"
-#include "ecs_emulator/workshop/survey.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {
+
+nlohmann::json by_axis(const MachineTool& machine, const Vector3& values) {
+  auto object = nlohmann::json::object();
+  for (const Axis a : kAllAxes)
+    if (machine.has(a)) object[std::string(1, letter_of(a))] = values[index_of(a)];
+  return object;
+}
+
 namespace {
 
 using Json = nlohmann::json;
@@ -26,13 +34,6 @@ using Answer = Result<Json>;
 
 tl::unexpected<Problem> simulation_stopped_early() { return problem(ProblemKind::refused, "stopped before its end"); }
 tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
-
-Json by_axis(const MachineTool& machine, const Vector3& values) {
-  Json object = Json::object();
-  for (const Axis a : kAllAxes)
-    if (machine.has(a)) object[std::string(1, letter_of(a))] = values[index_of(a)];
-  return object;
-}
 
 /// Readings into the file under `output`, or back as `csv` where there is none.
 Answer handed_back(std::size_t readings, const std::string& csv, const std::string& output) {
@@ -159,11 +160,11 @@ Answer read_circle(const Workshop& workshop, Arguments& arguments) {
     const auto [low_mm, high_mm] = machine.travel_mm()[index_of(a)];
     plan.centre_mm[index_of(a)] = centre[index_of(a)].value_or((low_mm + high_mm) / 2.0);
   }
-  plan.radius_mm = arguments.number_or("radius", plan.radius_mm);
-  plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
-  plan.start_angle_deg = arguments.number_or("start", plan.start_angle_deg);
-  plan.overlap_deg = arguments.number_or("overlap", plan.overlap_deg);
-  plan.step_deg = arguments.number_or("step", plan.step_deg);
+  arguments.numbers_into({{"radius", &plan.radius_mm},
+                          {"feed", &plan.feed_mm_min},
+                          {"start", &plan.start_angle_deg},
+                          {"overlap", &plan.overlap_deg},
+                          {"step", &plan.step_deg}});
   plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
   plan.noise_um = arguments.number_or("noise", plan.noise_um);
   const std::string output = arguments.word("output");
@@ -207,16 +208,13 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
 Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
   LengthInstrumentSettings settings;
   const std::string plan = arguments.word("plan"), output = arguments.word("output");
-  settings.noise_um = arguments.number_or("noise", settings.noise_um);
-  settings.scale_um_per_m = arguments.number_or("scale", settings.scale_um_per_m);
-  settings.station_mm = arguments.number_or("station", settings.station_mm);
-  settings.tool_mm = arguments.number_or("tool", settings.tool_mm);
-  settings.zero_um = arguments.number_or("zero", settings.zero_um);
-  settings.bar_um = arguments.number_or("bar", settings.bar_um);
+  const std::initializer_list<std::pair<const char*, double*>> deviations{
+      {"noise", &settings.noise_um}, {"scale", &settings.scale_um_per_m}, {"station", &settings.station_mm},
+      {"tool", &settings.tool_mm},   {"zero", &settings.zero_um},         {"bar", &settings.bar_um}};
+  arguments.numbers_into(deviations);
   settings.scatter = !arguments.flag("no_scatter");
-  for (const double deviation : {settings.noise_um, settings.scale_um_per_m, settings.station_mm, settings.tool_mm,
-                                 settings.zero_um, settings.bar_um})
-    if (!(deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero, bar: expected 0 or more");
+  for (const auto& [key, deviation] : deviations)
+    if (!(*deviation >= 0.0)) arguments.complain("noise, scale, station, tool, zero, bar: expected 0 or more");
   if (workshop.unit != nullptr)
     arguments.complain("lengths: expected a machine without a unit; use `ecs-emulator lengths`");
   ECS_DO(arguments.checked());
@@ -228,8 +226,7 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
 /// What both kinds of readings of rotary axes share.
 void ask_for_readings(const Workshop& workshop, Arguments& arguments, int& runs, double& noise, double& seconds) {
   runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(runs));
-  noise = arguments.number_or("noise", noise);
-  seconds = arguments.number_or("seconds", seconds);
+  arguments.numbers_into({{"noise", &noise}, {"seconds", &seconds}});
   if (!(noise >= 0.0)) arguments.complain("noise: expected 0 or more");
   if (!(seconds >= 0.0)) arguments.complain("seconds: expected 0 or more");
   if (workshop.unit != nullptr)
@@ -272,11 +269,7 @@ Answer read_ball(const Workshop& workshop, Arguments& arguments) {
 Answer read_turn(const Workshop& workshop, Arguments& arguments) {
   TurnPlan plan;
   plan.sweep = asked_sweep(arguments, arguments.word("sweep"));
-  const std::string sense = arguments.word("sense");
-  if (const auto named = sense_named(sense))
-    plan.sense = *named;
-  else
-    arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense));
+  plan.sense = arguments.sense(true).value_or(plan.sense);
   ask_for_readings(workshop, arguments, plan.runs, plan.noise, plan.seconds);
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
@@ -374,37 +367,48 @@ Answer arm_code(const Workshop& workshop, Arguments& arguments) {
   return Json{{"arm_code", workshop.arm_code}};
 }
 
+template <Answer (*kAct)(const Workshop&, Arguments&)>
+Answer at_once(const Workshop& workshop, Arguments& arguments, const Report& /*report*/) {
+  return kAct(workshop, arguments);
+}
+
+struct NamedAction {
+  std::string_view name;
+  Answer (*act)(const Workshop&, Arguments&, const Report&);
+};
+constexpr std::array<NamedAction, 20> kActions{{{"state", at_once<show>},
+                                                {"jog", at_once<jog>},
+                                                {"reference", at_once<reference_machine>},
+                                                {"measure", measure_machine},
+                                                {"plan", follow_plan},
+                                                {"capture", at_once<capture_machine>},
+                                                {"run", run_part_program},
+                                                {"mdi", at_once<run_block>},
+                                                {"circle", at_once<read_circle>},
+                                                {"lengths", at_once<read_lengths>},
+                                                {"ball", at_once<read_ball>},
+                                                {"turn", at_once<read_turn>},
+                                                {"survey", at_once<survey_machine>},
+                                                {"components", at_once<true_components>},
+                                                {"power", at_once<power>},
+                                                {"wait", at_once<wait>},
+                                                {"tick", at_once<tick>},
+                                                {"load", at_once<load>},
+                                                {"fault", at_once<fault>},
+                                                {"arm-code", at_once<arm_code>}}};
+
 Answer act(const Workshop& workshop, const Json& request, const Report& report) {
   if (!request.is_object() || !request.contains("action") || !request["action"].is_string())
     return wrong("expected an object with an \"action\"");
-  const auto action = request["action"].get<std::string>();
+  const auto name = request["action"].get<std::string>();
   Arguments arguments(request);
   workshop.simulation->come_to_rest();
-  if (action == "state") return show(workshop, arguments);
-  if (action == "jog") return jog(workshop, arguments);
-  if (action == "reference") return reference_machine(workshop, arguments);
-  if (action == "measure") return measure_machine(workshop, arguments, report);
-  if (action == "plan") return follow_plan(workshop, arguments, report);
-  if (action == "capture") return capture_machine(workshop, arguments);
-  if (action == "run") return run_part_program(workshop, arguments, report);
-  if (action == "mdi") return run_block(workshop, arguments);
-  if (action == "circle") return read_circle(workshop, arguments);
-  if (action == "lengths") return read_lengths(workshop, arguments);
-  if (action == "ball") return read_ball(workshop, arguments);
-  if (action == "turn") return read_turn(workshop, arguments);
-  if (action == "survey") return survey_machine(workshop, arguments);
-  if (action == "components") return true_components(workshop, arguments);
-  if (action == "power") return power(workshop, arguments);
-  if (action == "wait") return wait(workshop, arguments);
-  if (action == "tick") return tick(workshop, arguments);
-  if (action == "load") return load(workshop, arguments);
-  if (action == "fault") return fault(workshop, arguments);
-  if (action == "arm-code") return arm_code(workshop, arguments);
-  return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, plan, capture, run, mdi, circle, lengths, ball, turn, survey, "
-      "components, "
-      "power, wait, tick, load, fault or arm-code, got \"{}\"",
-      action));
+  std::string names;
+  for (const NamedAction& action : kActions) {
+    if (action.name == name) return action.act(workshop, arguments, report);
+    names += fmt::format("{}{}", names.empty() ? "" : &action == &kActions.back() ? " or " : ", ", action.name);
+  }
+  return wrong(fmt::format("action: expected {}, got \"{}\"", names, name));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Lengths of the emulated machine: what hand computation and the true errors say.
 
 #include "base/text.hpp"
-#include "ecs_emulator/workshop/lengths.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 

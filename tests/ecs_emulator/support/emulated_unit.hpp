@@ -6,7 +6,7 @@
 
 #include "base/file.hpp"
 #include "ecs_emulator/unit/unit.hpp"
-#include "ecs_emulator/workshop/referencing.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/ecs_emulator/support/maps.hpp"
 #include "tests/support/workshop_machines.hpp"
 

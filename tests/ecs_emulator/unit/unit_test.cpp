@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "ecs_emulator/instruments/measurement.hpp"
-#include "ecs_emulator/workshop/survey.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;

@@ -1,14 +1,12 @@
 // Readings of rotary axes in the emulated workshop: the exact chain against another writing of it
 // (tests/support/exact_joints.hpp), and what the errors file may say of them.
-#include "ecs_emulator/workshop/ball.hpp"
-
 #include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>
 
 #include "base/random.hpp"
-#include "ecs_emulator/workshop/survey.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/exact_joints.hpp"
 #include "tests/support/test.hpp"

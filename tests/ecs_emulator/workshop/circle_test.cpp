@@ -1,12 +1,11 @@
 // A ball bar on machines whose errors are known: what it reads at an angle, in each plane and direction.
-#include "ecs_emulator/workshop/circle.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 

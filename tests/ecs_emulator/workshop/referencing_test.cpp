@@ -1,11 +1,10 @@
-#include "ecs_emulator/workshop/referencing.hpp"
-
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;

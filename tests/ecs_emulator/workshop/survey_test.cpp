@@ -1,9 +1,8 @@
-#include "ecs_emulator/workshop/survey.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
