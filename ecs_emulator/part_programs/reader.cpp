@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -147,6 +148,10 @@ class BlockReader {
  private:
   void complain(const ProgramWord& word, const std::string& message) { complain_(word.column, message); }
 
+  static bool is_one_of(const ProgramWord& word, std::initializer_list<double> codes) {
+    return std::find(codes.begin(), codes.end(), word.value) != codes.end();
+  }
+
   template <class T>
   void set(std::optional<T>& place, T value, const ProgramWord& word, const char* what) {
     if (place) complain(word, fmt::format("{}: a second {} in one block", word.text, what));
@@ -199,67 +204,23 @@ class BlockReader {
   }
 
   void take_preparatory(const ProgramWord& word) {
-    if (word.value == std::floor(word.value) && word.value >= 0.0 && word.value < 1000.0) {
-      switch (static_cast<int>(word.value)) {
-        case 0:
-          return set(block_.motion, ProgramMotion::rapid, word, "motion");
-        case 1:
-          return set(block_.motion, ProgramMotion::line, word, "motion");
-        case 2:
-          return set(block_.motion, ProgramMotion::clockwise, word, "motion");
-        case 3:
-          return set(block_.motion, ProgramMotion::counterclockwise, word, "motion");
-        case 4:
-          return;
-        case 9:
-          block_.exact_stop = true;
-          return;
-        case 17:
-          return set(block_.plane, Plane::XY, word, "plane");
-        case 18:
-          return set(block_.plane, Plane::ZX, word, "plane");
-        case 19:
-          return set(block_.plane, Plane::YZ, word, "plane");
-        case 90:
-          return set(block_.incremental, false, word, "G90 or G91");
-        case 91:
-          return set(block_.incremental, true, word, "G90 or G91");
-        case 21:
-        case 71:
-        case 94:
-          return;  // millimetres, millimetres per minute: nothing else is known here
-        default:
-          break;
-      }
-    }
+    const auto is = [&](std::initializer_list<double> codes) { return is_one_of(word, codes); };
+    if (is({0, 1, 2, 3})) return set(block_.motion, static_cast<ProgramMotion>(word.value), word, "motion");
+    if (is({17, 18, 19})) return set(block_.plane, static_cast<Plane>(word.value - 17), word, "plane");
+    if (is({90, 91})) return set(block_.incremental, word.value == 91, word, "G90 or G91");
+    if (is({9})) block_.exact_stop = true;
+    if (is({4, 9, 21, 71, 94})) return;  // 21 … 94: millimetres, millimetres per minute: nothing else is known here
     complain(word, fmt::format("{}: unknown; expected G00 G01 G02 G03 G04 G09 G17 G18 G19 G21 G71 G90 G91 or G94",
                                word.text));
   }
 
   void take_auxiliary(const ProgramWord& word) {
-    if (word.value == std::floor(word.value) && word.value >= 0.0 && word.value < 1000.0) {
-      switch (static_cast<int>(word.value)) {
-        case 0:
-          block_.stop = true;
-          return;
-        case 2:
-        case 30:
-          block_.end = true;
-          return;
-        case 3:
-          return set(block_.spindle, 1, word, "spindle word");
-        case 4:
-          return set(block_.spindle, -1, word, "spindle word");
-        case 5:
-          return set(block_.spindle, 0, word, "spindle word");
-        case 8:
-          return set(block_.trigger, true, word, "M08 or M09");
-        case 9:
-          return set(block_.trigger, false, word, "M08 or M09");
-        default:
-          break;
-      }
-    }
+    const auto is = [&](std::initializer_list<double> codes) { return is_one_of(word, codes); };
+    if (is({3, 4, 5})) return set(block_.spindle, is({3}) ? 1 : is({4}) ? -1 : 0, word, "spindle word");
+    if (is({8, 9})) return set(block_.trigger, is({8}), word, "M08 or M09");
+    if (is({0})) block_.stop = true;
+    if (is({2, 30})) block_.end = true;
+    if (is({0, 2, 30})) return;
     complain(word, fmt::format("{}: unknown; expected M00 M02 M03 M04 M05 M08 M09 or M30", word.text));
   }
 
