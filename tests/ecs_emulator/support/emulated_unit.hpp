@@ -60,6 +60,11 @@ struct Bench {
     return image_of(parameters, simulation.description().machine, compensation, unit.settings().serial_number);
   }
 
+  /// Of one value everywhere.
+  std::vector<std::uint8_t> flat_image(double value) {
+    return image([value](Component, double, Approach) { return value; });
+  }
+
   /// Map in, compensation mode, machine referenced.
   void compensate(const CurveFunction& compensation = [](Component, double, Approach) { return 0.0; }) {
     const auto committed = stage_and_commit(image(compensation));

@@ -59,8 +59,7 @@ void check_failure(const WrongParameter& wrong, bool brought_back) {
       "", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\n" + wrong.machine + "\n");
   if (brought_back) bench.reference_all();
   wrong.change(bench.parameters.axes[0]);
-  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
-          CommandState::done);
+  REQUIRE(bench.stage_and_commit(bench.flat_image(0.0)).state == CommandState::done);
   REQUIRE(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
   bench.reference_all();
   REQUIRE(bench.simulation.run_for(kDatumGiveUp_s + 1.0));

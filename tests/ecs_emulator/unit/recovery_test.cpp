@@ -210,22 +210,21 @@ TEST_CASE("a resolver module takes two slots, and no rack has two modules in one
   for (const int modules : taken) CHECK(modules <= 1);
 }
 
-TEST_CASE("a module for the other kind of transducer is an axis module fault of that axis") {
-  Bench bench;
-  bench.parameters.axes[1].transducer = Transducer::resolver;
-  REQUIRE(bench.stage_and_commit(bench.image(asked_um)).state == CommandState::done);
-  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
-  CHECK(bench.unit.fault() == Fault::axis_module);
-  CHECK(bench.unit.status().fault_axis == Axis::Y);
+TEST_CASE_FIXTURE(Bench, "a module for the other kind of transducer is an axis module fault of that axis") {
+  parameters.axes[1].transducer = Transducer::resolver;
+  REQUIRE(stage_and_commit(this->image(asked_um)).state == CommandState::done);
+  CHECK(tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(unit.fault() == Fault::axis_module);
+  CHECK(unit.status().fault_axis == Axis::Y);
 }
 
-TEST_CASE("time that is left out never outruns the unit: an output at its limit faults while the workshop waits") {
-  Bench bench;
-  bench.parameters.axes[0].output_limit_um = 19.5;
-  bench.compensate(asked_um);
-  bench.simulation.machine().move_to({-400.0, 0.0, 0.0}, 20'000.0);
-  REQUIRE(bench.simulation.run_while([&] { return !bench.simulation.machine().arrived(); }));
-  REQUIRE(bench.unit.mode() == UnitMode::compensating);
-  REQUIRE(bench.simulation.dwell(3600.0));
-  CHECK(bench.unit.fault() == Fault::compensation_output);
+TEST_CASE_FIXTURE(
+    Bench, "time that is left out never outruns the unit: an output at its limit faults while the workshop waits") {
+  parameters.axes[0].output_limit_um = 19.5;
+  compensate(asked_um);
+  simulation.machine().move_to({-400.0, 0.0, 0.0}, 20'000.0);
+  REQUIRE(simulation.run_while([&] { return !simulation.machine().arrived(); }));
+  REQUIRE(unit.mode() == UnitMode::compensating);
+  REQUIRE(simulation.dwell(3600.0));
+  CHECK(unit.fault() == Fault::compensation_output);
 }

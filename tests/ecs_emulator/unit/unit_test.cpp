@@ -56,22 +56,20 @@ TEST_CASE("without a host it waits half a second, then tests itself, and says th
   CHECK(bench.unit.status().ram_test == protocol::TestOutcome::passed);
 }
 
-TEST_CASE("a committed map brings the unit through datuming into compensation") {
-  Bench bench;
-  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
-          CommandState::done);
-  bench.unit.sense_link(LinkSense::compensate);
-  bench.unit.power(false);
-  bench.simulation.tick();
-  bench.unit.power(true);
-  REQUIRE(bench.simulation.run_for(0.01));
-  CHECK(bench.unit.mode() == UnitMode::datuming);
-  CHECK(all_relays(bench, false));
-  bench.reference_all();
-  CHECK(bench.unit.mode() == UnitMode::compensating);
-  CHECK(all_relays(bench, true));
+TEST_CASE_FIXTURE(Bench, "a committed map brings the unit through datuming into compensation") {
+  REQUIRE(stage_and_commit(flat_image(0.0)).state == CommandState::done);
+  unit.sense_link(LinkSense::compensate);
+  unit.power(false);
+  simulation.tick();
+  unit.power(true);
+  REQUIRE(simulation.run_for(0.01));
+  CHECK(unit.mode() == UnitMode::datuming);
+  CHECK(all_relays(*this, false));
+  reference_all();
+  CHECK(unit.mode() == UnitMode::compensating);
+  CHECK(all_relays(*this, true));
   for (const Axis a : kAllAxes)
-    CHECK(bench.unit.status().axes[index_of(a)].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+    CHECK(unit.status().axes[index_of(a)].position_mm == doctest::Approx(0.0).epsilon(1e-3));
 }
 
 TEST_CASE("the unit finds the reference position of every kind of controller") {
@@ -98,52 +96,48 @@ TEST_CASE("the unit finds the reference position of every kind of controller") {
       }
 }
 
-TEST_CASE("an axis beyond its switch is brought back and referenced") {
-  Bench bench;
-  bench.reference_all();  // the axes now stand at the datum, past the switch
-  bench.compensate();
+TEST_CASE_FIXTURE(Bench, "an axis beyond its switch is brought back and referenced") {
+  reference_all();  // the axes now stand at the datum, past the switch
+  compensate();
 }
 
-TEST_CASE("a stuck bit of axis memory is found with its address, and the content survives the test") {
-  Bench bench;
-  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
-  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
-  const auto before = crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1)));
-  CHECK(bench.tell(CommandCode::run_ram_test).value == protocol::kUnused);
-  CHECK(crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1))) == before);
-  bench.unit.memory().stick(kBankB.first + 0x1234, 3, 1);
-  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
-  CHECK(bench.unit.mode() == UnitMode::integration);
-  CHECK(bench.unit.fault() == Fault::ram_test);
-  CHECK(bench.unit.status().fault_address == kBankB.first + 0x1234);
-  CHECK(bench.unit.status().ram_test == protocol::TestOutcome::failed);
+TEST_CASE_FIXTURE(Bench, "a stuck bit of axis memory is found with its address, and the content survives the test") {
+  const auto image = this->image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(stage_and_commit(image).state == CommandState::done);
+  const auto before = crc32_of(unit.memory().view(kBankA.first, bank_bytes(1)));
+  CHECK(tell(CommandCode::run_ram_test).value == protocol::kUnused);
+  CHECK(crc32_of(unit.memory().view(kBankA.first, bank_bytes(1))) == before);
+  unit.memory().stick(kBankB.first + 0x1234, 3, 1);
+  CHECK(tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(unit.mode() == UnitMode::integration);
+  CHECK(unit.fault() == Fault::ram_test);
+  CHECK(unit.status().fault_address == kBankB.first + 0x1234);
+  CHECK(unit.status().ram_test == protocol::TestOutcome::failed);
 }
 
-TEST_CASE("one flipped bit anywhere in the map fails the block check") {
-  Bench bench;
-  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
-  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+TEST_CASE_FIXTURE(Bench, "one flipped bit anywhere in the map fails the block check") {
+  const auto image = this->image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(stage_and_commit(image).state == CommandState::done);
   for (std::uint32_t at = 0; at < image.size(); at += 97) {
-    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
-    CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
-    CHECK(bench.unit.fault() == Fault::block_check);
-    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
+    unit.memory().corrupt(kBankA.first + at, 0x10);
+    CHECK(tell(CommandCode::enter_compensation).state == CommandState::failed);
+    CHECK(unit.fault() == Fault::block_check);
+    unit.memory().corrupt(kBankA.first + at, 0x10);
   }
-  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
+  CHECK(tell(CommandCode::enter_compensation).state == CommandState::done);
 }
 
-TEST_CASE("a map that lacks a component of its scope is a fault of its own") {
-  Bench bench;
-  UnitParameters linear = bench.parameters;
+TEST_CASE_FIXTURE(Bench, "a map that lacks a component of its scope is a fault of its own") {
+  UnitParameters linear = parameters;
   linear.scope = Scope::linear;
   auto image = image_of(
-      linear, bench.simulation.description().machine, [](Component, double, Approach) { return 0.0; },
-      bench.unit.settings().serial_number);
-  write_parameters(image, bench.parameters);  // volumetric
+      linear, simulation.description().machine, [](Component, double, Approach) { return 0.0; },
+      unit.settings().serial_number);
+  write_parameters(image, parameters);  // volumetric
   seal_image(image);
-  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
-  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
-  CHECK(bench.unit.fault() == Fault::map_not_for_parameters);
+  REQUIRE(stage_and_commit(image).state == CommandState::done);
+  CHECK(tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(unit.fault() == Fault::map_not_for_parameters);
 }
 
 TEST_CASE("an axis without a module in the rack is an axis module fault") {
@@ -157,86 +151,81 @@ TEST_CASE("an axis without a module in the rack is an axis module fault") {
   CHECK(bench.unit.status().fault_axis == Axis::Z);
 }
 
-TEST_CASE("faults in the loop isolate the unit in the same period") {
-  Bench bench;
+TEST_CASE_FIXTURE(Bench, "faults in the loop isolate the unit in the same period") {
   Fault expected = Fault::none;
-  bench.compensate([](Component c, double, Approach) { return is_positioning(c) ? 20.0 : 0.0; });
-  REQUIRE(bench.simulation.run_for(0.2));
-  REQUIRE(bench.simulation.drives()[1].dac_counts != 0);
+  compensate([](Component c, double, Approach) { return is_positioning(c) ? 20.0 : 0.0; });
+  REQUIRE(simulation.run_for(0.2));
+  REQUIRE(simulation.drives()[1].dac_counts != 0);
   SUBCASE("transducer lost") {
-    bench.simulation.machine().axis(Axis::Y).lose_transducer(true);
+    simulation.machine().axis(Axis::Y).lose_transducer(true);
     expected = Fault::axis_module;
   }
   SUBCASE("work that takes longer than a period, three times in a row") {
-    bench.unit.slow_down(1500.0);
-    bench.simulation.tick();
-    bench.simulation.tick();
-    CHECK(bench.unit.mode() == UnitMode::compensating);
+    unit.slow_down(1500.0);
+    simulation.tick();
+    simulation.tick();
+    CHECK(unit.mode() == UnitMode::compensating);
     expected = Fault::loop_overrun;
   }
-  bench.simulation.tick();
-  CHECK(bench.unit.fault() == expected);
-  CHECK(bench.unit.mode() == UnitMode::integration);
-  CHECK(all_relays(bench, false));
-  if (expected == Fault::axis_module) CHECK(bench.unit.status().fault_axis == Axis::Y);
+  simulation.tick();
+  CHECK(unit.fault() == expected);
+  CHECK(unit.mode() == UnitMode::integration);
+  CHECK(all_relays(*this, false));
+  if (expected == Fault::axis_module) CHECK(unit.status().fault_axis == Axis::Y);
 }
 
-TEST_CASE("a period that is late now and then is counted, and the output holds until the next") {
-  Bench bench;
-  bench.compensate([](Component c, double p, Approach) { return is_positioning(c) ? 0.1 * p : 0.0; });
-  bench.simulation.machine().move_to({-200.0, 0.0, 0.0}, 6000.0);
-  REQUIRE(bench.simulation.run_for(0.5));
+TEST_CASE_FIXTURE(Bench, "a period that is late now and then is counted, and the output holds until the next") {
+  compensate([](Component c, double p, Approach) { return is_positioning(c) ? 0.1 * p : 0.0; });
+  simulation.machine().move_to({-200.0, 0.0, 0.0}, 6000.0);
+  REQUIRE(simulation.run_for(0.5));
   for (const std::uint32_t so_far : {2u, 4u, 6u}) {
-    bench.unit.slow_down(1500.0, 2);
-    const std::int32_t held = bench.simulation.drives()[0].dac_counts;
-    bench.simulation.tick();
-    CHECK(bench.simulation.drives()[0].dac_counts == held);
-    REQUIRE(bench.simulation.run_for(0.1));
-    CHECK(bench.simulation.drives()[0].dac_counts != held);
-    CHECK(bench.unit.status().loop_overruns == so_far);
-    CHECK(bench.unit.mode() == UnitMode::compensating);
+    unit.slow_down(1500.0, 2);
+    const std::int32_t held = simulation.drives()[0].dac_counts;
+    simulation.tick();
+    CHECK(simulation.drives()[0].dac_counts == held);
+    REQUIRE(simulation.run_for(0.1));
+    CHECK(simulation.drives()[0].dac_counts != held);
+    CHECK(unit.status().loop_overruns == so_far);
+    CHECK(unit.mode() == UnitMode::compensating);
   }
 }
 
-TEST_CASE("a position that jumps isolates the unit") {
-  Bench bench;
-  bench.compensate();
-  Signals signals = bench.simulation.machine().signals();
+TEST_CASE_FIXTURE(Bench, "a position that jumps isolates the unit") {
+  compensate();
+  Signals signals = simulation.machine().signals();
   signals[0].counts += 3000;  // 3 mm in a millisecond
-  CHECK(!bench.unit.tick(signals)[0].relay_closed);
-  CHECK(bench.unit.fault() == Fault::position_jump);
-  CHECK(bench.unit.status().fault_axis == Axis::X);
+  CHECK(!unit.tick(signals)[0].relay_closed);
+  CHECK(unit.fault() == Fault::position_jump);
+  CHECK(unit.status().fault_axis == Axis::X);
 }
 
-TEST_CASE("an output that stays at its limit is a fault after a second, not before") {
-  Bench bench;
-  bench.parameters.axes[2].output_limit_um = 10.0;
-  bench.compensate([](Component c, double p, Approach) { return c == Component::EZZ && p < -100.0 ? 20.0 : 0.0; });
-  bench.simulation.machine().move_to({0.0, 0.0, -200.0}, 0.0);
+TEST_CASE_FIXTURE(Bench, "an output that stays at its limit is a fault after a second, not before") {
+  parameters.axes[2].output_limit_um = 10.0;
+  compensate([](Component c, double p, Approach) { return c == Component::EZZ && p < -100.0 ? 20.0 : 0.0; });
+  simulation.machine().move_to({0.0, 0.0, -200.0}, 0.0);
   int periods_at_limit = 0;
-  for (int i = 0; i < 5000 && bench.unit.fault() == Fault::none; ++i) {
-    bench.simulation.tick();
-    periods_at_limit += bench.simulation.drives()[2].dac_counts == 100 ? 1 : 0;
+  for (int i = 0; i < 5000 && unit.fault() == Fault::none; ++i) {
+    simulation.tick();
+    periods_at_limit += simulation.drives()[2].dac_counts == 100 ? 1 : 0;
   }
-  CHECK(bench.unit.fault() == Fault::compensation_output);
-  CHECK(bench.unit.status().fault_axis == Axis::Z);
+  CHECK(unit.fault() == Fault::compensation_output);
+  CHECK(unit.status().fault_axis == Axis::Z);
   CHECK(periods_at_limit == doctest::Approx(1000).epsilon(0.02));
 }
 
-TEST_CASE("the watchdog halts a hung processor, and only a power cycle helps") {
-  Bench bench;
-  bench.compensate();
-  bench.unit.hang();
-  REQUIRE(bench.simulation.run_for(kWatchdog_s + 0.002));
-  CHECK(bench.unit.mode() == UnitMode::halted);
-  CHECK(bench.unit.fault() == Fault::watchdog);
-  CHECK(bench.unit.status().watchdog_trips == 1);
-  CHECK(all_relays(bench, false));
-  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::refused);
-  bench.unit.power(false);
-  bench.unit.power(true);
-  bench.simulation.tick();
-  CHECK(bench.unit.mode() == UnitMode::integration);
+TEST_CASE_FIXTURE(Bench, "the watchdog halts a hung processor, and only a power cycle helps") {
+  compensate();
+  unit.hang();
+  REQUIRE(simulation.run_for(kWatchdog_s + 0.002));
+  CHECK(unit.mode() == UnitMode::halted);
+  CHECK(unit.fault() == Fault::watchdog);
+  CHECK(unit.status().watchdog_trips == 1);
+  CHECK(all_relays(*this, false));
+  CHECK(tell(CommandCode::enter_integration).state == CommandState::refused);
+  unit.power(false);
+  unit.power(true);
+  simulation.tick();
+  CHECK(unit.mode() == UnitMode::integration);
 }
 
 TEST_CASE("end to end: measured, mapped and compensated, the error of an axis falls to a fraction") {

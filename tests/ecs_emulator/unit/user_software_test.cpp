@@ -47,13 +47,11 @@ Code longs(std::initializer_list<std::uint32_t> values) {
 
 }  // namespace
 
-TEST_CASE("a program cannot write into the bank of the active map, it can into the other one") {
-  Bench bench;
-  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 1.0; })).state ==
-          CommandState::done);  // bank A
+TEST_CASE_FIXTURE(Bench, "a program cannot write into the bank of the active map, it can into the other one") {
+  REQUIRE(stage_and_commit(flat_image(1.0)).state == CommandState::done);  // bank A
   const auto run_in = [&](const Code& code) {
-    put(bench, kUserPrograms, code);
-    return run_program(bench, 0);
+    put(*this, kUserPrograms, code);
+    return run_program(*this, 0);
   };
   const auto active = run_in({0x23, 0xC0, 0x00, 0x10, 0x02, 0x00, 0x4E, 0x75});
   CHECK(active.state == CommandState::failed);
@@ -98,65 +96,61 @@ TEST_CASE("a program that never ends is stopped by the host or by its limit") {
   CHECK(bench.unit.mode() == UnitMode::integration);
 }
 
-TEST_CASE("programs start at an even address of system RAM above the registers") {
-  Bench bench;
+TEST_CASE_FIXTURE(Bench, "programs start at an even address of system RAM above the registers") {
   for (const Address start : {kUserRegisters, kUserPrograms + 1, kEprom.first, kBankA.first, Address{0x300000}})
-    CHECK(bench.tell(Command{.code = CommandCode::run_user_software, .address = start}).error ==
-          UnitError::bad_argument);
+    CHECK(tell(Command{.code = CommandCode::run_user_software, .address = start}).error == UnitError::bad_argument);
 }
 
-TEST_CASE("the checksum of a memory range is the sum that the test computes") {
-  Bench bench;
+TEST_CASE_FIXTURE(Bench, "the checksum of a memory range is the sum that the test computes") {
   SKIP_UNLESS(assembler_installed(), kNoAssembler);
   const Code program = assembled("checksum");
-  put(bench, kUserPrograms, program);
-  put(bench, 0x043000, longs({kEprom.first + 0x400, 100}));
+  put(*this, kUserPrograms, program);
+  put(*this, 0x043000, longs({kEprom.first + 0x400, 100}));
   std::uint32_t sum = 0;
-  for (const std::uint8_t byte : bench.unit.memory().view(kEprom.first + 0x400, 100)) sum += byte;
-  const CommandResult result = run_program(bench, 0x043000);
+  for (const std::uint8_t byte : unit.memory().view(kEprom.first + 0x400, 100)) sum += byte;
+  const CommandResult result = run_program(*this, 0x043000);
   CHECK(result.state == CommandState::done);
   CHECK(result.value == sum);
-  CHECK(long_at(bench, kUserRegisters) == sum);                                  // D0
-  CHECK(long_at(bench, kUserRegisters + 32 + 4) == kEprom.first + 0x400 + 100);  // A1
-  CHECK(long_at(bench, kUserRegisters + 32 + 28) ==
+  CHECK(long_at(*this, kUserRegisters) == sum);                                  // D0
+  CHECK(long_at(*this, kUserRegisters + 32 + 4) == kEprom.first + 0x400 + 100);  // A1
+  CHECK(long_at(*this, kUserRegisters + 32 + 28) ==
         kSystemRam.first + kSystemRam.size);  // A7: the return was taken off
 }
 
-TEST_CASE("a RAM test written by the user finds a stuck bit of axis memory and changes nothing") {
-  Bench bench;
+TEST_CASE_FIXTURE(Bench, "a RAM test written by the user finds a stuck bit of axis memory and changes nothing") {
   SKIP_UNLESS(assembler_installed(), kNoAssembler);
   const Code program = assembled("ram_test");
-  put(bench, kUserPrograms, program);
-  bench.unit.memory().write(kBankB.first + 0x100, std::array<std::uint8_t, 4>{1, 2, 3, 4});
-  CHECK(run_program(bench, kBankB.first).value == 0);
-  CHECK(long_at(bench, kBankB.first + 0x100) == 0x01020304);
-  bench.unit.memory().stick(kBankB.first + 0x123, 3, 1);
-  CHECK(run_program(bench, kBankB.first).value == kBankB.first + 0x123);
+  put(*this, kUserPrograms, program);
+  unit.memory().write(kBankB.first + 0x100, std::array<std::uint8_t, 4>{1, 2, 3, 4});
+  CHECK(run_program(*this, kBankB.first).value == 0);
+  CHECK(long_at(*this, kBankB.first + 0x100) == 0x01020304);
+  unit.memory().stick(kBankB.first + 0x123, 3, 1);
+  CHECK(run_program(*this, kBankB.first).value == kBankB.first + 0x123);
 }
 
-TEST_CASE("a program follows the axes period by period") {
-  Bench bench;
+TEST_CASE_FIXTURE(Bench, "a program follows the axes period by period") {
   SKIP_UNLESS(assembler_installed(), kNoAssembler);
   const Code program = assembled("position_logger");
-  put(bench, kUserPrograms, program);
-  REQUIRE(bench.tell(Command{.code = CommandCode::set_axis_position, .axis = Axis::X, .position_mm = -10.0}).state ==
+  put(*this, kUserPrograms, program);
+  REQUIRE(tell(Command{.code = CommandCode::set_axis_position, .axis = Axis::X, .position_mm = -10.0}).state ==
           CommandState::done);
-  REQUIRE(bench.unit.begin(Command{.code = CommandCode::run_user_software, .address = kUserPrograms, .argument = 1000})
-              .state == CommandState::busy);
-  Vector3 to_mm = bench.simulation.machine().command_mm();
+  REQUIRE(
+      unit.begin(Command{.code = CommandCode::run_user_software, .address = kUserPrograms, .argument = 1000}).state ==
+      CommandState::busy);
+  Vector3 to_mm = simulation.machine().command_mm();
   to_mm[0] += 5.0;
-  REQUIRE(bench.simulation.move_to(to_mm, 1200.0));
-  CommandResult result = bench.unit.progress();
+  REQUIRE(simulation.move_to(to_mm, 1200.0));
+  CommandResult result = unit.progress();
   for (int i = 0; i < 1000 && result.state == CommandState::busy; ++i) {
-    bench.simulation.tick();
-    result = bench.unit.progress();
+    simulation.tick();
+    result = unit.progress();
   }
   REQUIRE(result.state == CommandState::done);
   CHECK(result.value == 1000);
-  CHECK(static_cast<std::int32_t>(long_at(bench, 0x042004)) == doctest::Approx(-10'000).epsilon(0.01));
-  const auto at = [&](std::uint32_t k) { return static_cast<std::int32_t>(long_at(bench, 0x042000 + 16 * k + 4)); };
+  CHECK(static_cast<std::int32_t>(long_at(*this, 0x042004)) == doctest::Approx(-10'000).epsilon(0.01));
+  const auto at = [&](std::uint32_t k) { return static_cast<std::int32_t>(long_at(*this, 0x042000 + 16 * k + 4)); };
   for (std::uint32_t k = 1; k < 1000; ++k) {
-    CHECK(long_at(bench, 0x042000 + 16 * k) == long_at(bench, 0x042000) + k);  // no period is missed
+    CHECK(long_at(*this, 0x042000 + 16 * k) == long_at(*this, 0x042000) + k);  // no period is missed
     CHECK(at(k) >= at(k - 1));
   }
   CHECK(at(999) == doctest::Approx(-5'000).epsilon(0.001));
