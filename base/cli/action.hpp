@@ -127,7 +127,7 @@ class Fields {
   requires std::derived_from<Request, Owner> Fields(Group Owner::*member,
                                                     const Fields<Group>& group = fields_of<Group>()) {
     for (const auto& [argument, place] : group.all_)
-      all_.emplace_back(argument, [member, place](Request& r) { return place(r.*member); });
+      all_.emplace_back(argument, [member, place = place](Request& r) { return place(r.*member); });
   }
   Fields(std::initializer_list<Fields> parts) {
     for (const Fields& part : parts) add(part);

@@ -7,9 +7,7 @@
 
 #include "base/text.hpp"
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/scene.hpp"
 #include "modules/hidden_cases/compose.hpp"
 
 namespace ecs::emulator {

@@ -11,7 +11,6 @@
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/random/random.hpp"
 #include "ecs_emulator/scene/scene.hpp"
-#include "modules/hidden_cases/space.hpp"
 
 namespace ecs::emulator {
 namespace {

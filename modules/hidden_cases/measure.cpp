@@ -2,10 +2,8 @@
 #include <cmath>
 
 #include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/effects/drawing.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/scene.hpp"
 #include "modules/hidden_cases/case.hpp"
 #include "modules/hidden_cases/compose.hpp"
 
