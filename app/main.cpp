@@ -3,7 +3,7 @@
 
 #include "app/screens/start.hpp"
 #include "app/verbs/registry.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 
 int main(int argc, char** argv) {
   ecs::catch_signals();

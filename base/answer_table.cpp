@@ -5,7 +5,7 @@
 #include <fmt/args.h>
 #include <fmt/format.h>
 
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 
 namespace ecs {
 

@@ -5,8 +5,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -16,8 +18,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
-
-#include "base/file_watch.hpp"
 
 namespace ecs {
 namespace {
@@ -199,6 +199,72 @@ Result<std::filesystem::path> state_folder() {
   std::filesystem::create_directories(folder, error);
   if (error) return tl::unexpected(file_problem(ProblemKind::output, folder, "cannot create: " + error.message()));
   return folder;
+}
+
+namespace {
+
+thread_local FileWatch* watch_of_thread = nullptr;
+
+}  // namespace
+
+FileWatch::FileWatch() : before_(std::exchange(watch_of_thread, this)) {}
+FileWatch::~FileWatch() { watch_of_thread = before_; }
+
+Unwatched::Unwatched() : before_(std::exchange(watch_of_thread, nullptr)) {}
+Unwatched::~Unwatched() { watch_of_thread = before_; }
+
+FileWatch* FileWatch::current() { return watch_of_thread; }
+
+Result<std::string> FileWatch::content(const std::filesystem::path& path) {
+  return problem_at(path.string(), 0, 0, "no such file");
+}
+
+bool is_there(const std::filesystem::path& path) {
+  if (FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc())
+    return watch->content(path).has_value();
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+std::string head_of(const std::filesystem::path& path, std::size_t bytes) {
+  if (FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc())
+    return watch->content(path).value_or("").substr(0, bytes);
+  std::string head(bytes, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
+  return head;
+}
+
+namespace {
+
+Result<void> unless_there(const std::vector<std::string>& files, const std::vector<std::string>& own,
+                          std::string_view instead) {
+  for (const std::string& file : files)
+    if (would_overwrite(file, own))
+      return problem(ProblemKind::usage, fmt::format("{} exists already: {}", file, instead));
+  return {};
+}
+
+}  // namespace
+
+bool would_overwrite(const std::string& path, const std::vector<std::string>& own) {
+  std::error_code error;
+  if (const FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc()) return false;
+  if (path.empty() || !std::filesystem::is_regular_file(path, error)) return false;
+  if (std::filesystem::file_size(path, error) == 0 && !error) return false;
+  return std::none_of(own.begin(), own.end(), [&](const std::string& file) {
+    std::error_code missing;
+    return std::filesystem::equivalent(file, path, missing);
+  });
+}
+
+Result<void> spared(const std::vector<std::string>& files, bool force, const std::vector<std::string>& own) {
+  return force ? Result<void>() : unless_there(files, own, "give another name, or --force to overwrite it");
+}
+
+Result<void> none_there(const std::vector<std::string>& files, std::string_view instead) {
+  return unless_there(files, {}, instead);
 }
 
 }  // namespace ecs

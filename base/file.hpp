@@ -1,11 +1,16 @@
 // Files whole or not at all: read in one piece; written beside, flushed, checked, then renamed over the old one.
+// What a thread reads and writes through base/file.hpp, seen by whoever keeps a record of it, or answered from a record
+// in place of the disc.
+// The one rule for files that are there: nothing is overwritten unasked. A screen asks, a verb wants --force.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.hpp"
 
@@ -32,5 +37,59 @@ namespace ecs {
 /// Folder for state that outlives a run (the bundled emulator's battery memory, stored links):
 /// $ECS_STATE_DIR, else $XDG_STATE_HOME/ecs, else $HOME/.local/state/ecs. Created if missing.
 [[nodiscard]] Result<std::filesystem::path> state_folder();
+
+/// From its construction to its end it sees the whole files that this thread reads and writes. One inside another takes
+/// its place until it ends.
+class FileWatch {
+ public:
+  FileWatch();
+  FileWatch(const FileWatch&) = delete;
+  FileWatch& operator=(const FileWatch&) = delete;
+  virtual ~FileWatch();
+
+  /// Of this thread; null: none.
+  [[nodiscard]] static FileWatch* current();
+
+  /// It answers in place of the disc: nothing is read from there and nothing written to it.
+  [[nodiscard]] virtual bool replaces_disc() const { return false; }
+  /// Only where it replaces the disc: the content, or why there is none.
+  [[nodiscard]] virtual Result<std::string> content(const std::filesystem::path& path);
+
+  virtual void was_read(const std::filesystem::path& path, std::string_view content) = 0;
+  /// Also what would have been written, where it replaces the disc.
+  virtual void was_written(const std::filesystem::path& path, std::string_view content) = 0;
+
+ private:
+  FileWatch* before_;
+};
+
+/// Nothing of this thread is seen, and all of it comes from the disc, to its end: for keys and tokens.
+class Unwatched {
+ public:
+  Unwatched();
+  Unwatched(const Unwatched&) = delete;
+  Unwatched& operator=(const Unwatched&) = delete;
+  ~Unwatched();
+
+ private:
+  FileWatch* before_;
+};
+
+/// Whether there is such a file, on the disc or in what replaces it.
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
+
+/// At most that many bytes from its beginning, from the disc or from what replaces it; empty where it cannot be read.
+/// Not seen by a watch.
+[[nodiscard]] std::string head_of(const std::filesystem::path& path, std::size_t bytes);
+
+/// Whether writing to `path` destroys something: a regular file with content, and none of `own`, the files that the
+/// same work reads or wrote before and so changes in place.
+[[nodiscard]] bool would_overwrite(const std::string& path, const std::vector<std::string>& own = {});
+
+/// A `usage` problem for the first of the files that would be overwritten, unless `force`.
+[[nodiscard]] Result<void> spared(const std::vector<std::string>& files, bool force,
+                                  const std::vector<std::string>& own = {});
+/// The same where nothing can force it. @param instead  what to do: "give another folder"
+[[nodiscard]] Result<void> none_there(const std::vector<std::string>& files, std::string_view instead);
 
 }  // namespace ecs

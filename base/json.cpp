@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/shown.hpp"
+#include "base/text.hpp"
 
 namespace ecs {
 

@@ -1,4 +1,6 @@
 // Making the JSON that the verbs answer with: unknown is null, never NaN. Only for .cpp files (heavy header).
+// Values out of JSON that somebody else wrote: what is absent or of another type is none. Only for .cpp files (heavy
+// header).
 #pragma once
 
 #include <optional>
@@ -23,5 +25,16 @@ namespace ecs {
 [[nodiscard]] Json problem_json(const Problem& problem);
 /// "0x100000"
 [[nodiscard]] std::string hex_address(std::uint32_t address);
+
+/// Empty where the object has no text under the key, or is no object.
+[[nodiscard]] inline std::string text_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+[[nodiscard]] inline std::optional<double> number_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
 
 }  // namespace ecs

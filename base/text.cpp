@@ -1,8 +1,10 @@
+// UTF-8 as RFC 3629 has it: no overlong forms, no surrogates, nothing above U+10FFFF.
 #include "base/text.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -138,6 +140,125 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
     }
   }
   return best;
+}
+
+Result<std::uint32_t> whole_number(std::string_view text, std::string_view what) {
+  std::string_view digits = trimmed(text);
+  const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+  if (hexadecimal) digits.remove_prefix(2);
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
+  if (error == std::errc{} && end == digits.data() + digits.size() && !digits.empty()) return value;
+  return problem(ProblemKind::usage,
+                 fmt::format("{}: expected a whole number such as 4096 or 0x1000, got \"{}\"", what, text));
+}
+
+std::string cell_text(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
+
+std::size_t columns_of(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+std::string padded(std::string_view text, std::size_t width) {
+  const std::size_t taken = columns_of(text);
+  return std::string(text) + std::string(width > taken ? width - taken : 0, ' ');
+}
+
+std::string paragraph(std::string_view text, std::size_t indent, std::size_t hanging) {
+  std::string out, line(indent, ' ');
+  bool empty = true;
+  for (const std::string_view word : split(text, ' ')) {
+    if (word.empty()) continue;
+    if (!empty && columns_of(line) + 1 + columns_of(word) > kTerminalColumns) {
+      out += line + "\n";
+      line = std::string(hanging, ' ');
+      empty = true;
+    }
+    if (!empty) line += ' ';
+    line += word;
+    empty = false;
+  }
+  return empty ? out : out + line + "\n";
+}
+
+std::string paragraph_after(std::string_view head, std::string_view text) {
+  const std::size_t width = columns_of(head);
+  const std::string lines = paragraph(text, width);
+  return std::string(head) + (lines.empty() ? "\n" : lines.substr(width));
+}
+
+std::string paragraph(std::string_view text, std::size_t indent) { return paragraph(text, indent, indent); }
+
+namespace {
+
+struct Character {
+  std::uint32_t code = 0;
+  std::size_t bytes = 0;  ///< 0: no UTF-8
+};
+
+bool in(std::uint32_t code, std::uint32_t first, std::uint32_t last) { return code >= first && code <= last; }
+
+/// @pre text is not empty
+Character first_character(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint32_t lead = byte(0);
+  if (lead < 0x80) return {lead, 1};
+  const std::size_t bytes = in(lead, 0xC2, 0xDF) ? 2 : in(lead, 0xE0, 0xEF) ? 3 : in(lead, 0xF0, 0xF4) ? 4 : 0;
+  if (bytes == 0 || text.size() < bytes) return {};
+  std::uint32_t code = lead & (0xFFu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if (!in(byte(i), 0x80, 0xBF)) return {};
+    code = code << 6 | (byte(i) & 0x3Fu);
+  }
+  const bool overlong = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
+  if (overlong || in(code, 0xD800, 0xDFFF) || code > 0x10FFFF) return {};
+  return {code, bytes};
+}
+
+bool is_obeyed(std::uint32_t code) {
+  const bool control = (code < 0x20 && code != '\n' && code != '\t') || in(code, 0x7F, 0x9F);
+  const bool turns_writing = in(code, 0x200E, 0x200F) || in(code, 0x202A, 0x202E) || in(code, 0x2066, 0x2069);
+  return control || turns_writing || in(code, 0x2028, 0x2029);
+}
+
+}  // namespace
+
+std::string shown(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const Character character = first_character(text);
+    const std::size_t bytes = character.bytes == 0 ? 1 : character.bytes;
+    if (character.bytes == 0 || is_obeyed(character.code))
+      out += '?';
+    else
+      out += text.substr(0, bytes);
+    text.remove_prefix(bytes);
+  }
+  return out;
+}
+
+std::string shown_json(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  while (!json.empty()) {
+    const Character character = first_character(json);
+    const std::size_t bytes = character.bytes == 0 ? 1 : character.bytes;
+    if (character.code >= 0x7F && is_obeyed(character.code))  // below it JSON has its own escapes
+      out += fmt::format("\\u{:04x}", character.code);
+    else
+      out += json.substr(0, bytes);
+    json.remove_prefix(bytes);
+  }
+  return out;
+}
+
+std::string cut_line(std::string_view line, std::size_t most) {
+  if (line.size() <= most) return std::string(line);
+  std::size_t end = most;
+  while (end > 0 && (static_cast<std::uint8_t>(line[end]) & 0xC0U) == 0x80U) --end;  // between characters
+  return fmt::format("{}… (cut: {} bytes)", line.substr(0, end), line.size());
 }
 
 }  // namespace ecs

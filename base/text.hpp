@@ -1,10 +1,19 @@
 // Text as files hold it: trimming, splitting, numbers. Always in the "C" locale, whatever the terminal says.
+// Numbers as a user types them.
+// Sentences broken into lines that fit a terminal.
+// Does not live here: characters that a terminal must not receive (shown.hpp).
+// Text of files and units as a terminal may see it.
+// Does not live here: how JSON is made (json.hpp).
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/result.hpp"
 
 namespace ecs {
 
@@ -50,5 +59,37 @@ struct NumberedLine {
 
 /// The candidate most like `word` (edit distance at most a third of its length), for "did you mean"; empty if none.
 [[nodiscard]] std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
+
+/// "0x100000" or "1048576": a whole number of 32 bits, else a usage problem that names `what`.
+[[nodiscard]] Result<std::uint32_t> whole_number(std::string_view text, std::string_view what);
+
+/// "1.234", or "-" where there is none: a cell of a table.
+[[nodiscard]] std::string cell_text(const std::optional<double>& value);
+
+inline constexpr std::size_t kTerminalColumns = 80;
+
+/// `text` broken at blanks into lines of at most 80 columns, each with its line end. A word longer than a line stays
+/// whole. @param indent  blanks before the first line @param hanging  blanks before the others
+[[nodiscard]] std::string paragraph(std::string_view text, std::size_t indent, std::size_t hanging);
+[[nodiscard]] std::string paragraph(std::string_view text, std::size_t indent = 0);
+
+/// `head` in one piece, such as the first cells of a row, then `text` in lines that begin where it ends.
+[[nodiscard]] std::string paragraph_after(std::string_view head, std::string_view text);
+
+/// Columns that UTF-8 text takes on a terminal, one for each character.
+[[nodiscard]] std::size_t columns_of(std::string_view text);
+
+/// At least `width` columns, blanks at the end.
+[[nodiscard]] std::string padded(std::string_view text, std::size_t width);
+
+/// The same text, with nothing in it that a terminal would act on: control characters (C0 without line feed and tab,
+/// DEL, C1), marks that turn the direction of writing, and bytes that are no UTF-8 each become '?'. Valid UTF-8 stays.
+[[nodiscard]] std::string shown(std::string_view text);
+
+/// JSON with the same characters as escapes (\u009b) in place of bytes; what it means stays. @param json  valid, UTF-8
+[[nodiscard]] std::string shown_json(std::string_view json);
+
+/// A line of at most so many bytes; of a longer one the beginning and how long it is.
+[[nodiscard]] std::string cut_line(std::string_view line, std::size_t most);
 
 }  // namespace ecs

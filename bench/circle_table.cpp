@@ -4,12 +4,12 @@
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
 // another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
-// with modules/standards. --model diagnoses by the library of the error model (`ecs model diagnose`) instead, with the same
-// names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the first;
-// seeds whose fault such a line would show as well are passed over. --follow runs the first circle that `ecs model
-// next` proposes on the same machine with the same noise, and diagnoses both together; only seeds are counted whose
-// first circle leaves the cause in a group and has such a proposal. --together hides lost motion and friction of the
-// same axis in every seed; right is a first cause that is one of them.
+// with modules/standards. --model diagnoses by the library of the error model (`ecs model diagnose`) instead, with the
+// same names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the
+// first; seeds whose fault such a line would show as well are passed over. --follow runs the first circle that `ecs
+// model next` proposes on the same machine with the same noise, and diagnoses both together; only seeds are counted
+// whose first circle leaves the cause in a group and has such a proposal. --together hides lost motion and friction of
+// the same axis in every seed; right is a first cause that is one of them.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -24,7 +24,7 @@
 #include "ecs_emulator/workshop/procedures.hpp"
 #include "ecs_emulator/workshop/serve.hpp"
 #include "laser/standards/circle.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "model/data/path.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"

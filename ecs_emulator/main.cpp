@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "base/cli/command_tree.hpp"
-#include "base/shown.hpp"
+#include "base/text.hpp"
 #include "base/version.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 

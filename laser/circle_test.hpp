@@ -1,5 +1,5 @@
 // A circular test (ISO 230-4) as values: radial deviations of contouring both ways, with what was known of the circle.
-// Does not live here: the file (laser/standards/circle.hpp), its writer (laser/writers/measurement_writer.hpp).
+// Does not live here: the file (laser/standards/circle.hpp), its writer (laser/writers/writers.hpp).
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/axis.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 
 namespace ecs::laser {
 

@@ -1,5 +1,5 @@
 // Air and temperatures over time, as an environment log holds them, line by line. Does not live here: reading one,
-// joining it to measurements (laser/import/environment.hpp), writing one (laser/writers/table_writers.hpp).
+// joining it to measurements (laser/import/readers.hpp), writing one (laser/writers/writers.hpp).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Measurements as values: readings of one or more axes with what was known about each, the reader of their CSV form,
 // the passes of an axis from the order of its stops, and on which machine a set was measured, as its header says. Does
-// not live here: the writer (laser/writers/measurement_writer.hpp), instruments' own files (laser/import/import.hpp),
+// not live here: the writer (laser/writers/writers.hpp), instruments' own files (laser/import/import.hpp),
 // statistics (laser/analysis/iso230.hpp).
 #pragma once
 
@@ -14,7 +14,7 @@
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 
 namespace ecs::laser {
 

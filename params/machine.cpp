@@ -6,10 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
-#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "params/fields.hpp"
-#include "params/flat_toml.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::params {
 namespace {

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
-#include "base/numbers.hpp"
 #include "base/text.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 #include "laser/groups.hpp"
 
 namespace ecs::volume {

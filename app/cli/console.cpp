@@ -9,7 +9,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "base/shown.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {

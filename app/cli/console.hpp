@@ -30,7 +30,7 @@ struct ConsoleOptions {
 /// What stdout and stderr are; colour on a terminal unless NO_COLOR is set or TERM says "dumb".
 [[nodiscard]] ConsoleOptions options_of_stderr();
 
-/// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/shown.hpp, so that no file and no
+/// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/text.hpp, so that no file and no
 /// unit can speak to the terminal.
 class Console final : public MessageSink {
  public:

@@ -16,8 +16,8 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/interrupt.hpp"
 #include "base/json.hpp"
+#include "base/process.hpp"
 #include "base/version.hpp"
 #include "commissioning/link/choice.hpp"
 

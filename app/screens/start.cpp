@@ -20,7 +20,7 @@
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/outcome.hpp"
-#include "base/shown.hpp"
+#include "base/text.hpp"
 #include "commissioning/files/known_files.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"

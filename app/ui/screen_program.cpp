@@ -9,10 +9,10 @@
 #include "app/ui/cells.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
-#include "commissioning/session/drafts.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/remembered.hpp"
 
 namespace ecs::app {
 namespace {

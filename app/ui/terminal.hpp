@@ -17,7 +17,7 @@ struct TerminalOptions {
   bool mouse = true;
 };
 
-/// One at a time. Catches SIGINT, SIGTERM, SIGHUP and SIGTSTP by the handlers of base/interrupt.hpp and its own; after
+/// One at a time. Catches SIGINT, SIGTERM, SIGHUP and SIGTSTP by the handlers of base/process.hpp and its own; after
 /// SIGSEGV and SIGABRT the terminal is put right before the program dies.
 class Terminal {
  public:

@@ -9,7 +9,6 @@
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 
 namespace ecs::app {
 namespace {

@@ -6,7 +6,6 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/volume/figures.hpp"
 #include "commissioning/volume/view.hpp"
 #include "commissioning/volume/work.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/overwriting.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
 
 namespace ecs::cli {

@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 #include "base/text.hpp"
 
 namespace ecs::cli {

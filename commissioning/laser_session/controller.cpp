@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "base/overwriting.hpp"
+#include "base/file.hpp"
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "laser/measurement_set.hpp"

@@ -11,9 +11,9 @@
 
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/laser_session/work.hpp"
-#include "commissioning/session/drafts.hpp"
 #include "commissioning/session/edit_history.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/remembered.hpp"
 
 namespace ecs::commissioning {
 

@@ -19,7 +19,7 @@
 #include "commissioning/session/records.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/recipe.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "params/fields.hpp"
 
 namespace ecs::commissioning {

@@ -19,7 +19,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "protocol/line/modbus_link.hpp"

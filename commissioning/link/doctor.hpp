@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 #include "commissioning/link/choice.hpp"
 #include "protocol/client/client.hpp"

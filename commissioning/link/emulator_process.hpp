@@ -1,13 +1,18 @@
 // The bundled emulator as a child process: started, asked where its link is, stopped.
+// Requests to a running workshop (docs/emulator.md): one JSON object on one line of a Unix socket, its answer on
+// another. For .cpp files only (heavy header). Does not live here: what is asked for (socket_workshop.hpp).
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include <sys/types.h>
 
+#include "base/json.hpp"
 #include "base/result.hpp"
 
 namespace ecs::commissioning {
@@ -64,5 +69,20 @@ class EmulatorProcess {
 
 /// The file of the battery-backed memory of the emulator with this machine, in state_folder().
 [[nodiscard]] Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine);
+
+class WorkshopClient {
+ public:
+  /// @param cancelled  set by another thread: a request under way ends with a `refused` problem
+  WorkshopClient(std::filesystem::path socket, const std::atomic<bool>& cancelled)
+      : socket_(std::move(socket)), cancelled_(&cancelled) {}
+
+  /// `link` problem if nobody answers; what the workshop refuses comes back as it says.
+  /// @param progress  told how much is done, 0 … 1
+  [[nodiscard]] Result<Json> ask(const Json& request, const std::function<void(double)>& progress = {}) const;
+
+ private:
+  std::filesystem::path socket_;
+  const std::atomic<bool>* cancelled_;
+};
 
 }  // namespace ecs::commissioning

@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "base/file_watch.hpp"
 #include "base/text.hpp"
 
 namespace ecs::commissioning {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "protocol/client/client.hpp"

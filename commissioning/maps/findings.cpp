@@ -9,7 +9,6 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/file_watch.hpp"
 #include "base/text.hpp"
 #include "laser/map/csv.hpp"
 

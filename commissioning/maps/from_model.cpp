@@ -10,11 +10,9 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/file_watch.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "model/diagnosis/ladder.hpp"

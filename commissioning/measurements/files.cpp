@@ -11,11 +11,10 @@
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "base/file_watch.hpp"
 #include "base/text.hpp"
-#include "laser/csv_columns.hpp"
-#include "laser/import/environment.hpp"
+#include "laser/csv.hpp"
 #include "laser/import/format.hpp"
+#include "laser/import/readers.hpp"
 #include "laser/text_decoding.hpp"
 
 namespace ecs::commissioning {

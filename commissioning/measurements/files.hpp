@@ -41,7 +41,7 @@ struct ImportArguments {
   std::string delimiter;      ///< one character, or blank, tab, comma, semicolon
   std::string decimal;        ///< point or comma
   std::string values;         ///< error, actual, compensation
-  std::string matrix;         ///< "x=xmin..xmax,y=ymin+20": the file is a matrix of values (laser/import/matrix.hpp)
+  std::string matrix;         ///< "x=xmin..xmax,y=ymin+20": the file is a matrix of values (laser/import/readers.hpp)
   std::string section;        ///< the part of the file that holds the matrix
   std::string line_prefix;    ///< taken off every line of it
   std::string absent;         ///< a cell of it without a value

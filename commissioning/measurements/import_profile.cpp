@@ -13,8 +13,6 @@
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "base/file_watch.hpp"
-#include "base/overwriting.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/measurements/files.hpp"

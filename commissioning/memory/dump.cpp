@@ -8,7 +8,6 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
-#include "base/json_values.hpp"
 #include "commissioning/memory/bytes.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"

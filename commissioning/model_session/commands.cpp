@@ -6,7 +6,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/view.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
 

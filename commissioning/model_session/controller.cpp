@@ -10,16 +10,14 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/model_session/commands.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
-#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
+#include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
 
 namespace ecs::commissioning {

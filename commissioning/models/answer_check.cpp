@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/paragraph.hpp"
-#include "commissioning/models/json.hpp"
+#include "base/text.hpp"
+#include "commissioning/models/view.hpp"
 #include "laser/map/csv.hpp"
 
 namespace ecs::commissioning {

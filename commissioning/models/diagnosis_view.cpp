@@ -1,13 +1,10 @@
-#include "commissioning/models/diagnosis_view.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/paragraph.hpp"
-#include "commissioning/models/json.hpp"
+#include "base/text.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"

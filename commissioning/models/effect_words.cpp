@@ -1,5 +1,3 @@
-#include "commissioning/models/effect_words.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,8 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/diagnosis/words.hpp"
 

@@ -1,12 +1,10 @@
-#include "commissioning/models/json.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "commissioning/models/view.hpp"
-#include "laser/csv_columns.hpp"
+#include "laser/csv.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {

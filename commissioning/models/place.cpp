@@ -6,11 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "laser/csv_columns.hpp"
+#include "laser/csv.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -13,7 +13,7 @@
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/sealed.hpp"
-#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -9,9 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
-#include "commissioning/models/effect_words.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {

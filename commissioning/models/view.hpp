@@ -1,16 +1,27 @@
 // Parts of models, fits and diagnoses as text of 80 columns: values with sigmas, tests, shapes, the ladder. Measured
 // lines of a data set, and how their points look: shared by pictures in files and on the terminal.
+// A diagnosis as an answer, the headline, then the evidence; where a model fails.
+// What answers about models share: effects, parameters and tests by the names of docs/verbs.md. Only for .cpp
+// files (heavy header).
+// What the library says of an effect, in words: the same in `ecs model effects ID`, on the MODEL screen and in the
+// report; an effect of a model that its data could not tell from others, taken out or decided for.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/answer_table.hpp"
 #include "base/json_fwd.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "core/axis.hpp"
 #include "model/data/observations.hpp"
 #include "model/diagnosis/diagnose.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/compare.hpp"
+#include "model/fit/fit.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::commissioning {
@@ -86,5 +97,87 @@ inline constexpr double kWorthAShape = 0.1;
 
 /// Pictures of variables in one answer.
 inline constexpr std::size_t kMostShapes = 2;
+
+[[nodiscard]] Cell comparison_cell(const model::Comparison& comparison, std::size_t readings);
+
+/// "< 0.5 %" where no replicate of noise looks as good, "3.2 %", "-" where it has no meaning: the effect alone explains
+/// nothing that noise would not.
+[[nodiscard]] std::string chance_text(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
+
+/// JSON as docs/verbs.md has it; text of 80 columns.
+[[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);
+[[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);
+
+/// {"effect", "axis", "sense", "approach", "code", "sensor", "name"}, and "sensor2" where one applies; absent parts
+/// null; `name` is "cyclic:X:EX".
+[[nodiscard]] Json effect_json(const model::EffectInstance& effect);
+/// The same place out of such an object; only "effect" must be there. Nothing where that is no effect of the library.
+[[nodiscard]] std::optional<model::EffectInstance> effect_in(const Json& object);
+
+/// {"F", "p"}, or null without repeats; "F = 31.2, p = 1e-40", "too few repeats to judge".
+[[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
+/// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
+[[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);
+/// @param layout  of each
+[[nodiscard]] Cell parameters_cell(const std::vector<model::ParameterEstimate>& parameters,
+                                   std::string_view layout = {});
+/// {"p_mm", "value"}
+[[nodiscard]] Json curve_json(const model::FittedCurve& curve);
+/// A number that is not finite is null.
+[[nodiscard]] Json numbers_json(const std::vector<double>& values);
+
+/// The text to a thousandth.
+[[nodiscard]] Cell position_cell(double position_mm);
+/// Columns of a position in a table, "{x_mm:>10} {y_mm:>10} {z_mm:>10}", and what belongs there.
+[[nodiscard]] std::string position_layout(bool rotary);
+void add_position(AnswerFields& fields, const Vector3& position_mm, bool rotary);
+/// {"x_mm", "y_mm", "z_mm"}; of rotary axes {"a_deg", "b_deg", "c_deg"}
+[[nodiscard]] Json position_json(const Vector3& position_mm, bool rotary = false);
+[[nodiscard]] std::string axis_json(Axis axis, bool rotary = false);
+
+/// "error map", "parameters", "put it right", "no": what carries the compensation.
+[[nodiscard]] std::string_view carrier_text(model::Carrier carrier);
+
+/// "cause: lost motion in the drive"
+struct EffectFact {
+  std::string label;
+  std::string text;
+};
+/// Formula, cause, what distinguishes it, how it is compensated.
+[[nodiscard]] std::vector<EffectFact> facts_of(const model::EffectDefinition& effect);
+
+/// A candidate opened: its facts, its values, what else it could be, what to check at the machine.
+[[nodiscard]] std::vector<EffectFact> details_of(const model::Candidate& candidate);
+
+/// The numbers of the proof, each with the word "holds" or "fails".
+[[nodiscard]] std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
+
+/// "cyclic:X:EX (or servo_lag:X:EX)": with what the data could not tell it from when it was added.
+[[nodiscard]] std::string name_with_alternatives(const model::EffectInstance& effect);
+/// The same for an effect of `model` by its name, to_text(); a name that the model lacks stays as it is.
+[[nodiscard]] std::string name_with_alternatives(const model::Model& model, const std::string& name);
+/// Errors of the measurement among what the data could not tell an effect from, "cosine:X:EX or air_refraction:X:EX";
+/// "" where there is none.
+[[nodiscard]] std::string measurement_alternatives(const model::EffectInstance& effect);
+/// What compensating an effect costs if it is such an error.
+/// @param amount  of it, "11.2 um rms"  @pre measurement_alternatives() are there
+[[nodiscard]] std::string cost_if_of_measurement(const model::EffectInstance& effect, const std::string& amount);
+/// Keeps the alternatives with the effect, in model files too. Empty: it is decided. @pre no effect of the user
+void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives);
+
+/// The place of an effect by its name, "cyclic:X:EX". A `usage` problem names those that there are.
+[[nodiscard]] Result<std::size_t> effect_in(const model::Model& model, const std::string& name);
+
+/// The model without that effect, refitted, with a step more on its ladder.
+struct WithoutEffect {
+  model::Model model;
+  model::Fit fit;
+  std::string name;
+  double rms_before_um = 0.0;
+};
+/// Refused where it is the only one. @param before  the fit with it
+[[nodiscard]] Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data,
+                                                   std::size_t effect, const model::Fit& before,
+                                                   const std::string& data_name);
 
 }  // namespace ecs::commissioning

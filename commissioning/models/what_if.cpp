@@ -9,9 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/paragraph.hpp"
-#include "commissioning/models/effect_words.hpp"
-#include "commissioning/models/json.hpp"
+#include "base/text.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"

@@ -11,7 +11,6 @@
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "base/file_watch.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/measurement_set.hpp"

@@ -8,14 +8,14 @@
 
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/parameters/transfer.hpp"
-#include "commissioning/session/drafts.hpp"
 #include "commissioning/session/edit_history.hpp"
+#include "commissioning/session/remembered.hpp"
 #include "params/check.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::commissioning {
 
-/// Work that is neither saved nor sent, by this name among the drafts (commissioning/session/drafts.hpp).
+/// Work that is neither saved nor sent, by this name among the drafts (commissioning/session/remembered.hpp).
 inline constexpr const char* kParametersDraft = "parameters";
 
 /// One key that is not the same everywhere; empty values: that side is not known.

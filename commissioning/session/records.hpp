@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file_watch.hpp"
+#include "base/file.hpp"
 
 namespace ecs::commissioning {
 

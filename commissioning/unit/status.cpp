@@ -8,7 +8,7 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/fault.hpp"
 #include "core/memory_image.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/session/drafts.hpp"
+#include "commissioning/session/remembered.hpp"
 #include "params/observed_datum.hpp"
 
 namespace ecs::commissioning {

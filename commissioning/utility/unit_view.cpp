@@ -7,9 +7,9 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "base/overwriting.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/workshop_client.hpp"
+#include "commissioning/link/emulator_process.hpp"
 #include "commissioning/session/commands.hpp"
 #include "core/fault.hpp"
 #include "params/machine.hpp"

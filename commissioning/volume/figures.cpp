@@ -1,5 +1,3 @@
-#include "commissioning/volume/figures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
+#include "commissioning/volume/view.hpp"
 
 namespace ecs::commissioning {
 namespace {

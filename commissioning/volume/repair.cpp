@@ -13,10 +13,8 @@
 #include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 #include "commissioning/maps/machine_map.hpp"
-#include "commissioning/models/effect_words.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/volume/repair_places.hpp"
 #include "model/effects/definition.hpp"

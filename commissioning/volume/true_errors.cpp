@@ -12,9 +12,9 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include "base/child_program.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 

@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
 
 namespace ecs::commissioning {

@@ -1,9 +1,12 @@
 // The answer of `ecs volume` as text and JSON. Only for .cpp files (heavy header).
+// A volume as a picture: the wire cube of thesis figures 7.20 and 7.21 before and after, a slice with arrows, the body
+// diagonals. Does not live here: how a picture is drawn (app/plot).
 #pragma once
 
 #include <string>
 
 #include "base/json_fwd.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "commissioning/volume/work.hpp"
 
 namespace ecs::commissioning {
@@ -14,5 +17,8 @@ namespace ecs::commissioning {
 
 /// Every value of the map with its standard uncertainty: axis,sense,approach,p_mm,value_um,u_um.
 [[nodiscard]] std::string values_csv(const VolumeWork& work);
+
+/// Left before, right after, errors drawn larger by the same factor in both.
+[[nodiscard]] Result<PlotFigure> volume_figure(const VolumeWork& work);
 
 }  // namespace ecs::commissioning

@@ -8,9 +8,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/settings/reader.hpp"
-#include "laser/writers/measurement_writer.hpp"
-#include "laser/writers/renishaw_writer.hpp"
-#include "laser/writers/table_writers.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::emulator {
 namespace {

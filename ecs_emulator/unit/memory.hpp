@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 #include "core/address_map.hpp"
 #include "core/bytes.hpp"

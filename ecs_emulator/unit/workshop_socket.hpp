@@ -10,7 +10,7 @@
 
 #include <poll.h>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 
 namespace ecs::emulator {

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 #include "ecs_emulator/part_programs/writer.hpp"
 #include "ecs_emulator/verbs/requests.hpp"
 

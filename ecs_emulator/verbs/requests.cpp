@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "base/file.hpp"
 #include "base/outcome.hpp"
-#include "base/overwriting.hpp"
 #include "ecs_emulator/instruments/files.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
 #include "ecs_emulator/workshop/serve.hpp"

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "base/overwriting.hpp"
+#include "base/file.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/instruments/files.hpp"
 #include "ecs_emulator/part_programs/run.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -15,7 +15,7 @@
 #include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/workshop/actions.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::emulator {
 

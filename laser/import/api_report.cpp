@@ -9,7 +9,7 @@
 #include "laser/findings.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/writers/table_writers.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

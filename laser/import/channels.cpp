@@ -1,5 +1,3 @@
-#include "laser/import/channels.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -12,7 +10,6 @@
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
-#include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -13,9 +13,8 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "laser/csv_columns.hpp"
+#include "laser/csv.hpp"
 #include "laser/findings.hpp"
-#include "laser/import/channels.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"

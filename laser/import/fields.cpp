@@ -10,9 +10,9 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "laser/csv_columns.hpp"
+#include "laser/csv.hpp"
 #include "laser/findings.hpp"
-#include "laser/import/time.hpp"
+#include "laser/import/readers.hpp"
 
 namespace ecs::laser {
 namespace {

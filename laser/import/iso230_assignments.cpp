@@ -12,7 +12,7 @@
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/units.hpp"
-#include "laser/writers/table_writers.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,5 +1,3 @@
-#include "laser/import/matrix.hpp"
-
 #include <algorithm>
 #include <map>
 #include <vector>

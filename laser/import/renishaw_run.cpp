@@ -14,9 +14,8 @@
 #include "laser/findings.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/import/renishaw_file.hpp"
 #include "laser/units.hpp"
-#include "laser/writers/renishaw_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,5 +1,3 @@
-#include "laser/import/set_up.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
-#include "laser/csv_columns.hpp"
+#include "laser/csv.hpp"
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 

@@ -1,5 +1,3 @@
-#include "laser/import/time.hpp"
-
 #include <chrono>
 #include <cmath>
 #include <vector>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "laser/import/readers.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -10,9 +10,8 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
-#include "base/shown.hpp"
 #include "base/text.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 #include "laser/findings.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/text_decoding.hpp"

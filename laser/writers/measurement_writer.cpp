@@ -1,5 +1,3 @@
-#include "laser/writers/measurement_writer.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <set>
@@ -9,8 +7,8 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "laser/csv_columns.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,5 +1,3 @@
-#include "laser/writers/renishaw_writer.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,6 +12,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

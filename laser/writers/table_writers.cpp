@@ -1,5 +1,3 @@
-#include "laser/writers/table_writers.hpp"
-
 #include <cmath>
 #include <map>
 #include <set>
@@ -9,6 +7,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/groups.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::laser {
 namespace {

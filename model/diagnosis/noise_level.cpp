@@ -1,7 +1,5 @@
 // The level from replicates of noise (parametric bootstrap: Efron and Tibshirani 1993, 6.5; the largest of all tests:
 // Westfall and Young 1993; drawn until a bet on them is lost: Fischer and Ramdas 2025).
-#include "model/diagnosis/noise_level.hpp"
-
 #include <algorithm>
 #include <cmath>
 

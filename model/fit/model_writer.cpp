@@ -6,7 +6,7 @@
 #include "base/text.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/model_file.hpp"
-#include "params/flat_toml.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::model {
 namespace {

@@ -16,7 +16,6 @@
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
 #include "model/regression/needs.hpp"

@@ -1,7 +1,5 @@
 // The candidate set of a designed experiment (Fedorov 1972): each condition that a person can set, one at a time,
 // beside the line as it is measured now. Does not live here: their worth (separation.cpp).
-#include "model/planning/options.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "base/moved_targets.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/planning/questions.hpp"
 
 namespace ecs::model {
 namespace {

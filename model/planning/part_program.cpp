@@ -1,13 +1,12 @@
 // A part program in the dialect of thesis appendix B, written block by block; no method of its own.
-#include "model/planning/part_program.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
+#include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::model {

@@ -1,13 +1,21 @@
 // A proposed run in one sentence, and what the next measurement is asked: which explanations are open after a
 // diagnosis, as shapes over present and new readings. Internal to model/ (Eigen). Does not live here: the same as a
 // part program (part_program.hpp), how far runs separate them (separation.hpp).
+// Which runs a person could do next: the line measured now under other conditions, other targets, another line.
+// Does not live here: what each of them would tell (separation.hpp).
+// A proposed run as the operator takes it to the machine: a part program in the dialect of thesis appendix B, and a
+// target list in the form of a measurement set. Does not live here: which run to propose (next_measurement.hpp).
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "laser/measurement_set.hpp"
+#include "model/data/observations.hpp"
 #include "model/planning/next_measurement.hpp"
+#include "model/planning/run.hpp"
 #include "model/planning/separation.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::model {
 
@@ -55,5 +63,40 @@ struct OpenGroup {
 [[nodiscard]] std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals& all,
                                                      const Regressors& regressors, const Model& model,
                                                      std::size_t most);
+
+/// One line as it is measured now: the most frequent parked place of an axis moved and a sense read.
+struct PresentLine {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  MeasurementProposal now;  ///< the line as it is, one run
+  std::size_t readings = 0;
+};
+/// Most readings first.
+[[nodiscard]] std::vector<PresentLine> present_lines(const Observations& data, const MeasuringTimes& times);
+
+/// The way that an axis may take: its travel, else what was measured.
+[[nodiscard]] Range range_of(const Observations& data, Axis axis);
+
+/// The targets chosen for a run, moved where the present ones lie at equal steps: there a period has aliases.
+[[nodiscard]] std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm);
+
+/// Runs worth weighing, one run of each: every condition with many and with few targets, both ways and one way.
+/// @param of_approach  causes that depend on the approach are in question: both ways only
+/// @param on_the_fly   readings without a dwell, as a following error needs
+[[nodiscard]] std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
+                                                                 const MeasuringTimes& times, bool of_approach,
+                                                                 bool on_the_fly);
+
+/// Blocks begin with ">", `$REP n` … `$END` repeat, ";" begins a comment. G90/G91 absolute/incremental, G00 rapid, G01
+/// at feed F, G04H dwell [s], M08 takes a reading, M09 resets the switch. Equal steps become loops, others a line each.
+/// The head tells the operator what to set up. No motion leaves the travel of the machine's axes: an overrun is cut
+/// short at the end of travel, a target beyond it is left out and said in a comment.
+[[nodiscard]] std::string part_program(const MeasurementProposal& proposal, const params::Machine& machine);
+
+/// The rows to be measured, in the order of the program: one per reading, every known condition filled in, `reading` 0.
+/// The metadata say that it holds no readings.
+[[nodiscard]] laser::MeasurementSet target_set(const MeasurementProposal& proposal);
+/// The same as CSV text (docs/laser.md).
+[[nodiscard]] std::string target_list(const MeasurementProposal& proposal);
 
 }  // namespace ecs::model

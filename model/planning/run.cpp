@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "model/fit/statistics.hpp"
-#include "model/planning/options.hpp"
+#include "model/planning/questions.hpp"
 
 namespace ecs::model {
 

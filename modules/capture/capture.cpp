@@ -11,11 +11,11 @@
 #include <unistd.h>
 
 #include "base/clock.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "commissioning/session/commands.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::commissioning {
 namespace {

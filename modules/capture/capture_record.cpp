@@ -10,7 +10,7 @@
 #include "base/moved_targets.hpp"
 #include "base/text.hpp"
 #include "laser/groups.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::devices {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "modules/capture/capture.hpp"
 #include "modules/capture/description.hpp"
 #include "modules/capture/port.hpp"

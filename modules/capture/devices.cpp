@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "commissioning/unit/monitor_record.hpp"

@@ -15,7 +15,7 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 #include "commissioning/models/work.hpp"
 
 namespace ecs::commissioning {

@@ -15,7 +15,6 @@
 #include "app/verbs/map/unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/machine_map.hpp"

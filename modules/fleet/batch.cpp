@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/interrupt.hpp"
 #include "base/outcome.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "base/words.hpp"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "modules/fleet/result.hpp"
 
 namespace ecs::commissioning {

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "modules/fleet/run.hpp"
 

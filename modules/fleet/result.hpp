@@ -19,7 +19,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 
 namespace ecs::commissioning {

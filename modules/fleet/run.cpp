@@ -17,10 +17,10 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/work.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "modules/fleet/result.hpp"
 

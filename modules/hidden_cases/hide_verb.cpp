@@ -14,7 +14,7 @@
 #include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/verbs/module.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/hidden_cases/case.hpp"
 
 namespace ecs::emulator {

@@ -5,7 +5,7 @@
 
 #include "base/answer_table.hpp"
 #include "commissioning/session/records.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/investigation/investigation.hpp"
 
 namespace ecs::commissioning {

@@ -3,8 +3,8 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "base/interrupt.hpp"
-#include "base/paragraph.hpp"
+#include "base/process.hpp"
+#include "base/text.hpp"
 #include "commissioning/models/work.hpp"
 #include "modules/investigation/investigation.hpp"
 #include "modules/investigation/workshops.hpp"

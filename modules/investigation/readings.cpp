@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"

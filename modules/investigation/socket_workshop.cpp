@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "commissioning/link/workshop_client.hpp"
-#include "model/planning/part_program.hpp"
+#include "commissioning/link/emulator_process.hpp"
+#include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
 #include "modules/investigation/workshops.hpp"
 

@@ -15,7 +15,7 @@
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
-#include "model/planning/part_program.hpp"
+#include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
 #include "modules/investigation/workshops.hpp"
 

@@ -5,15 +5,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "base/child_program.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/words.hpp"
 #include "laser/analysis/pipeline.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/logbook/certificate.hpp"
 #include "modules/logbook/recorder.hpp"
 

@@ -16,7 +16,6 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
-#include "base/overwriting.hpp"
 #include "base/text.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "modules/logbook/certificate.hpp"

@@ -19,7 +19,7 @@
 #include "app/ui/screen.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"
-#include "base/file_watch.hpp"
+#include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/outcome.hpp"
 #include "base/text.hpp"

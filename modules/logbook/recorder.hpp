@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file_watch.hpp"
+#include "base/file.hpp"
 #include "commissioning/session/records.hpp"
 
 namespace ecs::commissioning {

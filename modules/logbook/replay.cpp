@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/csv.hpp"

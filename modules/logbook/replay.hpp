@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file_watch.hpp"
+#include "base/file.hpp"
 #include "base/json_fwd.hpp"
 #include "modules/logbook/store.hpp"
 

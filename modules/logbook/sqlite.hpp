@@ -11,7 +11,7 @@
 
 #include <sqlite3.h>
 
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 
 namespace ecs::commissioning {

@@ -5,7 +5,7 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "modules/logbook/sqlite.hpp"
 
 namespace ecs::commissioning {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 #include "commissioning/session/records.hpp"
 

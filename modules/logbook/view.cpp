@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "base/json_values.hpp"
+#include "base/json.hpp"
 #include "modules/logbook/replay.hpp"
 
 namespace ecs::commissioning {

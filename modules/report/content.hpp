@@ -14,7 +14,7 @@
 #include "app/names/commissioning.hpp"
 #include "base/result.hpp"
 #include "commissioning/measurements/table.hpp"
-#include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/volume/work.hpp"

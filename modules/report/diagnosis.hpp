@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "commissioning/models/effect_words.hpp"
+#include "commissioning/models/view.hpp"
 #include "model/diagnosis/diagnose.hpp"
 
 namespace ecs::app {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/shown.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {

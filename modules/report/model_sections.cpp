@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "commissioning/measurements/fields.hpp"
-#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
 #include "model/effects/definition.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 #include "modules/report/page.hpp"

@@ -15,10 +15,9 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "base/overwriting.hpp"
 #include "ecs_emulator/verbs/module.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/rig/rig.hpp"
 
 namespace ecs::emulator {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/csv_table.hpp"
+#include "laser/csv.hpp"
 
 namespace ecs::laser {
 

@@ -8,7 +8,7 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/paragraph.hpp"
+#include "base/text.hpp"
 #include "commissioning/models/view.hpp"
 #include "modules/traces/diagnosis.hpp"
 

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/file_watch.hpp"
 #include "base/text.hpp"
 
 namespace ecs::protocol {

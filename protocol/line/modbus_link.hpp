@@ -16,7 +16,7 @@
 
 #include <tl/expected.hpp>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
 

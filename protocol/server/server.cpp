@@ -24,7 +24,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "base/descriptor.hpp"
+#include "base/process.hpp"
 #include "protocol/line/faults.hpp"
 #include "protocol/line/frame_codec.hpp"
 #include "protocol/registers/register_map.hpp"

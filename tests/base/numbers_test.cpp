@@ -1,7 +1,7 @@
 // Numbers as a user types them.
-#include "base/numbers.hpp"
-
 #include <doctest/doctest.h>
+
+#include "base/text.hpp"
 
 using namespace ecs;
 

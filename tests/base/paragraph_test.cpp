@@ -1,6 +1,4 @@
 // Sentences in lines of 80 columns.
-#include "base/paragraph.hpp"
-
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"

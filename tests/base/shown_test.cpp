@@ -1,10 +1,9 @@
 // Text of files and units on a terminal, and in JSON.
-#include "base/shown.hpp"
-
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 
 namespace ecs {
 namespace {

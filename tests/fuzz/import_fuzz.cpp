@@ -12,7 +12,7 @@
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/csv.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/controllers/format.hpp"
 #include "modules/lengths/length_test.hpp"
 

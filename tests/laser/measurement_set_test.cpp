@@ -7,7 +7,7 @@
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"
 

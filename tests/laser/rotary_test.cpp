@@ -6,7 +6,7 @@
 
 #include "laser/analysis/iso230.hpp"
 #include "laser/import/import.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

@@ -9,8 +9,6 @@
 #include "app/screens/model/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "base/text.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
-#include "commissioning/models/effect_words.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "laser/map/error_map.hpp"

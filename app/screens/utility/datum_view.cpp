@@ -18,7 +18,7 @@
 #include "base/text.hpp"
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/session/commands.hpp"
-#include "commissioning/session/drafts.hpp"
+#include "commissioning/session/remembered.hpp"
 
 namespace ecs::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
-#include "base/numbers.hpp"
+#include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/files.hpp"
@@ -18,7 +18,7 @@
 #include "laser/analysis/normalise.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::app {
 namespace {

@@ -9,7 +9,7 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
-#include "base/overwriting.hpp"
+#include "base/file.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 

@@ -6,7 +6,6 @@
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/numbers.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/bytes.hpp"
 #include "commissioning/memory/compare.hpp"

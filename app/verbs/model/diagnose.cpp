@@ -9,17 +9,15 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/interrupt.hpp"
-#include "base/paragraph.hpp"
+#include "base/process.hpp"
+#include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/answer_check.hpp"
-#include "commissioning/models/diagnosis_view.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "model/planning/next_measurement.hpp"
-#include "model/planning/part_program.hpp"
+#include "model/planning/questions.hpp"
 
 namespace ecs::app {
 namespace {

@@ -10,15 +10,12 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "commissioning/models/effect_words.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/session/commands.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {

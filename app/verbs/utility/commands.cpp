@@ -10,7 +10,7 @@
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/answer_table.hpp"
-#include "base/numbers.hpp"
+#include "base/text.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
 

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 
 namespace ecs::devices {
 namespace {

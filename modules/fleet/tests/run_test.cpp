@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "modules/fleet/result.hpp"
 #include "modules/fleet/tests/fleet_folder.hpp"
 

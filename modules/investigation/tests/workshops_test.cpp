@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "commissioning/link/unit_connection.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/folder.hpp"

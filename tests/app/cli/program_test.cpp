@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/interrupt.hpp"
+#include "base/process.hpp"
 #include "tests/support/command_output.hpp"
 #include "tests/support/verb_run.hpp"
 

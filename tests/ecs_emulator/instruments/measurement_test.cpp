@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;

@@ -6,7 +6,7 @@
 #include "ecs_emulator/instruments/interferometer.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;

@@ -10,7 +10,7 @@
 
 #include "base/text.hpp"
 #include "laser/import/import.hpp"
-#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/support/readings.hpp"
 
 using namespace ecs;

@@ -9,7 +9,7 @@
 
 #include "base/text.hpp"
 #include "laser/import/format.hpp"
-#include "laser/writers/renishaw_writer.hpp"
+#include "laser/writers/writers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

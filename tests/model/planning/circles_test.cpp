@@ -1,7 +1,7 @@
 // Circles among the proposals.
 
 #include "model/planning/next_measurement.hpp"
-#include "model/planning/part_program.hpp"
+#include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
 #include "tests/model/support/made_paths.hpp"
 #include "tests/model/support/measured_lines.hpp"

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "model/planning/next_measurement.hpp"
-#include "model/planning/part_program.hpp"
+#include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/moved_targets.hpp"
-#include "model/planning/part_program.hpp"
+#include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

@@ -1,8 +1,7 @@
-#include "model/planning/part_program.hpp"
-
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
+#include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
 
 using namespace ecs;

@@ -1,7 +1,6 @@
 // Choosing files, and opening what is given.
 #include "app/screens/files/prompt.hpp"
 #include "app/screens/start.hpp"
-#include "commissioning/session/drafts.hpp"
 #include "commissioning/session/remembered.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
