@@ -1,7 +1,6 @@
 // Files whole or not at all: read in one piece; written beside, flushed, checked, then renamed over the old one.
-// What a thread reads and writes through base/file.hpp, seen by whoever keeps a record of it, or answered from a record
-// in place of the disc.
-// The one rule for files that are there: nothing is overwritten unasked. A screen asks, a verb wants --force.
+// Nothing is overwritten unasked: a screen asks, a verb wants --force. What a thread reads and writes here is seen by
+// whoever keeps a record of it, or answered from a record in place of the disc.
 #pragma once
 
 #include <cstddef>

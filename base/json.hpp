@@ -1,6 +1,5 @@
-// Making the JSON that the verbs answer with: unknown is null, never NaN. Only for .cpp files (heavy header).
-// Values out of JSON that somebody else wrote: what is absent or of another type is none. Only for .cpp files (heavy
-// header).
+// JSON that the verbs answer with, where unknown is null, never NaN; values out of JSON that somebody else wrote, where
+// what is absent or of another type is none. Only for .cpp files (heavy header).
 #pragma once
 
 #include <optional>

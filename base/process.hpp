@@ -1,7 +1,6 @@
-// Another program run to its end: what it says on stdout.
-// Does not live here: programs that stay (commissioning/link/emulator_process.hpp).
-// SIGINT, SIGTERM and SIGHUP as a flag that long work looks at, so that nothing is left half done.
-// An open file descriptor that closes itself.
+// What a program has to do with others: signals as a flag that long work looks at, so that nothing is left half done;
+// another program run to its end; a descriptor that closes itself. Does not live here: programs that stay
+// (commissioning/link/emulator_process.hpp).
 #pragma once
 
 #include <atomic>

@@ -1,9 +1,6 @@
-// Text as files hold it: trimming, splitting, numbers. Always in the "C" locale, whatever the terminal says.
-// Numbers as a user types them.
-// Sentences broken into lines that fit a terminal.
-// Does not live here: characters that a terminal must not receive (shown.hpp).
-// Text of files and units as a terminal may see it.
-// Does not live here: how JSON is made (json.hpp).
+// Text as files, users and terminals have it: trimming, splitting, numbers in the "C" locale, whatever the terminal
+// says; sentences broken into lines; text of files and units as a terminal may see it. Does not live here: JSON
+// (json.hpp).
 #pragma once
 
 #include <cstddef>

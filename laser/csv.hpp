@@ -1,7 +1,6 @@
-// The known columns of a measurement CSV: their names, and how one cell enters a reading; words of headings and cells
-// that mean something whatever the file. Does not live here: lines, headers and files (measurement_set.cpp).
-// A table as comma separated text: `# key: value` lines, a header row, rows of fields that know their column; a field
-// made safe for such a row. Does not live here: what the columns mean (measurement_set.cpp, laser/standards/).
+// Measurements as comma separated text: `# key: value` lines, a header row, rows of fields that know their column; the
+// known columns, how one cell enters a reading, words that mean something whatever the file; a field made safe for such
+// a row. Does not live here: what the columns mean (measurement_set.cpp, laser/standards/).
 #pragma once
 
 #include <array>

@@ -1,7 +1,6 @@
-// A unit's parameters as a TOML file: read with every problem at once, written with unit, range and help per field.
-// Ranges and names live in fields.hpp, cross-checks in check.hpp.
-// A TOML document as a flat list of dotted keys with their places, so that readers can judge every entry in one pass.
-// The TOML library stops here. What the keys mean lives in parameters_toml and machine.
+// A unit's parameters as a TOML file: read with every problem at once, written with unit, range and help per field; a
+// TOML document as a flat list of dotted keys with their places, so that readers judge every entry in one pass. The
+// TOML library stops here. Ranges and names live in fields.hpp, cross-checks in check.hpp.
 #pragma once
 
 #include <filesystem>

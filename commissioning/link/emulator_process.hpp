@@ -1,6 +1,6 @@
-// The bundled emulator as a child process: started, asked where its link is, stopped.
-// Requests to a running workshop (docs/emulator.md): one JSON object on one line of a Unix socket, its answer on
-// another. For .cpp files only (heavy header). Does not live here: what is asked for (socket_workshop.hpp).
+// The bundled emulator as a child process: started, asked where its link is, stopped. Requests to a running workshop
+// (docs/emulator.md): one JSON object on one line of a Unix socket, its answer on another. For .cpp files only (heavy
+// header).
 #pragma once
 
 #include <atomic>

@@ -1,10 +1,6 @@
-// Parts of models, fits and diagnoses as text of 80 columns: values with sigmas, tests, shapes, the ladder. Measured
-// lines of a data set, and how their points look: shared by pictures in files and on the terminal.
-// A diagnosis as an answer, the headline, then the evidence; where a model fails.
-// What answers about models share: effects, parameters and tests by the names of docs/verbs.md. Only for .cpp
-// files (heavy header).
-// What the library says of an effect, in words: the same in `ecs model effects ID`, on the MODEL screen and in the
-// report; an effect of a model that its data could not tell from others, taken out or decided for.
+// Models, fits and diagnoses as answers: text of 80 columns and JSON with the names of docs/verbs.md, values with
+// sigmas, tests, shapes, the ladder; the diagnosis, headline first; what the library says of an effect. Measured lines
+// of a data set, and how their points look, shared by pictures in files and on the terminal.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,6 @@
-// What forms and choosers propose: the files that were opened or saved last, kept from one run of the program to the
-// next, and where the measurements before and after compensation lie.
-// Work that is not saved yet, kept on disc as it grows, so that a crash, a closed terminal or a lost link costs
-// nothing: the screen that made it offers it again.
+// What outlives a screen. What forms and choosers propose: the files opened or saved last, where the measurements
+// before and after compensation lie. Work that is not saved yet, kept on disc as it grows, so that a crash, a closed
+// terminal or a lost link costs nothing: the screen that made it offers it again.
 #pragma once
 
 #include <optional>

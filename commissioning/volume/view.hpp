@@ -1,6 +1,6 @@
-// The answer of `ecs volume` as text and JSON. Only for .cpp files (heavy header).
-// A volume as a picture: the wire cube of thesis figures 7.20 and 7.21 before and after, a slice with arrows, the body
-// diagonals. Does not live here: how a picture is drawn (app/plot).
+// The answer of `ecs volume` as text and JSON; a volume as a picture: the wire cube of thesis figures 7.20 and 7.21
+// before and after, a slice with arrows, the body diagonals. Only for .cpp files (heavy header). Does not live here:
+// how a picture is drawn (app/plot).
 #pragma once
 
 #include <string>

@@ -1,15 +1,7 @@
-// What the readers of several formats need: axis and sense that the file does not state, rows of numbers.
-// Air and temperatures of an environment log, joined by time to measurements.
-// Dates and times of day as files hold them. Does not live here: which column holds one.
-// A log of several channels, each with a clock of its own, as measurements: one channel gives the rows, the others are
-// joined to it by time.
-// Does not live here: how a log is written (columns_reader.cpp, json_lines.cpp).
-// A table whose cells are values at the places of an even grid, cells along one axis and rows along another.
-// What is done to readings once they are read: the set-up of a workpiece on the machine that measured it (the six
-// freedoms of a rigid body between nominal and measured positions) taken out, those at rest taken, or their means. Does
-// not live here: measured positions as columns of a table (rows.hpp), joining the channels of a log (channels.hpp).
-// A Renishaw run file (.rtl .rta .rts) as it stands: sections, keys, targets and points, nothing interpreted.
-// Does not live here: what the numbers mean (renishaw_run.cpp).
+// The parts that readers of several formats are made of: axis and sense that a file does not state, dates and times,
+// logs of several channels joined by time, tables over an even grid, the set-up of a workpiece taken out, air and
+// temperatures of an environment log, a Renishaw run file as it stands. Does not live here: which column holds what
+// (rows.hpp), what the numbers mean (the readers).
 #pragma once
 
 #include <array>

@@ -1,11 +1,6 @@
-// Measurement sets and circular tests as CSV text and files; needs nothing but the types.
-// Does not live here: the readers (measurement_set.hpp, laser/standards/circle.hpp), instruments' own files
-// (renishaw_writer.hpp).
-// Measurement sets as Renishaw run files, and captures at a constant rate as .rtx files; needs nothing but the types.
-// Does not live here: the readers (laser/import/import.hpp).
-// Small text tables of instruments: Renishaw error compensation table, API report, ISO 230-2 assignments, SIOS
-// environment log; they need nothing but the types.
-// Does not live here: their readers (laser/import/import.hpp), run files (renishaw_writer.hpp).
+// Writers, which need nothing but the types: measurement sets and circular tests as CSV, Renishaw run files and
+// captures at a constant rate (.rtx), small tables of instruments. Does not live here: the readers
+// (measurement_set.hpp, laser/import/import.hpp, laser/standards/circle.hpp).
 #pragma once
 
 #include <filesystem>

@@ -1,7 +1,6 @@
-// Evidence for an effect: on readings that it was not fitted to, and the chance that noise lets it gain as much as it
-// does, small enough to hold among many machines. Internal to model/ (Eigen).
-// Does not live here: the level from replicates (noise_level.hpp).
-// The level that a score must exceed, from replicates of noise that are searched in the same way.
+// Evidence for an effect: on readings that it was not fitted to; the chance that noise lets it gain as much as it does,
+// small enough to hold among many machines; the level that a score must exceed, from replicates of noise that are
+// searched in the same way. Internal to model/ (Eigen).
 #pragma once
 
 #include <optional>

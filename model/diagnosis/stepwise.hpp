@@ -1,9 +1,7 @@
 // From single candidates to a set of missing effects: forward steps on several branches, exchange of earlier choices,
-// and the rivals that do as well. Internal to model/ (Eigen). Does not live here: the gains themselves (search.hpp).
-// One effect tried beside a model at given values, and the numbers told of it: what a diagnosis reports and a check
-// recomputes. Internal to model/ (Eigen). Does not live here: which effects and values (investigation.hpp).
-// Waves that stand for something else, and a wave whose phase is another in every pass: no effect of the library, and
-// no noise. Internal to model/ (Eigen).
+// the rivals that do as well; one effect tried beside a model at given values, as a diagnosis reports and a check
+// recomputes it; waves that stand for something else, or whose phase is another in every pass. Internal to model/
+// (Eigen). Does not live here: the gains (search.hpp), which effects and values (investigation.hpp).
 #pragma once
 
 #include <optional>

@@ -1,10 +1,7 @@
-// A proposed run in one sentence, and what the next measurement is asked: which explanations are open after a
-// diagnosis, as shapes over present and new readings. Internal to model/ (Eigen). Does not live here: the same as a
-// part program (part_program.hpp), how far runs separate them (separation.hpp).
-// Which runs a person could do next: the line measured now under other conditions, other targets, another line.
-// Does not live here: what each of them would tell (separation.hpp).
-// A proposed run as the operator takes it to the machine: a part program in the dialect of thesis appendix B, and a
-// target list in the form of a measurement set. Does not live here: which run to propose (next_measurement.hpp).
+// What the next measurement is asked: which explanations are open after a diagnosis, as shapes over present and new
+// readings; the runs that a person could do next; a proposed run in one sentence, as a part program in the dialect of
+// thesis appendix B, and as a target list. Internal to model/ (Eigen). Does not live here: how far runs separate
+// explanations (separation.hpp), which run to propose (next_measurement.hpp).
 #pragma once
 
 #include <string>
