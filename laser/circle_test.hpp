@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/axis.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 

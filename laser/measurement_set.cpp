@@ -12,7 +12,8 @@
 
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
+#include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 #include "laser/text_decoding.hpp"
 #include "laser/units.hpp"

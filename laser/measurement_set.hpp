@@ -14,7 +14,7 @@
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 

@@ -8,7 +8,7 @@
 
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "laser/groups.hpp"
 
 namespace ecs::volume {

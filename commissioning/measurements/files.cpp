@@ -12,9 +12,9 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
+#include "laser/import/environment.hpp"
 #include "laser/import/format.hpp"
-#include "laser/import/readers.hpp"
 #include "laser/text_decoding.hpp"
 
 namespace ecs::commissioning {

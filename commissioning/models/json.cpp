@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/models/view.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {

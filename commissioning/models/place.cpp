@@ -8,7 +8,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/models/view.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,3 +1,5 @@
+#include "laser/import/channels.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -10,6 +12,7 @@
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
+#include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {

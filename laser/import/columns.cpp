@@ -13,8 +13,9 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/channels.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"

@@ -1,5 +1,7 @@
 // Environment logs, joined by time to measurements: tables of temperatures, pressure and humidity with a heading, as
 // loggers write them; logs of SIOS nanomeasuring machines, nine numbers a line (m, degC, Pa, percent).
+#include "laser/import/environment.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -9,10 +11,11 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {

@@ -15,13 +15,13 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {

@@ -10,9 +10,9 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {

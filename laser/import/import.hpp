@@ -13,7 +13,7 @@
 #include "laser/environment_series.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/format.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/matrix.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser/text_decoding.hpp"
 #include "laser/units.hpp"

@@ -6,11 +6,13 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/channels.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {

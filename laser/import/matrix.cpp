@@ -1,3 +1,5 @@
+#include "laser/import/matrix.hpp"
+
 #include <algorithm>
 #include <map>
 #include <vector>

@@ -14,6 +14,7 @@
 #include "laser/findings.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/renishaw_file.hpp"
 #include "laser/units.hpp"
 #include "laser/writers/writers.hpp"
 

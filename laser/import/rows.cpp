@@ -12,9 +12,10 @@
 
 #include "base/text.hpp"
 #include "base/words.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {

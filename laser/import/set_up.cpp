@@ -1,3 +1,5 @@
+#include "laser/import/set_up.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 

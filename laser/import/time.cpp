@@ -1,3 +1,5 @@
+#include "laser/import/time.hpp"
+
 #include <chrono>
 #include <cmath>
 #include <vector>
@@ -5,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "laser/import/readers.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/text_decoding.hpp"

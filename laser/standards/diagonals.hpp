@@ -12,7 +12,7 @@
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "laser/analysis/iso230.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 

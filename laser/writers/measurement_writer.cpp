@@ -7,7 +7,8 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
+#include "laser/csv_table.hpp"
 #include "laser/writers/writers.hpp"
 
 namespace ecs::laser {

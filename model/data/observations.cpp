@@ -15,7 +15,7 @@
 
 #include "base/random.hpp"
 #include "kinematics/machine_pose.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/time.hpp"
 #include "model/data/motions.hpp"
 #include "params/machine.hpp"
 

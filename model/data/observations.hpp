@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/terms.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/data/path.hpp"

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "model/diagnosis/e_value.hpp"
-#include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"

@@ -10,6 +10,7 @@
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/fit/core.hpp"
 
 namespace ecs::model {

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"

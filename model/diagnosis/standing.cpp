@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"

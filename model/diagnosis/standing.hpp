@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "model/diagnosis/investigation.hpp"
-#include "model/diagnosis/stepwise.hpp"
+#include "model/diagnosis/trial.hpp"
 
 namespace ecs::model {
 

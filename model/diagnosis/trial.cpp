@@ -1,9 +1,10 @@
 // Large sets are searched on a stratified sample (Cochran 1977, 5).
+#include "model/diagnosis/trial.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "model/data/curve_basis.hpp"
-#include "model/diagnosis/stepwise.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/regression/candidates.hpp"

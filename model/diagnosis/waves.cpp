@@ -1,6 +1,8 @@
 // Periods compared with each other and with the facts of the machine; frequencies closer than the resolution of the
 // travel beat (VanderPlas 2018, 7). Sum of the periodograms of the passes (Lomb 1976; Scargle 1982; averaged over
 // segments: Bartlett 1948): on noise χ² of two degrees a pass; the price of the frequencies by Bonferroni.
+#include "model/diagnosis/waves.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"

@@ -7,7 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "modules/fleet/run.hpp"
 
 namespace ecs::commissioning {

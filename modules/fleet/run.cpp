@@ -20,7 +20,7 @@
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/work.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "modules/fleet/result.hpp"
 

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::model {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 
 namespace ecs::laser {
 

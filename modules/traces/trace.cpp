@@ -11,7 +11,7 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "laser/csv.hpp"
+#include "laser/csv_table.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {

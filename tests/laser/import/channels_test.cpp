@@ -1,9 +1,11 @@
 // Logs of several channels joined by time: JSON lines and the lines of a control system; readings at rest.
+#include "laser/import/channels.hpp"
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "laser/import/format.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/set_up.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

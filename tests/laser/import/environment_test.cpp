@@ -1,8 +1,9 @@
 // Environment logs: tables by their headings, and both kinds joined to readings by time.
+#include "laser/import/environment.hpp"
+
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
-#include "laser/import/readers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

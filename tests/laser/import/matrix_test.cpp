@@ -1,8 +1,9 @@
 // Matrices of values by their layout, as the shipped profiles describe bed meshes and height maps.
+#include "laser/import/matrix.hpp"
+
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
-#include "laser/import/readers.hpp"
 #include "tests/support/readings.hpp"
 
 namespace ecs::laser {

@@ -1,4 +1,6 @@
 // Nominal and measured positions: the six freedoms of the set-up are found, told and taken out.
+#include "laser/import/set_up.hpp"
+
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -6,7 +8,6 @@
 #include <rapidcheck.h>
 
 #include "laser/import/import.hpp"
-#include "laser/import/readers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/test.hpp"

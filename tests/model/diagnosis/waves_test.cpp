@@ -1,8 +1,9 @@
+#include "model/diagnosis/waves.hpp"
+
 #include <numbers>
 
 #include <rapidcheck.h>
 
-#include "model/diagnosis/stepwise.hpp"
 #include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 

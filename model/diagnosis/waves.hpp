@@ -1,0 +1,47 @@
+// Waves that stand for something else, and a wave whose phase is another in every pass: no effect of the library, and
+// no noise. Internal to model/ (Eigen).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/data/observations.hpp"
+#include "model/fit/search.hpp"
+
+namespace ecs::model {
+
+/// Why the waves among these effects are no cause although their sum may reach the noise, as the end of a sentence; ""
+/// where nothing speaks against them. Anything can be written as enough waves: several unrelated periods none of which
+/// is a pitch of the machine, neighbouring periods that beat, a wave that needs a step to help.
+/// @param each_proved  every one of these effects is proved on readings it was not fitted to: then one wave and one
+/// step, and nothing else, are two causes
+[[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
+                                             const std::vector<Choice>& chosen, bool each_proved);
+
+/// Where a wave found changes its size or its phase along the travel or in time, beyond what noise does: the reason as
+/// the end of a sentence; else "".
+/// @param space  with all effects absorbed
+[[nodiscard]] std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener,
+                                                  const Space& space, const Family& family, const Choice& choice,
+                                                  double noise_freedom);
+
+/// Whether each wave among these effects is a pitch of the machine, as below, or all are whole fractions of one period.
+[[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
+
+/// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
+[[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
+
+struct FreeWave {
+  double period_mm = 0.0;
+  double minus_log_p = 0.0;  ///< base 10, for having been sought among all frequencies
+};
+/// The strongest wave along the moving axis whose phase and size differ from pass to pass; nothing where noise shows
+/// one as strong in one of a million sets.
+/// @param residual  whitened, with everything found absorbed  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
+                                                const std::vector<bool>& left_out);
+
+}  // namespace ecs::model
