@@ -34,6 +34,7 @@
 #include "modules/capture/description.hpp"
 #include "modules/fleet/batch.hpp"
 #include "modules/report/diagnosis.hpp"
+#include "modules/traces/trace.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 #include "tests/fuzz/parsers.hpp"
