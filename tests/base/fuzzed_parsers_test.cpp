@@ -47,11 +47,12 @@ std::set<std::string> parsers() {
   return names;
 }
 
-/// The sources of all fuzzers.
+/// The sources of all fuzzers, those of modules with them.
 std::string all_fuzzers() {
   std::string text;
-  for (const auto& file : fs::directory_iterator("tests/fuzz"))
-    if (file.path().string().ends_with("_fuzz.cpp")) text += read_file(file.path()).value();
+  for (const char* const folder : {"tests/fuzz", "modules"})
+    for (const auto& file : fs::recursive_directory_iterator(folder))
+      if (file.path().string().ends_with("_fuzz.cpp")) text += read_file(file.path()).value();
   return text;
 }
 
