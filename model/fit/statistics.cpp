@@ -9,6 +9,8 @@
 #include <limits>
 #include <utility>
 
+// Boost.Math would calculate with long double, which is another type on another processor.
+#define BOOST_MATH_PROMOTE_DOUBLE_POLICY false
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
