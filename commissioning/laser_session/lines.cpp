@@ -267,7 +267,8 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   LaserFile file;
   file.choice = choice;
   file.stamp = stamp_of(choice.path);
-  auto imported = read_measurements(choice.path, choice.answers);
+  ImportArguments answered;
+  auto imported = read_measurements(choice.path, choice.answers, &answered);
   if (!imported) {
     file.problem = to_text(imported.error());
     if (const auto map = laser::read_map_csv(choice.path)) {
@@ -286,7 +287,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     file.problem = "it holds no readings";
     return file;
   }
-  file.position_known = take_places(*imported, with_found_profile(choice.path, choice.answers));
+  file.position_known = take_places(*imported, answered);
   std::vector<std::string> names;
   for (const laser::Group& group : laser::groups_of(imported->set)) {
     const auto square =

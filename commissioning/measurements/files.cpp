@@ -283,11 +283,15 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
   return {};
 }
 
+void note_what_was_read(MessageSink& messages, const std::string& file, const laser::Imported& imported) {
+  messages.note(fmt::format("{}: {}", file, imported.format->title));
+  for (const std::string& note : imported.set.notes) messages.note(fmt::format("{}: {}", file, note));
+}
+
 Result<laser::Imported> read_with_notes(MessageSink& messages, const std::string& file,
                                         const ImportArguments& arguments) {
   ECS_TRY(imported, read_measurements(file, arguments));
-  messages.note(fmt::format("{}: {}", file, imported.format->title));
-  for (const std::string& note : imported.set.notes) messages.note(fmt::format("{}: {}", file, note));
+  note_what_was_read(messages, file, imported);
   return imported;
 }
 
@@ -339,9 +343,14 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   return options;
 }
 
-Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments) {
-  ECS_TRY(options, import_options(with_found_profile(file, arguments)));
-  auto imported = laser::read_any(file, options);
+Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments,
+                                          ImportArguments* answered) {
+  const auto bytes = read_file(file);
+  const ImportArguments all = with_found_profile(bytes.value_or(""), file, arguments);
+  if (answered != nullptr) *answered = all;
+  ECS_TRY(options, import_options(all));
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto imported = laser::parse_file(*bytes, file, options);
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;

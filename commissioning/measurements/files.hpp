@@ -84,18 +84,22 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
 /// them; unknown keys and wrong values are refused with their line.
 [[nodiscard]] Result<ImportArguments> with_profile(ImportArguments arguments);
 
-/// With neither a profile nor a mapping given: the profile that comes with the program for files that contain its
-/// `recognised_by` or, where it has none, two lines that begin as its `row_begins`, if there is one.
-[[nodiscard]] ImportArguments with_found_profile(const std::string& file, ImportArguments given);
+/// With neither a profile nor a mapping given: the profile that comes with the program for files whose bytes contain
+/// its `recognised_by` or, where it has none, two lines that begin as its `row_begins`, if there is one.
+[[nodiscard]] ImportArguments with_found_profile(std::string_view bytes, const std::string& file,
+                                                 ImportArguments given);
 
 /// Writes what was given as a profile; the file that was written. A profile of that name is replaced with `force` only.
 [[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments,
                                                          bool force);
 
 /// Reads a file as whatever it is. A problem over what the file does not say names the options.
-[[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments);
+/// @param answered  if given: the arguments with those of a profile that was found for the file
+[[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments,
+                                                        ImportArguments* answered = nullptr);
 
-/// The same; says what the file was taken for, and what had to be assumed.
+/// Says what a file was taken for, and what had to be assumed.
+void note_what_was_read(MessageSink& messages, const std::string& file, const laser::Imported& imported);
 [[nodiscard]] Result<laser::Imported> read_with_notes(MessageSink& messages, const std::string& file,
                                                       const ImportArguments& arguments);
 

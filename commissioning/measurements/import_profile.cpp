@@ -177,11 +177,10 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
   return arguments;
 }
 
-ImportArguments with_found_profile(const std::string& file, ImportArguments given) {
+ImportArguments with_found_profile(std::string_view bytes, const std::string& file, ImportArguments given) {
   if (!given.profile.empty() || !given.columns.empty() || !given.matrix.empty()) return given;
   constexpr std::size_t kHeadBytes = 16 * 1024;  // what identifies a file is at its start
-  const std::string head = head_of(file, kHeadBytes);
-  const auto text = laser::decoded(head, file);
+  const auto text = laser::decoded(bytes.substr(0, kHeadBytes), file);
   const auto profiles = shipped_profiles();
   const auto found = std::find_if(profiles.begin(), profiles.end(),
                                   [&](const fs::path& path) { return text && is_for(path, text->text); });

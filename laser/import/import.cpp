@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -136,13 +139,25 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   return imported;
 }
 
-Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options) {
-  ECS_TRY(bytes, read_file(path));
+Result<Imported> parse_file(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
   if (!options.mapping && !options.matrix)
-    if (auto wrong = wrong_kind(FileKind::measurements, bytes, path.string())) return tl::unexpected(std::move(*wrong));
-  auto imported = parse_any(bytes, path.string(), options);
+    if (auto wrong = wrong_kind(FileKind::measurements, bytes, file_name)) return tl::unexpected(std::move(*wrong));
+  auto imported = parse_any(bytes, file_name, options);
   if (imported) imported->sha256 = sha256_hex(bytes);
   return imported;
+}
+
+Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options) {
+  ECS_TRY(bytes, read_file(path));
+  return parse_file(bytes, path.string(), options);
+}
+
+FileReader reading_once(FileReader read) {
+  return [read = std::move(read), known = std::make_shared<std::map<std::filesystem::path, Result<Imported>>>()](
+             const std::filesystem::path& path) {
+    const auto found = known->find(path);
+    return found != known->end() ? found->second : known->emplace(path, read(path)).first->second;
+  };
 }
 
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {

@@ -74,11 +74,16 @@ struct Imported {
 [[nodiscard]] Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
                                          const ImportOptions& options);
 
-/// The same from a file.
+/// The same of the bytes of a whole file, with their checksum; files of another kind than measurements are refused.
+[[nodiscard]] Result<Imported> parse_file(std::string_view bytes, const std::string& file_name,
+                                          const ImportOptions& options);
 [[nodiscard]] Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options = {});
 
 /// How the files of a piece of work are read, with the checksum of each: what the caller knows about them is in it.
 using FileReader = std::function<Result<Imported>(const std::filesystem::path&)>;
+
+/// The same, but each file is read once, however often it is asked for.
+[[nodiscard]] FileReader reading_once(FileReader read);
 
 /// Files that say everything themselves.
 [[nodiscard]] inline Result<Imported> read_plain(const std::filesystem::path& path) { return read_any(path); }

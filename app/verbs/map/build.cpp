@@ -42,20 +42,21 @@ Cell rotary_table_cell(const volume::RotaryTable& table) {
 }
 
 /// True where the first of these files holds readings of a rotary axis.
-bool measures_rotary_axes(const std::vector<std::string>& files, const ImportArguments& import) {
+bool measures_rotary_axes(const std::vector<std::string>& files, const laser::FileReader& read) {
   if (files.empty() || lower(files.front()).ends_with(".toml")) return false;
-  const auto first = read_measurements(files.front(), import.of_any_axis());
+  const auto first = read(files.front());
   return first && std::any_of(first->set.readings.begin(), first->set.readings.end(),
                               [](const laser::Reading& reading) { return reading.rotary; });
 }
 
 /// Every file read, the table written to `output` if one is given.
 Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std::string>& files,
-                                    const ImportArguments& import, const std::string& output) {
+                                    const laser::FileReader& read, const std::string& output) {
   std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : files) {
-    ECS_TRY(read, read_with_notes(context.console, file, import.of_any_axis()));
-    sets.push_back(std::move(read.set));
+    ECS_TRY(imported, read(file));
+    note_what_was_read(context.console, file, imported);
+    sets.push_back(std::move(imported.set));
     sets.back().source = file;
   }
   ECS_TRY(set, joined(sets));
@@ -99,14 +100,25 @@ struct BuildRequest : FromModelArguments {
   }
 };
 
-laser::FileReader reader(const BuildRequest& request) {
-  return [import = request.import](const auto& file) { return read_measurements(file.string(), import); };
+laser::FileReader reader_of_any_axis(const BuildRequest& request) {
+  return laser::reading_once(
+      [import = request.import.of_any_axis()](const auto& file) { return read_measurements(file.string(), import); });
+}
+
+/// Of linear axes only, as the unit's map is.
+laser::FileReader linear(const laser::FileReader& read) {
+  return [read](const auto& file) -> Result<laser::Imported> {
+    ECS_TRY(imported, read(file));
+    if (auto refused = laser::rotary_refused(imported.set, file.string())) return tl::unexpected(std::move(*refused));
+    return imported;
+  };
 }
 
 bool by_recipe(const BuildRequest& request) { return lower(request.files.front()).ends_with(".toml"); }
 
 /// As its file says, else as the measurement files suggest it.
-Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters) {
+Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters,
+                                         const laser::FileReader& read) {
   if (by_recipe(request) && request.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
   if (by_recipe(request)) {
@@ -114,7 +126,7 @@ Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const Unit
     return laser::SuggestedRecipe{std::move(recipe), {}};
   }
   ECS_TRY(given, given_files(request.files));
-  return laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, reader(request));
+  return laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, read);
 }
 
 Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
@@ -151,13 +163,13 @@ struct Built {
   params::Identity identity;
 };
 
-Result<Built> built(const BuildRequest& request) {
+Result<Built> built(const BuildRequest& request, const laser::FileReader& read) {
   ECS_TRY(parameters, request.params_out.empty() ? params::read_parameters(request.params)
                                                  : params::read_whole_parameters(request.params));
-  ECS_TRY(recipe, recipe_of(request, parameters.parameters));
+  ECS_TRY(recipe, recipe_of(request, parameters.parameters, read));
   ECS_DO(complete(recipe.recipe, request));
   ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
-  ECS_TRY(made, made_map(recipe.recipe, parameters, travels, reader(request)));
+  ECS_TRY(made, made_map(recipe.recipe, parameters, travels, read));
   return Built{std::move(recipe), std::move(made), parameters.identity};
 }
 
@@ -261,14 +273,15 @@ Result<void> enough_given(const BuildRequest& request) {
 Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
   if (const auto wrong = wrong_date(request.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!request.model.empty()) return from_model(context, request);
-  if (measures_rotary_axes(request.files, request.import)) {
+  const laser::FileReader read = reader_of_any_axis(request);
+  if (measures_rotary_axes(request.files, read)) {
     ECS_DO(check_output_not_input(request.output, request.files));
-    return rotary_errors_built(context, request.files, request.import, request.output);
+    return rotary_errors_built(context, request.files, read, request.output);
   }
   ECS_DO(enough_given(request));
   for (const std::string& output : {request.output, request.params_out})
     ECS_DO(check_output_not_input(output, request.files));
-  ECS_TRY(b, built(request));
+  ECS_TRY(b, built(request, linear(read)));
   if (b.made.map.outcomes.empty() && b.made.map.map.header.declared_zero.empty())
     return tl::unexpected(nothing_built(b));
   ECS_DO(write_map(request.output, b.made.map.map, request.params_out, b.made.map.parameters, b.identity));
