@@ -58,19 +58,19 @@ ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/mach
 
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
 ecs_folder(commissioning/laser_session base base/cli commissioning/link commissioning/maps commissioning/measurements
-           commissioning/plot commissioning/session commissioning/unit core laser laser/analysis laser/import
-           laser/map laser/writers params fmt::fmt)
+           commissioning/plot commissioning/session core laser laser/analysis laser/import laser/map laser/writers
+           params fmt::fmt)
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
            Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
-ecs_folder(commissioning/maps base base/cli commissioning/measurements commissioning/models commissioning/session
-           commissioning/unit core laser/map model/diagnosis model/effects model/fit params protocol/client fmt::fmt)
+ecs_folder(commissioning/maps base base/cli commissioning/link commissioning/measurements commissioning/models
+           commissioning/session commissioning/unit core laser laser/map model/diagnosis model/effects model/fit
+           params protocol/client fmt::fmt)
 ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core laser laser/analysis
            laser/import laser/map laser/standards Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/memory base commissioning/session commissioning/unit core laser/map params protocol/client
            protocol/registers fmt::fmt)
-ecs_folder(commissioning/model_session base commissioning/laser_session commissioning/link commissioning/maps
-           commissioning/measurements commissioning/models commissioning/plot commissioning/session model/diagnosis
-           model/planning fmt::fmt)
+ecs_folder(commissioning/model_session base commissioning/link commissioning/maps commissioning/measurements
+           commissioning/models commissioning/plot commissioning/session model/diagnosis model/planning fmt::fmt)
 ecs_folder(commissioning/models base commissioning/measurements commissioning/plot commissioning/session core laser
            laser/map laser/standards model/data model/diagnosis model/effects model/fit model/regression params
            fmt::fmt)

@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 
 #include "base/file.hpp"
-#include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/maps/unit_work.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {

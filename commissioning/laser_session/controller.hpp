@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/laser_session/work.hpp"
+#include "commissioning/maps/unit_work.hpp"
 #include "commissioning/session/edit_history.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/remembered.hpp"

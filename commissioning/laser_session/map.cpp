@@ -327,11 +327,6 @@ void log_map(const MapFiles& files, const laser::MapRecipe& recipe, const LaserC
 
 }  // namespace
 
-MapFiles files_of_map(const std::string& map_file) {
-  const std::string stem = map_file.ends_with(".csv") ? map_file.substr(0, map_file.size() - 4) : map_file;
-  return {map_file, stem + "-parameters.toml", stem + "-recipe.toml", stem + "-files"};
-}
-
 Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                 const std::vector<LaserLine>& lines) {
   const MapFiles files = files_of_map(choices.map_file);

@@ -151,4 +151,17 @@ LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
   return work;
 }
 
+std::string mismatch_of(const params::ParametersFile& file, const std::vector<LaserLine>& lines) {
+  const UnitParameters& p = file.parameters;
+  for (const LaserLine& line : lines) {
+    if (!p.axis_present[index_of(line.group.axis)])
+      return fmt::format("{} was measured, but the parameters ({}) have no axis {}.", name_of(line.component),
+                         configuration_of(p), letter_of(line.group.axis));
+    const laser::MeasuredMachine at_hand{file.identity.machine, file.identity.serial_number};
+    if (const auto other = other_machine(measured_machine(line.set->metadata), at_hand, "the parameters are of"))
+      return fmt::format("{} was {}.", name_of(line.component), *other);
+  }
+  return {};
+}
+
 }  // namespace ecs::commissioning

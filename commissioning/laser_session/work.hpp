@@ -11,6 +11,7 @@
 
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/maps/findings.hpp"
+#include "commissioning/maps/unit_work.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "laser/analysis/curve.hpp"
@@ -110,13 +111,11 @@ using LaserWorkPtr = std::shared_ptr<const LaserWork>;
 /// @param before  what was worked out last; null: nothing yet
 [[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, JobControl& control);
 
-// --- on disc
+/// Why these parameters belong to another machine than the measured lines; empty: as far as is known they do not.
+/// Compared: axes, machine named in the files.
+[[nodiscard]] std::string mismatch_of(const params::ParametersFile& parameters, const std::vector<LaserLine>& lines);
 
-/// The files that belong to a map: "out/map.csv" → "out/map-parameters.toml", "out/map-recipe.toml", "out/map-files".
-struct MapFiles {
-  std::string map, parameters, recipe, folder;
-};
-[[nodiscard]] MapFiles files_of_map(const std::string& map_file);
+// --- on disc
 
 struct SavedMap {
   MapFiles files;

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/laser_session/unit_work.hpp"
 #include "commissioning/maps/from_model.hpp"
+#include "commissioning/maps/unit_work.hpp"
 #include "commissioning/model_session/commands.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"

@@ -1,4 +1,4 @@
-#include "commissioning/laser_session/unit_work.hpp"
+#include "commissioning/maps/unit_work.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -26,17 +26,9 @@ std::string other_than_emulated(std::string_view what, std::string_view configur
 
 }  // namespace
 
-std::string mismatch_of(const params::ParametersFile& file, const std::vector<LaserLine>& lines) {
-  const UnitParameters& p = file.parameters;
-  for (const LaserLine& line : lines) {
-    if (!p.axis_present[index_of(line.group.axis)])
-      return fmt::format("{} was measured, but the parameters ({}) have no axis {}.", name_of(line.component),
-                         configuration_of(p), letter_of(line.group.axis));
-    const laser::MeasuredMachine at_hand{file.identity.machine, file.identity.serial_number};
-    if (const auto other = other_machine(measured_machine(line.set->metadata), at_hand, "the parameters are of"))
-      return fmt::format("{} was {}.", name_of(line.component), *other);
-  }
-  return {};
+MapFiles files_of_map(const std::string& map_file) {
+  const std::string stem = map_file.ends_with(".csv") ? map_file.substr(0, map_file.size() - 4) : map_file;
+  return {map_file, stem + "-parameters.toml", stem + "-recipe.toml", stem + "-files"};
 }
 
 std::string other_unit_for(const UnitParameters& p, const WatchedUnit& unit) {

@@ -1,4 +1,5 @@
-// What the laser screen does on the link to the unit, and on disc before it: each piece runs in the thread of a task.
+// What the screens do with a map on the link to the unit, and on disc before it: each piece runs in the thread of a
+// task.
 // Files of one machine beside readings or a unit of another are said when the file is chosen, not when it is sent.
 #pragma once
 
@@ -9,24 +10,26 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/laser_session/lines.hpp"
-#include "commissioning/laser_session/work.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
+#include "laser/measurement_set.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
 
-/// Why these parameters belong to another machine than the measured lines; empty: as far as is known they do not.
-/// Compared: axes, machine named in the files.
-[[nodiscard]] std::string mismatch_of(const params::ParametersFile& parameters, const std::vector<LaserLine>& lines);
+/// The files that belong to a map: "out/map.csv" → "out/map-parameters.toml", "out/map-recipe.toml", "out/map-files".
+struct MapFiles {
+  std::string map, parameters, recipe, folder;
+};
+[[nodiscard]] MapFiles files_of_map(const std::string& map_file);
+
 /// Why the unit, or its emulated machine, would refuse what is made with these parameters.
 [[nodiscard]] std::string other_unit_for(const UnitParameters& parameters, const WatchedUnit& unit);
 
-/// The same of a machine file. @param set  what was measured
+/// Why this machine is not the one that was measured; empty: as far as is known it is. @param set  what was measured
 [[nodiscard]] std::string mismatch_of(const params::Machine& machine, const laser::MeasurementSet& set);
 [[nodiscard]] std::string other_unit_for(const params::Machine& machine, const WatchedUnit& unit);
 
