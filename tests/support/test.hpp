@@ -1,11 +1,21 @@
-// What every test may use: doctest, cases that cannot run here, and the question whether a text contains another.
+// What every test may use: doctest, cases that cannot run here, what a call must give, and what a text or a list must
+// hold.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <source_location>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
+
+#include "base/result.hpp"
 
 /// Ends the case where something it needs is not there: CTest shows the entry as skipped, with the reason.
 #define SKIP_UNLESS(condition, reason)                     \
@@ -18,9 +28,45 @@
 
 namespace ecs {
 
-inline bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+using doctest::Approx;
+
+inline bool contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+inline bool contains(std::string_view text, char sign) { return text.find(sign) != std::string_view::npos; }
 inline std::size_t count_of(std::string_view text, char sign) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), sign));
+}
+
+/// What a Result or an optional holds; where it holds nothing the case ends, with the words of the problem.
+template <class Given>
+typename Given::value_type must(Given given, std::source_location at = std::source_location::current()) {
+  INFO(at.file_name(), ":", at.line());
+  if constexpr (requires { to_text(given.error()); }) {
+    REQUIRE_MESSAGE(given.has_value(), (given ? std::string() : to_text(given.error())));
+  } else {
+    REQUIRE(given.has_value());
+  }
+  if constexpr (!std::is_void_v<typename Given::value_type>) return *std::move(given);
+}
+/// The problem of a Result that must be one.
+template <class Given>
+typename Given::error_type must_fail(const Given& given, std::source_location at = std::source_location::current()) {
+  INFO(at.file_name(), ":", at.line());
+  REQUIRE_FALSE(given.has_value());
+  return given.error();
+}
+/// What a list holds that must hold one thing.
+template <class List>
+const typename List::value_type& only(const List& list, std::source_location at = std::source_location::current()) {
+  INFO(at.file_name(), ":", at.line());
+  REQUIRE(list.size() == 1);
+  return list.front();
+}
+
+/// Each of the parts stands in the text.
+inline void check_holds(std::string_view text, std::initializer_list<std::string_view> parts,
+                        std::source_location at = std::source_location::current()) {
+  INFO(at.file_name(), ":", at.line());
+  for (const std::string_view part : parts) CHECK_MESSAGE(contains(text, part), part, " in ", text);
 }
 
 namespace test {
