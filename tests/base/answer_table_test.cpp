@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 namespace ecs {
 namespace {

@@ -1,6 +1,5 @@
-#include <doctest/doctest.h>
-
 #include "base/clock.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

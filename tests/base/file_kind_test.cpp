@@ -1,8 +1,6 @@
 // What a file is by its content, whether it is text, and the words where another kind was wanted.
 #include "base/file_kind.hpp"
 
-#include <doctest/doctest.h>
-
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 
@@ -44,16 +42,13 @@ TEST_CASE("a measurement with notes about its set-up and tool is no file of leng
 TEST_CASE("a file of another kind is named for what it is, with the command that takes it") {
   const Folder folder;
   const std::string map = folder.with("map.csv", "# machine: m\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\n");
-  const auto refused = read_file_of(FileKind::measurements, map);
-  REQUIRE_FALSE(refused.has_value());
-  CHECK(to_text(refused.error()) == map + ":2:1: this is an error map, not a measurement: ecs map show " + map);
+  const auto refused = must_fail(read_file_of(FileKind::measurements, map));
+  CHECK(to_text(refused) == map + ":2:1: this is an error map, not a measurement: ecs map show " + map);
   CHECK(read_file_of(FileKind::map, map).has_value());
-  const auto blank = wrong_kind(FileKind::machine, "[[effect]]\n", "my model.toml");
-  REQUIRE(blank.has_value());
-  CHECK(contains(blank->message, "ecs model diagnose 'my model.toml' DATA"));
-  const auto swapped = wrong_kind(FileKind::model, "axis,x_mm,sense,reading\n", "x.csv");
-  REQUIRE(swapped.has_value());
-  CHECK(swapped->message == "this is a measurement, not an error model: give MODEL first, then DATA");
+  const auto blank = must(wrong_kind(FileKind::machine, "[[effect]]\n", "my model.toml"));
+  CHECK(contains(blank.message, "ecs model diagnose 'my model.toml' DATA"));
+  const auto swapped = must(wrong_kind(FileKind::model, "axis,x_mm,sense,reading\n", "x.csv"));
+  CHECK(swapped.message == "this is a measurement, not an error model: give MODEL first, then DATA");
 }
 
 TEST_CASE("a file that nobody knows is left to its reader") {
@@ -63,18 +58,16 @@ TEST_CASE("a file that nobody knows is left to its reader") {
 
 TEST_CASE("UTF-16 is recognised by its mark or by its zeros, and the message says what to do") {
   for (const bool mark : {true, false}) {
-    const auto why = why_no_text(utf16le("name = \"mill\"\n", mark), "m.toml");
-    REQUIRE(why);
-    CHECK(to_text(*why) == "m.toml: this is UTF-16: save it as UTF-8");
+    const auto why = must(why_no_text(utf16le("name = \"mill\"\n", mark), "m.toml"));
+    CHECK(to_text(why) == "m.toml: this is UTF-16: save it as UTF-8");
   }
   CHECK(utf16_order(utf16le("abcd", true)) == std::string("UTF-16LE"));
   CHECK(utf16_order(std::string_view("\0a\0b\0c", 6)) == std::string("UTF-16BE"));
 }
 
 TEST_CASE("a NUL byte is named with its line and column") {
-  const auto why = why_no_text(std::string_view("first\nsec\0nd\n", 13), "p.toml");
-  REQUIRE(why);
-  CHECK(to_text(*why).starts_with("p.toml:2:4: a NUL byte (0)"));
+  const auto why = must(why_no_text(std::string_view("first\nsec\0nd\n", 13), "p.toml"));
+  CHECK(to_text(why).starts_with("p.toml:2:4: a NUL byte (0)"));
   CHECK(why_no_text(std::string_view("\0abc", 4), "p")->column == 1);
 }
 

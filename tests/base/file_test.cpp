@@ -4,15 +4,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 namespace fs = std::filesystem;
@@ -71,18 +70,15 @@ TEST_CASE("a file is replaced, and readable by others as the mask of the user sa
 
 TEST_CASE("a folder that does not exist cannot be written to") {
   const Folder folder;
-  const auto written = write_file(folder.path / "no" / "a.txt", "x");
-  REQUIRE(!written);
-  CHECK(written.error().kind == ProblemKind::output);
-  CHECK(written.error().file == (folder.path / "no" / "a.txt").string());
+  const auto written = must_fail(write_file(folder.path / "no" / "a.txt", "x"));
+  CHECK(written.kind == ProblemKind::output);
+  CHECK(written.file == (folder.path / "no" / "a.txt").string());
 }
 
 TEST_CASE("writing over a folder fails and leaves nothing beside it") {
   const Folder folder;
   fs::create_directories(folder.path / "d" / "inside");
-  const auto written = write_file(folder.path / "d", "x");
-  REQUIRE(!written);
-  CHECK(written.error().kind == ProblemKind::output);
+  CHECK(must_fail(write_file(folder.path / "d", "x")).kind == ProblemKind::output);
   CHECK(files_in(folder) == 1);
   CHECK(fs::exists(folder.path / "d" / "inside"));
 }
@@ -97,17 +93,14 @@ TEST_CASE("in a folder without write permission the old file stays unchanged") {
 }
 
 TEST_CASE("a file system that cannot be written to is an output problem") {
-  const auto written = write_file("/proc/ecs_test", "x");
-  REQUIRE(!written);
-  CHECK(written.error().kind == ProblemKind::output);
+  CHECK(must_fail(write_file("/proc/ecs_test", "x")).kind == ProblemKind::output);
 }
 
 TEST_CASE("a path that is not a file is a bad input with the file's name") {
   const Folder folder;
-  const auto missing = read_file(folder.path / "missing");
-  REQUIRE(!missing);
-  CHECK(missing.error().kind == ProblemKind::bad_input);
-  CHECK(to_text(missing.error()) == (folder.path / "missing").string() + ": no such file");
+  const auto missing = must_fail(read_file(folder.path / "missing"));
+  CHECK(missing.kind == ProblemKind::bad_input);
+  CHECK(to_text(missing) == (folder.path / "missing").string() + ": no such file");
   CHECK(read_file(folder.path).error().message == "expected a file, found a directory");
   for (const char* name : {"b.csv", "a.csv", ".hidden"}) CHECK(write_file(folder.path / name, "1").has_value());
   CHECK(read_file(folder.path).error().message ==
@@ -205,8 +198,6 @@ TEST_CASE("a serial line given as a file is refused; it is not waited for") {
   REQUIRE(master >= 0);
   REQUIRE(::grantpt(master) == 0);
   REQUIRE(::unlockpt(master) == 0);
-  const auto content = read_file(::ptsname(master));
-  REQUIRE_FALSE(content);
-  CHECK(to_text(content.error()).find("expected a file, found a serial line or terminal") != std::string::npos);
+  CHECK(contains(to_text(must_fail(read_file(::ptsname(master)))), "expected a file, found a serial line or terminal"));
   ::close(master);
 }

@@ -64,9 +64,9 @@ TEST_CASE("every parser of a text has a fuzzer") {
   for (const std::string& name : names) {
     CAPTURE(name);
     const auto through = kReachedThrough.find(name);
-    const bool called = through == kReachedThrough.end() ? fuzzers.find("::parse_" + name + "(") != std::string::npos ||
-                                                               fuzzers.find(" parse_" + name + "(") != std::string::npos
-                                                         : list.find(" " + through->second) != std::string::npos;
+    const bool called = through == kReachedThrough.end()
+                            ? contains(fuzzers, "::parse_" + name + "(") || contains(fuzzers, " parse_" + name + "(")
+                            : contains(list, " " + through->second);
     CHECK_MESSAGE(called, "add parse_" << name << " to the parsers in tests/fuzz/text_fuzz.cpp");
   }
   for (const auto& [name, through] : kReachedThrough) CHECK_MESSAGE(names.contains(name), name << " is no parser now");

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 
@@ -28,9 +28,8 @@ TEST_CASE("a problem gives message and place, null where there is none, and the 
   CHECK(json["file"] == "a.csv");
   CHECK(json["line"] == 4);
   CHECK(json["column"].is_null());
-  REQUIRE(json["also"].size() == 1);
   CHECK(json["also"][0]["column"] == 6);
-  CHECK_FALSE(json["also"][0].contains("also"));
+  CHECK_FALSE(only(json["also"]).contains("also"));
 }
 
 TEST_CASE("one line of JSON keeps the order of its keys and replaces bytes that are not UTF-8") {

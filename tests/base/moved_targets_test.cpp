@@ -1,13 +1,9 @@
 // Targets moved off an even grid.
 #include "base/moved_targets.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
-using doctest::Approx;
 
 namespace {
 

@@ -1,7 +1,6 @@
 // Numbers as a user types them.
-#include <doctest/doctest.h>
-
 #include "base/text.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 
@@ -14,10 +13,9 @@ TEST_CASE("whole numbers are decimal or hexadecimal, of 32 bits") {
 
 TEST_CASE("anything else is a usage problem that names the value and its text") {
   for (const char* text : {"", "0x", "-1", "1.5", "4294967296", "0x100000000", "12 34", "ten"}) {
-    const auto number = whole_number(text, "length");
-    REQUIRE_FALSE(number);
-    CHECK(number.error().kind == ProblemKind::usage);
-    CHECK(number.error().message ==
+    const auto number = must_fail(whole_number(text, "length"));
+    CHECK(number.kind == ProblemKind::usage);
+    CHECK(number.message ==
           "length: expected a whole number such as 4096 or 0x1000, got \"" + std::string(text) + "\"");
   }
 }

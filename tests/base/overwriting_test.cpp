@@ -1,8 +1,7 @@
 // The one rule for files: nothing is overwritten without --force; a verb's own input is changed in place.
-#include <doctest/doctest.h>
-
 #include "base/file.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs {
 namespace {

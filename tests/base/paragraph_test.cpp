@@ -1,7 +1,6 @@
 // Sentences in lines of 80 columns.
-#include <doctest/doctest.h>
-
 #include "base/text.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

@@ -1,10 +1,9 @@
 // Draws that are the same with every standard library: fixed figures, and the moments that their names promise.
 #include "base/random.hpp"
 
-#include <cmath>
 #include <random>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 
@@ -27,7 +26,7 @@ TEST_CASE("draws have the moments of their distribution") {
       squares += (x - mean) * (x - mean);
     }
     CHECK(std::abs(sum / kDraws - mean) < 5.0 * std::sqrt(variance / kDraws));
-    CHECK(squares / kDraws == doctest::Approx(variance).epsilon(0.03));
+    CHECK(squares / kDraws == Approx(variance).epsilon(0.03));
   };
   NormalDraws normal(3.0, 2.0);
   check([&] { return normal(random); }, 3.0, 4.0);

@@ -1,7 +1,7 @@
 // Problems: where, what, and all of them at once.
 #include "base/result.hpp"
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

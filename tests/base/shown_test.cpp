@@ -1,9 +1,9 @@
 // Text of files and units on a terminal, and in JSON.
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs {
 namespace {

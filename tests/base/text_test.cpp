@@ -2,11 +2,11 @@
 #include "base/text.hpp"
 
 #include <clocale>
-#include <cmath>
 #include <limits>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
+
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using Fields = std::vector<std::string_view>;

@@ -1,10 +1,9 @@
 // Factors between units against values known by hand.
 #include "base/units.hpp"
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
-using doctest::Approx;
 
 TEST_CASE("an inch is 25400 um, a milliradian 1000 um/m") {
   CHECK(kMmPerInch * kUmPerMm == 25'400.0);

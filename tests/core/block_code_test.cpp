@@ -3,10 +3,8 @@
 
 #include <array>
 #include <initializer_list>
-#include <string>
-#include <vector>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

@@ -1,8 +1,6 @@
 // The commit records: a new map becomes active whole, whenever the power goes.
 #include <array>
 
-#include <doctest/doctest.h>
-
 #include "core/memory_image.hpp"
 #include "tests/support/random_values.hpp"
 
@@ -56,13 +54,11 @@ TEST_CASE("power lost at any byte of a later commit leaves the old map or the ne
   const Records two = written(one, kSecond);
   REQUIRE(active_commit(two) == kSecond);
   for (std::size_t bytes = 0; bytes <= kCommitSlotBytes; ++bytes) {
-    const auto second = active_commit(written(one, kSecond, bytes));
-    REQUIRE(second);
-    CHECK((*second == kFirst || *second == kSecond));
-    const auto third = active_commit(written(two, kThird, bytes));
-    REQUIRE(third);
-    CHECK((*third == kSecond || *third == kThird));
-    if (bytes == kCommitSlotBytes) CHECK(*third == kThird);
+    const auto second = must(active_commit(written(one, kSecond, bytes)));
+    CHECK((second == kFirst || second == kSecond));
+    const auto third = must(active_commit(written(two, kThird, bytes)));
+    CHECK((third == kSecond || third == kThird));
+    if (bytes == kCommitSlotBytes) CHECK(third == kThird);
   }
 }
 

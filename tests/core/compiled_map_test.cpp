@@ -1,8 +1,5 @@
 // compile(): the working form gives what the image's values say by definition; what a map lacks is named.
-#include <cmath>
 #include <memory>
-
-#include <doctest/doctest.h>
 
 #include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
@@ -133,13 +130,13 @@ TEST_CASE("the compiled map is the definition, term by term, for any map, chain,
 TEST_CASE("linear interpolation is exact at the points, a straight line between them, and holds beyond both ends") {
   const auto map = compiled(
       image_of(one_axis(Interpolation::linear), {{Component::EXX, Approach::unknown, -40.0, 20.0, 0.5, {10, -6, 8}}}));
-  CHECK(x_at(*map, -40.0) == doctest::Approx(5.0));
-  CHECK(x_at(*map, -20.0) == doctest::Approx(-3.0));
-  CHECK(x_at(*map, 0.0) == doctest::Approx(4.0));
-  CHECK(x_at(*map, -30.0) == doctest::Approx(1.0));
-  CHECK(x_at(*map, -5.0) == doctest::Approx(2.25));
-  CHECK(x_at(*map, -1e9) == doctest::Approx(5.0));
-  CHECK(x_at(*map, 1e9) == doctest::Approx(4.0));
+  CHECK(x_at(*map, -40.0) == Approx(5.0));
+  CHECK(x_at(*map, -20.0) == Approx(-3.0));
+  CHECK(x_at(*map, 0.0) == Approx(4.0));
+  CHECK(x_at(*map, -30.0) == Approx(1.0));
+  CHECK(x_at(*map, -5.0) == Approx(2.25));
+  CHECK(x_at(*map, -1e9) == Approx(5.0));
+  CHECK(x_at(*map, 1e9) == Approx(4.0));
 }
 
 TEST_CASE("the nearest value acts for less than half an increment to either side, in both directions") {
@@ -159,9 +156,9 @@ TEST_CASE("each approach has its own table: start, increment and length may diff
   const auto map = compiled(image_of(one_axis(Interpolation::linear),
                                      {{Component::EXX, Approach::forward, 0.0, 10.0, 1.0, {0, 10, 20}},
                                       {Component::EXX, Approach::reverse, 5.0, 2.0, 0.5, {2, 4, 6, 8, 20}}}));
-  CHECK(x_at(*map, 7.5, kForward) == doctest::Approx(7.5));
-  CHECK(x_at(*map, 12.0, kReverse) == doctest::Approx(7.0));
-  CHECK(x_at(*map, 0.0, kReverse) == doctest::Approx(1.0));
+  CHECK(x_at(*map, 7.5, kForward) == Approx(7.5));
+  CHECK(x_at(*map, 12.0, kReverse) == Approx(7.0));
+  CHECK(x_at(*map, 0.0, kReverse) == Approx(1.0));
 }
 
 TEST_CASE("a table of one value is that value everywhere") {
@@ -173,26 +170,21 @@ TEST_CASE("a table of one value is that value everywhere") {
 }
 
 TEST_CASE("parameters hold squareness errors, the output compensates them") {
-  UnitParameters p;
-  p.C0Y_um_per_m = 16.0;
-  p.B0Z_um_per_m = -38.8;
-  p.A0Z_um_per_m = -66.93;
+  UnitParameters p{.C0Y_um_per_m = 16.0, .B0Z_um_per_m = -38.8, .A0Z_um_per_m = -66.93};
   const auto map = compiled(image_of(p, with_zeros({})));
   // error E_X = −C0Y·Y + B0Z·Z, E_Y = −A0Z·Z at Y = −1.4 m, Z = −1 m: +22.4 + 38.8 and −66.93
   const Vector3 compensation_um = compensation_um_at(*map, {-4100.0, -1400.0, -1000.0}, kForward);
-  CHECK(compensation_um[0] == doctest::Approx(-61.2));
-  CHECK(compensation_um[1] == doctest::Approx(66.93));
+  CHECK(compensation_um[0] == Approx(-61.2));
+  CHECK(compensation_um[1] == Approx(66.93));
   CHECK(compensation_um[2] == 0.0);
 }
 
 TEST_CASE("the angular scale multiplies every angular term and nothing else") {
-  UnitParameters p;
-  p.angular_scale = 0.5;
-  p.C0Y_um_per_m = 10.0;
+  UnitParameters p{.angular_scale = 0.5, .C0Y_um_per_m = 10.0};
   const auto map = compiled(image_of(p, with_zeros({{Component::ECX, Approach::unknown, 0.0, 1.0, 1.0, {40}},
                                                     {Component::EXX, Approach::unknown, 0.0, 1.0, 1.0, {3}}})));
   // +3 − 0.5·40·(−1 m) and squareness −(−10·(−1 m))
-  CHECK(compensation_um_at(*map, {0.0, -1000.0, 0.0}, kForward)[0] == doctest::Approx(3.0 + 20.0 - 10.0));
+  CHECK(compensation_um_at(*map, {0.0, -1000.0, 0.0}, kForward)[0] == Approx(3.0 + 20.0 - 10.0));
 }
 
 TEST_CASE("a curve that the scope does not use has no effect, though the map holds it") {
@@ -233,9 +225,7 @@ TEST_CASE("a map with one approach of a needed component only is refused") {
 
 TEST_CASE("a map compiled over another leaves nothing of it") {
   auto map = std::make_unique<CompiledMap>();
-  UnitParameters p;
-  p.C0Y_um_per_m = 100.0;
-  p.tool_offset_mm = {10.0, 20.0, 30.0};
+  UnitParameters p{.C0Y_um_per_m = 100.0, .tool_offset_mm = {10.0, 20.0, 30.0}};
   std::vector<PlannedTable> tables;
   for (std::size_t c = 0; c < kCurves; ++c)
     tables.push_back({static_cast<Component>(c), Approach::unknown, 0.0, 1.0, 1.0, {100, -100, 50}});

@@ -1,12 +1,8 @@
 // The numbers that host, unit and files share, as they are written in docs/core.md and docs/unit.md: a change of one is
 // a new format, and the limits of what a unit takes.
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <zlib.h>
 
 #include "core/address_map.hpp"

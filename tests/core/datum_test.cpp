@@ -1,11 +1,7 @@
 // The datum routine: the right sequence of each kind of controller, every failure, and no endless search.
 #include "core/datum.hpp"
 
-#include <cmath>
-#include <optional>
-#include <vector>
-
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 
@@ -37,9 +33,7 @@ struct ReferenceRun {
 
  private:
   DatumSignals signals(double before_mm, double speed_mm_min) const {
-    DatumSignals s;
-    s.travelled_mm = at_mm;
-    s.speed_mm_min = speed_mm_min;
+    DatumSignals s{.travelled_mm = at_mm, .speed_mm_min = speed_mm_min};
     const bool on_it = at_mm >= switch_from_mm && at_mm <= switch_to_mm;
     s.switch_closed = on_it != switch_inverted;
     if (marker_pitch_mm) {
@@ -68,7 +62,7 @@ ReferenceRun siemens() {
 void check_done(const ReferenceRun& run, double marker_mm, Approach direction) {
   CHECK(run.state.stage == DatumStage::done);
   CHECK(run.state.failure == DatumFailure::none);
-  CHECK(run.state.datum_travelled_mm == doctest::Approx(marker_mm));
+  CHECK(run.state.datum_travelled_mm == Approx(marker_mm));
   CHECK(run.state.direction == direction);
 }
 void check_failed(const ReferenceRun& run, DatumFailure failure) {
@@ -227,8 +221,6 @@ TEST_CASE("once done or failed, nothing changes the result") {
 }
 
 TEST_CASE("the marker lies the null offset before the reference position") {
-  DatumParameters p;
-  p.reference_position_mm = -10.0;
-  p.null_offset_mm = 2.5;
+  DatumParameters p{.null_offset_mm = 2.5, .reference_position_mm = -10.0};
   CHECK(marker_position_mm(p) == -12.5);
 }

@@ -1,11 +1,6 @@
 // The term table against a machine of exact matrices: agreement to second order for every chain.
 #include "tests/support/exact_machine.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "core/terms.hpp"
 #include "tests/support/random_values.hpp"
 
@@ -32,13 +27,13 @@ Vector3 difference(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[
 
 Vector3 without_absent(const std::string& chain, Vector3 position_mm) {
   for (const Axis a : kAllAxes)
-    if (chain.find(letter_of(a)) == std::string::npos) position_mm[index_of(a)] = 0.0;
+    if (!contains(chain, letter_of(a))) position_mm[index_of(a)] = 0.0;
   return position_mm;
 }
 
 /// Two axes that do not both exist have no squareness.
 MachineErrors without_absent(const std::string& chain, MachineErrors errors) {
-  const auto lacks = [&](char axis) { return chain.find(axis) == std::string::npos; };
+  const auto lacks = [&](char axis) { return !contains(chain, axis); };
   if (lacks('X') || lacks('Y')) errors.values[index_of(Component::C0Y)] = 0.0;
   if (lacks('X') || lacks('Z')) errors.values[index_of(Component::B0Z)] = 0.0;
   if (lacks('Y') || lacks('Z')) errors.values[index_of(Component::A0Z)] = 0.0;
@@ -127,12 +122,12 @@ TEST_CASE("the universal sum (29)-(31) cannot be made TXYZ by zeroing data: it h
   mill.values[index_of(Component::ECX)] = 100.0;  // needed: it acts on E_X through Y
   const Vector3 position_mm{-2000.0, -700.0, -500.0};
   const Vector3 exact_um = exact_error_um("TXYZ", mill, position_mm);
-  CHECK(exact_um[0] == doctest::Approx(100.0 * 0.7).epsilon(0.001));
+  CHECK(exact_um[0] == Approx(100.0 * 0.7).epsilon(0.001));
   CHECK(std::abs(exact_um[1]) < 0.01);
 
   ComponentValues printed_sign = mill.values;
   printed_sign[index_of(Component::ECX)] *= -1.0;
   const Vector3 universal_um = tool_error_um(universal, printed_sign, position_mm, {}, {});
-  CHECK(universal_um[0] == doctest::Approx(70.0));
-  CHECK(universal_um[1] == doctest::Approx(-200.0));  // ECX·X, which a TXYZ machine does not have
+  CHECK(universal_um[0] == Approx(70.0));
+  CHECK(universal_um[1] == Approx(-200.0));  // ECX·X, which a TXYZ machine does not have
 }

@@ -2,9 +2,8 @@
 #include "core/fault.hpp"
 
 #include <set>
-#include <string>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

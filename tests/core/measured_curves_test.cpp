@@ -1,10 +1,6 @@
 // The whole way round on machines whose workpiece moves: the exact machine is measured along its lines, the curves
 // become a map, the unit compensates, the exact machine shows what is left.
-#include <algorithm>
-#include <cmath>
 #include <memory>
-
-#include <doctest/doctest.h>
 
 #include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"

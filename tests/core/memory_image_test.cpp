@@ -1,16 +1,11 @@
 // The memory image: what goes in comes out, and nothing that is not whole gets through check_image(). Whom an image is
 // addressed to: a unit takes its own and no other.
-
 #include "core/memory_image.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <zlib.h>
 
 #include "core/address_map.hpp"
@@ -193,9 +188,7 @@ TEST_CASE("the block check is the CRC-32 of the whole image with its own four by
 }
 
 TEST_CASE("the parameters are where docs/core.md says") {
-  UnitParameters p;
-  p.memory_modules = 3;
-  p.loop_period_us = 1250.0;
+  UnitParameters p{.memory_modules = 3, .loop_period_us = 1250.0};
   p.measurement_lines_mm[2][1] = -77.0;
   p.axes[1].compensation_polarity = -1;
   p.axes[2].output_slew_um_per_s = 4321.0;

@@ -2,8 +2,6 @@
 #include <cstddef>
 #include <memory>
 
-#include <doctest/doctest.h>
-
 #include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
 #include "tests/support/test.hpp"

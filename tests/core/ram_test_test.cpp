@@ -1,10 +1,8 @@
 // The RAM test of power-up: it finds the first bad location and gives every other its content back.
 #include <cstdint>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "core/address_map.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 

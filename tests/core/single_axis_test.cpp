@@ -1,11 +1,6 @@
 // The thesis's own example (3.4, figure 3.5): one axis, a progressive error, compensation in steps of the resolution.
 // The unit's own output moves the axes it watches: it must not be taken for a move of the control.
-
-#include <algorithm>
-#include <cmath>
 #include <memory>
-
-#include <doctest/doctest.h>
 
 #include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
@@ -56,7 +51,7 @@ TEST_CASE("stepping half an increment in advance keeps the axis within its resol
   for (std::int64_t counts = end; counts >= 0; --counts)
     worst_um = std::max(worst_um, std::abs(rig.residual_um(counts)));
   CHECK(worst_um <= kResolution_um);
-  CHECK(worst_um == doctest::Approx(kResolution_um / 2.0).epsilon(0.001));  // half a step is left half way between
+  CHECK(worst_um == Approx(kResolution_um / 2.0).epsilon(0.001));  // half a step is left half way between
 }
 
 TEST_CASE("each value is applied 4 mm before its point, in either direction") {

@@ -2,9 +2,6 @@
 #include "core/terms.hpp"
 
 #include <set>
-#include <string>
-
-#include <doctest/doctest.h>
 
 #include "core/parameters.hpp"
 #include "tests/support/random_values.hpp"
@@ -194,7 +191,7 @@ TEST_CASE("levers count from the measurement line, squareness from zero, and the
   lines[index_of(Axis::X)] = {0.0, 0.0, -200.0};
   const Vector3 error_um = tool_error_um(iso("TXYZ"), values, {-1000.0, 0.0, -800.0}, lines, {0.0, 0.0, -100.0});
   // 50 um/m · (−0.8 + 0.2 − 0.1) m + 10 um/m · −0.8 m
-  CHECK(error_um[0] == doctest::Approx(-35.0 - 8.0));
+  CHECK(error_um[0] == Approx(-35.0 - 8.0));
 }
 
 TEST_CASE("component names read back, and say what they are") {

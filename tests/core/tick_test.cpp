@@ -1,11 +1,8 @@
 // The fixed-period loop: positions, approach sensing, output, pointers.
 #include "core/tick.hpp"
 
-#include <cmath>
 #include <limits>
 #include <memory>
-
-#include <doctest/doctest.h>
 
 #include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
@@ -52,7 +49,7 @@ TEST_CASE("positions count from the datum, with the sign and scale of the transd
   bench.at_counts(5000);
   CHECK(bench.state.position_mm[0] == -4100.0);
   bench.at_counts(4000);
-  CHECK(bench.state.position_mm[0] == doctest::Approx(-4098.0));
+  CHECK(bench.state.position_mm[0] == Approx(-4098.0));
   CHECK(bench.state.ticks == 2);
 }
 
@@ -61,7 +58,7 @@ TEST_CASE("a transducer counter that wraps round does not move the axis") {
   const auto last = std::numeric_limits<std::int64_t>::max();
   bench.begin(kTwoWays, 0.0, last);
   bench.at_counts(std::numeric_limits<std::int64_t>::min() + 999);
-  CHECK(bench.state.position_mm[0] == doctest::Approx(1.0));
+  CHECK(bench.state.position_mm[0] == Approx(1.0));
 }
 
 TEST_CASE("the outputs begin at zero and the approach is known from the start") {
@@ -105,7 +102,7 @@ TEST_CASE("creeping back turns the approach once the travel from the furthest po
   }
   bench.at_counts(994);
   CHECK(bench.state.approach[0] == Approach::reverse);
-  CHECK(bench.state.extreme_mm[0] == doctest::Approx(0.994));
+  CHECK(bench.state.extreme_mm[0] == Approx(0.994));
   bench.at_counts(999);
   CHECK(bench.state.approach[0] == Approach::reverse);
   bench.at_counts(1000);
@@ -135,7 +132,7 @@ TEST_CASE("output = compensation × scaling × polarity, rounded to the nearest 
   bench.parameters.axes[0].output_scale_counts_per_um = 3.3;
   bench.begin_constant(7);  // 23.1 counts
   bench.at_counts(0);
-  CHECK(bench.state.output_counts[0] == doctest::Approx(23.1));
+  CHECK(bench.state.output_counts[0] == Approx(23.1));
   CHECK(bench.state.dac_counts[0] == 23);
   bench.begin_constant(-8);  // −26.4
   bench.at_counts(0);
@@ -277,10 +274,7 @@ TEST_CASE("the tick asks for what compensation_um_at() says at its position and 
 }
 
 TEST_CASE("the largest numbers that an image may hold neither overflow nor become not-a-number") {
-  UnitParameters p;
-  p.angular_scale = 1e9;
-  p.tool_offset_mm = {1e9, -1e9, 1e9};
-  p.C0Y_um_per_m = 1e9;
+  UnitParameters p{.angular_scale = 1e9, .C0Y_um_per_m = 1e9, .tool_offset_mm = {1e9, -1e9, 1e9}};
   for (auto& line : p.measurement_lines_mm) line = {-1e9, 1e9, -1e9};
   for (auto& axis : p.axes) {
     axis.position_scale_um_per_count = 1e9;

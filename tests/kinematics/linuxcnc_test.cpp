@@ -1,7 +1,5 @@
 // Nominal forward kinematics against the modules of LinuxCNC as Debian ships them. Ours turn the tool against the
 // workpiece, right-handed (ISO 841); each module says in its case which of its axes run the other way.
-#include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "base/random.hpp"
@@ -71,6 +69,14 @@ std::vector<std::array<double, 2>> directions_that_agree(const LinuxcncKinematic
 using Directions = std::vector<std::array<double, 2>>;
 constexpr const char* kMissing = "LinuxCNC's module is not installed (package linuxcnc-uspace)";
 
+/// Where the axes of a table lie, the offsets between them, and the tool.
+void set_table(const LinuxcncKinematics& linuxcnc, const char* offset, const char* tool) {
+  for (const auto& [pin, value] : {std::pair{"x-rot-point", 31.0}, {"y-rot-point", -47.0}, {"z-rot-point", -213.0}})
+    REQUIRE(linuxcnc.set(pin, value));
+  for (const auto& [pin, value] : {std::pair{offset, 20.0}, {"z-offset", 35.0}, {tool, 90.0}})
+    REQUIRE(linuxcnc.set(pin, value));
+}
+
 TEST_CASE("5axiskins, C and B in the head: B is reversed, C is not") {
   const auto linuxcnc = LinuxcncKinematics::load("5axiskins");
   SKIP_UNLESS(linuxcnc, kMissing);
@@ -106,19 +112,13 @@ TEST_CASE(
   const Vector3 tilt = pose_at(machine, {0.0, -b_deg, 0.0}).tool_mm.at({});
   const Vector3 turned_tilt = turned(tilt, {0.0, 0.0, 1.0}, c_deg);
   const Vector3 theirs = linuxcnc->forward({100.0, 200.0, 300.0, 0.0, b_deg, c_deg}).xyz_mm;
-  for (std::size_t d = 0; d < kAxes; ++d) CHECK(theirs[d] == doctest::Approx(ours[d] - turned_tilt[d] + tilt[d]));
+  for (std::size_t d = 0; d < kAxes; ++d) CHECK(theirs[d] == Approx(ours[d] - turned_tilt[d] + tilt[d]));
 }
 
 TEST_CASE("xyzac-trt-kins, C on a tilting table A: both are reversed") {
   const auto linuxcnc = LinuxcncKinematics::load("xyzac-trt-kins");
   SKIP_UNLESS(linuxcnc, kMissing);
-  for (const auto& [pin, value] : {std::pair{"x-rot-point", 31.0},
-                                   {"y-rot-point", -47.0},
-                                   {"z-rot-point", -213.0},
-                                   {"y-offset", 20.0},
-                                   {"z-offset", 35.0},
-                                   {"tool-offset", 90.0}})
-    REQUIRE(linuxcnc->set(pin, value));
+  set_table(*linuxcnc, "y-offset", "tool-offset");
   JointMachine machine = machine_of("XYACTZ");
   machine.tool_offset_mm = {0.0, 0.0, -90.0};
   rotary(machine, Joint::A).pivot_mm = {0.0, -47.0 + 20.0, -213.0 + 35.0};
@@ -130,13 +130,7 @@ TEST_CASE("xyzac-trt-kins, C on a tilting table A: both are reversed") {
 TEST_CASE("xyzbc-trt-kins, C on a tilting table B: both are reversed") {
   const auto linuxcnc = LinuxcncKinematics::load("xyzbc-trt-kins");
   SKIP_UNLESS(linuxcnc, kMissing);
-  for (const auto& [pin, value] : {std::pair{"x-rot-point", 31.0},
-                                   {"y-rot-point", -47.0},
-                                   {"z-rot-point", -213.0},
-                                   {"x-offset", 20.0},
-                                   {"z-offset", 35.0},
-                                   {"tool-offset", 90.0}})
-    REQUIRE(linuxcnc->set(pin, value));
+  set_table(*linuxcnc, "x-offset", "tool-offset");
   JointMachine machine = machine_of("XYBCTZ");
   machine.tool_offset_mm = {0.0, 0.0, -90.0};
   rotary(machine, Joint::B).pivot_mm = {31.0 + 20.0, 0.0, -213.0 + 35.0};
@@ -149,13 +143,7 @@ TEST_CASE("xyzab_tdr_kins, A on a table B: neither is reversed") {
   const auto linuxcnc = LinuxcncKinematics::load("xyzab_tdr_kins");
   SKIP_UNLESS(linuxcnc, kMissing);
   linuxcnc->switch_to(1);  // 0 is the identity
-  for (const auto& [pin, value] : {std::pair{"x-rot-point", 31.0},
-                                   {"y-rot-point", -47.0},
-                                   {"z-rot-point", -213.0},
-                                   {"x-offset", 20.0},
-                                   {"z-offset", 35.0},
-                                   {"tool-offset-z", 90.0}})
-    REQUIRE(linuxcnc->set(pin, value));
+  set_table(*linuxcnc, "x-offset", "tool-offset-z");
   JointMachine machine = machine_of("XYBATZ");
   machine.tool_offset_mm = {0.0, 0.0, -90.0};
   rotary(machine, Joint::B).pivot_mm = {31.0, 0.0, -213.0};

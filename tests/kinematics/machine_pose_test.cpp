@@ -1,17 +1,13 @@
 // Chains with rotary axes; the general table against core's three-axis table: one rule, the same rows and the same
 // sums; what an error component does at the tool of a machine whose rotary axes stand at angles.
-
 #include "kinematics/machine_pose.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <random>
 #include <tuple>
 
 #include "base/random.hpp"
 #include "tests/support/exact_joints.hpp"
 #include "tests/support/random_values.hpp"
-#include "tests/support/test.hpp"
 
 namespace ecs::kinematics {
 namespace {
@@ -20,7 +16,7 @@ std::string order_of(const char* configuration) {
   std::string order;
   const JointChain chain = joint_chain_of(configuration).value();
   for (const ChainJoint& one : chain) {
-    if (!one.carries_workpiece && order.find('|') == std::string::npos) order += '|';
+    if (!one.carries_workpiece && !contains(order, '|')) order += '|';
     order += letter_of(one.joint);
   }
   return order;
@@ -92,7 +88,7 @@ TEST_CASE("with its rotary axes at 0 and without errors of theirs a machine errs
       const ToolError ours = tool_error(pose_at(machine, {}), values, position_mm);
       const auto terms = *ecs::terms_of(*chain_of(linear_configuration(configuration)), Convention::iso, curves);
       const Vector3 unit = tool_error_um(terms, components, position_mm, machine.lines_mm, machine.tool_offset_mm);
-      for (std::size_t d = 0; d < kAxes; ++d) CHECK(ours.error_um[d] == doctest::Approx(unit[d]).epsilon(1e-12));
+      for (std::size_t d = 0; d < kAxes; ++d) CHECK(ours.error_um[d] == Approx(unit[d]).epsilon(1e-12));
     }
 }
 
@@ -216,7 +212,7 @@ TEST_CASE("the nominal tool point is that of the exact matrices") {
     const Eigen::Isometry3d exact = exact_pose(made.exact, made.position_mm, made.angles_deg);
     const Vector3 found = pose_at(made.machine, made.angles_deg).tool_mm.at(made.position_mm);
     for (std::size_t d = 0; d < kAxes; ++d)
-      CHECK(found[d] == doctest::Approx(exact.translation()[static_cast<Eigen::Index>(d)]).epsilon(1e-12));
+      CHECK(found[d] == Approx(exact.translation()[static_cast<Eigen::Index>(d)]).epsilon(1e-12));
   }
 }
 
@@ -229,9 +225,9 @@ TEST_CASE("a table whose axis lies 10 um aside errs as it turns") {
   const auto at = [&](double angle_deg) {
     return tool_error(pose_at(machine, {0.0, 0.0, angle_deg}), values, {100.0, 0.0, 0.0}).error_um;
   };
-  CHECK(at(0.0)[0] == doctest::Approx(10.0));
-  CHECK(at(90.0)[1] == doctest::Approx(10.0));  // the workpiece has turned: its Y is along the machine's X
-  CHECK(at(180.0)[0] == doctest::Approx(-10.0));
+  CHECK(at(0.0)[0] == Approx(10.0));
+  CHECK(at(90.0)[1] == Approx(10.0));  // the workpiece has turned: its Y is along the machine's X
+  CHECK(at(180.0)[0] == Approx(-10.0));
 }
 
 TEST_CASE("an error of angular position moves the tool by its distance from the axis") {
@@ -242,8 +238,8 @@ TEST_CASE("an error of angular position moves the tool by its distance from the 
   JointValues values;
   values.curve[index_of(Joint::C)][5] = 20.0;  // ECC, um/m
   const ToolError error = tool_error(pose_at(machine, {}), values, {800.0, 200.0, 0.0});
-  CHECK(error.error_um[1] == doctest::Approx(10.0));
-  CHECK(error.orientation_um_per_m[2] == doctest::Approx(20.0));
+  CHECK(error.error_um[1] == Approx(10.0));
+  CHECK(error.orientation_um_per_m[2] == Approx(20.0));
 }
 
 }  // namespace

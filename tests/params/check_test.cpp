@@ -1,12 +1,10 @@
 #include "params/check.hpp"
 
-#include <algorithm>
 #include <limits>
-
-#include <doctest/doctest.h>
 
 #include "params/fields.hpp"
 #include "params/parameters_toml.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::params;
@@ -34,38 +32,31 @@ std::optional<Finding> finding_on(const UnitParameters& parameters, std::string_
 void expect(Severity severity, const Settings& settings, std::string_view key, std::string_view words,
             const Machine* machine = nullptr) {
   CAPTURE(key);
-  const auto finding = finding_on(with(settings), key, machine);
-  REQUIRE(finding.has_value());
-  CHECK(finding->severity == severity);
-  CAPTURE(finding->message);
-  CHECK(finding->message.find(words) != std::string::npos);
-  CHECK(to_text({*finding}).find(key) != std::string::npos);
+  const auto finding = must(finding_on(with(settings), key, machine));
+  CHECK(finding.severity == severity);
+  CAPTURE(finding.message);
+  CHECK(contains(finding.message, words));
+  CHECK(contains(to_text({finding}), key));
 }
 
 constexpr Severity kError = Severity::error;
 constexpr Severity kWarning = Severity::warning;
 
-Machine mill() {
-  const auto file = read_machine("tests/data/params/mill_machine.toml");
-  REQUIRE(file.has_value());
-  return file->machine;
-}
+Machine mill() { return must(read_machine("tests/data/params/mill_machine.toml")).machine; }
 
 }  // namespace
 
 TEST_CASE("the defaults and the sample of the mill have no findings") {
   CHECK(to_text(check(UnitParameters{})) == "");
-  const auto file = read_parameters("tests/data/params/mill_unit.toml");
-  REQUIRE(file.has_value());
+  const auto file = must(read_parameters("tests/data/params/mill_unit.toml"));
   const Machine machine = mill();
-  CHECK(to_text(check(file->parameters, &machine)) == "");
+  CHECK(to_text(check(file.parameters, &machine)) == "");
 }
 
 TEST_CASE("values that no file could hold, as from a corrupt unit, are found with their range") {
-  UnitParameters p;
-  p.configuration = {'X', 'Y', 'Z', 'Q', 0};
-  p.loop_period_us = std::numeric_limits<double>::quiet_NaN();
-  p.plane = {Axis::X, Axis::X};
+  UnitParameters p{.configuration = {'X', 'Y', 'Z', 'Q', 0},
+                   .plane = {Axis::X, Axis::X},
+                   .loop_period_us = std::numeric_limits<double>::quiet_NaN()};
   p.axes[0].datum.approach_speed_mm_min = 0.0;
   p.axes[1].compensation_polarity = 3;
   p.axes[2].datum.kind = static_cast<DatumKind>(7);
@@ -196,7 +187,7 @@ TEST_CASE("a direction away from a datum at the end of the travel is found, one 
          "away from the datum, which is at the upper end", &machine);
   machine.axes[0]->travel_mm = {-4100.0, 500.0};
   const UnitParameters inside = with({{"axis.X.datum.approach_direction", "reverse"}});
-  CHECK(to_text(check(inside, &machine)).find("approach_direction") == std::string::npos);
+  CHECK(!contains(to_text(check(inside, &machine)), "approach_direction"));
 }
 
 TEST_CASE("a null offset larger than the travel is an error") {
@@ -222,7 +213,7 @@ TEST_CASE("more memory modules than a rack holds are found twice: by their range
   const auto findings = check(p);
   REQUIRE(findings.size() == 2);
   for (const Finding& f : findings) CHECK(f.keys.front() == "compensation.memory_modules");
-  CHECK(findings[1].message.find("one rack does not hold 6 memory") != std::string::npos);
+  CHECK(contains(findings[1].message, "one rack does not hold 6 memory"));
 }
 
 TEST_CASE("all findings come at once, errors first") {
@@ -248,21 +239,19 @@ TEST_CASE("axes that do not exist are not judged") {
 }
 
 TEST_CASE("a file without its closing line is remarked on, an axis without keys is an error, and defaults are named") {
-  const auto cut = parse_parameters("[axis.X]\ndeadband_um = 3\n[axis.Z]\ntransducer = \"resolver\"\n", "p.toml");
-  REQUIRE(cut.has_value());
-  const auto findings = check_file(*cut);
+  const auto cut = must(parse_parameters("[axis.X]\ndeadband_um = 3\n[axis.Z]\ntransducer = \"resolver\"\n", "p.toml"));
+  const auto findings = check_file(cut);
   REQUIRE(findings.size() == 2);
   CHECK(findings[0].severity == Severity::error);
   CHECK(findings[0].keys.front() == "axis.Y.transducer");
-  CHECK(findings[0].message.find("nothing of [axis.Y]") != std::string::npos);
+  CHECK(contains(findings[0].message, "nothing of [axis.Y]"));
   CHECK(findings[1].severity == Severity::warning);
-  CHECK(findings[1].message.find("# end of parameters") != std::string::npos);
-  const auto taken = defaults_taken(*cut);
-  CHECK(taken.size() == cut->defaulted.size());
+  CHECK(contains(findings[1].message, "# end of parameters"));
+  const auto taken = defaults_taken(cut);
+  CHECK(taken.size() == cut.defaulted.size());
   CHECK(std::find(taken.begin(), taken.end(), "not given, default: axis.X.output_scale_counts_per_um = 10 counts/um") !=
         taken.end());
-  const auto whole = parse_parameters(parameters_toml(UnitParameters{}), "p.toml");
-  REQUIRE(whole.has_value());
-  CHECK(check_file(*whole).empty());
-  CHECK(defaults_taken(*whole).empty());
+  const auto whole = must(parse_parameters(parameters_toml(UnitParameters{}), "p.toml"));
+  CHECK(check_file(whole).empty());
+  CHECK(defaults_taken(whole).empty());
 }

@@ -3,8 +3,6 @@
 #include <cstdlib>
 #include <set>
 
-#include <doctest/doctest.h>
-
 #include "base/file.hpp"
 #include "tests/params/support/random_parameters.hpp"
 #include "tests/support/test.hpp"
@@ -28,28 +26,27 @@ std::string refusal(std::string_view key, std::string_view text) {
 TEST_CASE("every parameter that thesis 5.3 lists is in the table under its thesis name") {
   std::string names;
   for (const Field& field : fields()) names += field.thesis_name + "\n";
-  for (const char* name : {"number of machine axes",
-                           "axes names (X,Y,Z)",
-                           "axis configuration",
-                           "machine measurement system (imperial or metric)",
-                           "type of position transducer (encoder or resolver)",
-                           "position feedback scaling factor",
-                           "number of axis memory modules required",
-                           "compensation required (linear, planar or volumetric)",
-                           "compensation loop iteration time",
-                           "minimum distance to qualify as move (encoder deadband)",
-                           "compensation output value scaling factor",
-                           "compensation polarity",
-                           "angular scaling factor",
-                           "squareness offsets",
-                           "datum type (e.g. Fanuc, Allen Bradley, Siemens)",
-                           "reference switch polarity",
-                           "reference switch initial state",
-                           "reference switch final state",
-                           "reference switch approach speed",
-                           "reference switch approach direction",
-                           "null offset value"})
-    CHECK_MESSAGE(contains(names, name), name);
+  check_holds(names, {"number of machine axes",
+                      "axes names (X,Y,Z)",
+                      "axis configuration",
+                      "machine measurement system (imperial or metric)",
+                      "type of position transducer (encoder or resolver)",
+                      "position feedback scaling factor",
+                      "number of axis memory modules required",
+                      "compensation required (linear, planar or volumetric)",
+                      "compensation loop iteration time",
+                      "minimum distance to qualify as move (encoder deadband)",
+                      "compensation output value scaling factor",
+                      "compensation polarity",
+                      "angular scaling factor",
+                      "squareness offsets",
+                      "datum type (e.g. Fanuc, Allen Bradley, Siemens)",
+                      "reference switch polarity",
+                      "reference switch initial state",
+                      "reference switch final state",
+                      "reference switch approach speed",
+                      "reference switch approach direction",
+                      "null offset value"});
 }
 
 TEST_CASE("keys are unique, every field has help, and every default lies in its own range") {
@@ -93,9 +90,7 @@ TEST_CASE("setting a field changes that field alone") {
 
 TEST_CASE("a value out of range is refused with the range and its unit") {
   const std::string low = refusal("compensation.loop_period_us", "50");
-  CHECK(contains(low, "compensation.loop_period_us"));
-  CHECK(contains(low, "100 to 20000 us"));
-  CHECK(contains(low, "50"));
+  check_holds(low, {"compensation.loop_period_us", "100 to 20000 us", "50"});
   CHECK(contains(refusal("axis.X.position_scale_um_per_count", "0"), "not 0"));
   CHECK(contains(refusal("axis.X.compensation_polarity", "0"), "-1 or 1"));
   CHECK(contains(refusal("compensation.memory_modules", "1.5"), "1 to 5"));
@@ -136,9 +131,7 @@ TEST_CASE("text written from any field sets the same bits again") {
 
 TEST_CASE("docs/parameters.md is the page written from the table (ECS_WRITE_DOCS=1 renews it)") {
   if (std::getenv("ECS_WRITE_DOCS") != nullptr) REQUIRE(write_file("docs/parameters.md", parameters_markdown()));
-  const auto page = read_file("docs/parameters.md");
-  REQUIRE(page.has_value());
-  CHECK(*page == parameters_markdown());
+  CHECK(must(read_file("docs/parameters.md")) == parameters_markdown());
 }
 
 TEST_CASE("equal sets have no differences and no text") {
@@ -168,8 +161,7 @@ TEST_CASE("a change of any one field is found, and only that") {
     const double other = field.get(changed) == field.most ? field.least : field.most;
     REQUIRE(set_number(field, changed, other));
     const auto found = diff(UnitParameters{}, changed);
-    REQUIRE(found.size() == 1);
-    CHECK(found[0].key == field.key);
+    CHECK(only(found).key == field.key);
   }
 }
 

@@ -1,10 +1,5 @@
 #include "params/machine.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "params/check.hpp"
 #include "tests/support/test.hpp"
 
@@ -13,25 +8,16 @@ using namespace ecs::params;
 
 namespace {
 
-Machine sample(const char* path) {
-  const auto file = read_machine(path);
-  REQUIRE_MESSAGE(file.has_value(), (file ? "" : to_text(file.error())));
-  return file->machine;
-}
+Machine sample(const char* path) { return must(read_machine(path)).machine; }
 
-std::string failure(std::string_view text) {
-  const auto file = parse_machine(text, "machine.toml");
-  REQUIRE_FALSE(file.has_value());
-  return to_text(file.error());
-}
+std::string failure(std::string_view text) { return to_text(must_fail(parse_machine(text, "machine.toml"))); }
 
 }  // namespace
 
 TEST_CASE("the mill's file is read completely, and its [emulator] table is ignored") {
-  const auto file = read_machine("tests/data/params/mill_machine.toml");
-  REQUIRE(file.has_value());
-  CHECK(file->warnings.empty());
-  const Machine& mill = file->machine;
+  const auto file = must(read_machine("tests/data/params/mill_machine.toml"));
+  CHECK(file.warnings.empty());
+  const Machine& mill = file.machine;
   CHECK(mill.name == "moving column mill");
   CHECK(mill.configuration == "TXYZ");
   REQUIRE(mill.axes[0].has_value());
@@ -90,15 +76,12 @@ TEST_CASE("default parameters of the mill are volumetric, those of the lathe pla
 }
 
 TEST_CASE("a machine of one axis gets the linear scope") {
-  const auto file = parse_machine("configuration = \"TZ\"\n[axis.Z]\ntravel_mm = [0, 500]\n", "one.toml");
-  REQUIRE(file.has_value());
-  CHECK(default_parameters_for(file->machine).scope == Scope::linear);
+  const auto file = must(parse_machine("configuration = \"TZ\"\n[axis.Z]\ntravel_mm = [0, 500]\n", "one.toml"));
+  CHECK(default_parameters_for(file.machine).scope == Scope::linear);
 }
 
 TEST_CASE("every wrong value of a machine file is reported in one pass with line and column") {
-  const auto file = read_machine("tests/data/params/broken_machine.toml");
-  REQUIRE_FALSE(file.has_value());
-  const std::string text = to_text(file.error());
+  const std::string text = to_text(must_fail(read_machine("tests/data/params/broken_machine.toml")));
   const std::string at = "tests/data/params/broken_machine.toml:";
   CHECK(contains(text, at + "1:8: name: expected a text in quotes, found 7"));
   CHECK(contains(text, at + "2:17: configuration: expected one T and different letters of XYZ"));
@@ -115,15 +98,14 @@ TEST_CASE("every wrong value of a machine file is reported in one pass with line
 }
 
 TEST_CASE("unknown keys and a datum outside the travel are warnings, not errors") {
-  const auto file = parse_machine(
-      "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0, 10]\ndatum_mm = 11\nscrew_pich_mm = 5\n"
-      "measurement_line_mm = { x = 1 }\n",
-      "m.toml");
-  REQUIRE(file.has_value());
-  REQUIRE(file->warnings.size() == 3);
-  CHECK(contains(file->warnings[0].message, "outside the travel"));
-  CHECK(contains(file->warnings[1].message, "did you mean \"axis.X.screw_pitch_mm\"?"));
-  CHECK(contains(file->warnings[2].message, "own measurement line"));
+  const auto file =
+      must(parse_machine("configuration = \"TX\"\n[axis.X]\ntravel_mm = [0, 10]\ndatum_mm = 11\nscrew_pich_mm = 5\n"
+                         "measurement_line_mm = { x = 1 }\n",
+                         "m.toml"));
+  REQUIRE(file.warnings.size() == 3);
+  CHECK(contains(file.warnings[0].message, "outside the travel"));
+  CHECK(contains(file.warnings[1].message, "did you mean \"axis.X.screw_pitch_mm\"?"));
+  CHECK(contains(file.warnings[2].message, "own measurement line"));
 }
 
 TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
@@ -136,12 +118,10 @@ TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
 }
 
 TEST_CASE("axis keys may be dotted and come before their table's other parts") {
-  const auto file = parse_machine("configuration = \"TX\"\naxis.X.travel_mm = [0, 1]\n", "m.toml");
-  REQUIRE(file.has_value());
-  const auto other = parse_machine(
-      "configuration = \"TX\"\n[axis.X.measurement_line_mm]\ny = 4\n[axis.X]\ntravel_mm = [0, 1]\n", "m.toml");
-  REQUIRE(other.has_value());
-  CHECK(other->machine.axes[0]->measurement_line_mm[1] == 4.0);
+  (void)must(parse_machine("configuration = \"TX\"\naxis.X.travel_mm = [0, 1]\n", "m.toml"));
+  const auto other = must(parse_machine(
+      "configuration = \"TX\"\n[axis.X.measurement_line_mm]\ny = 4\n[axis.X]\ntravel_mm = [0, 1]\n", "m.toml"));
+  CHECK(other.machine.axes[0]->measurement_line_mm[1] == 4.0);
 }
 
 namespace {
@@ -156,13 +136,12 @@ constexpr const char* kTableC = "[axis.C]\ntravel_deg = [0, 360]\npivot_mm = [25
 }  // namespace
 
 TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain does without them") {
-  const auto file = parse_rotary_machine(
+  const auto file = must(parse_rotary_machine(
       five_axes("XYBCTZ",
                 std::string(kTableC) +
                     "[axis.B]\ntravel_deg = [-110, 30.5]\npivot_mm = [250, 200, -250]\ndirection = [0, 1, 1]\n"),
-      "machine.toml");
-  REQUIRE(file.has_value());
-  const RotaryMachine& machine = *file;
+      "machine.toml"));
+  const RotaryMachine& machine = file;
   CHECK(machine.machine.configuration == "XYTZ");
   CHECK(machine.configuration == "XYBCTZ");
   CHECK(has_rotary_axes(machine));
@@ -170,7 +149,7 @@ TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain 
   CHECK(machine.rotary[2]->pivot_mm == Vector3{250.0, 200.0, -300.0});
   CHECK(machine.rotary[2]->direction == Vector3{0.0, 0.0, 1.0});
   CHECK(machine.rotary[1]->travel_deg == std::array{-110.0, 30.5});
-  CHECK(machine.rotary[1]->direction[2] == doctest::Approx(std::sqrt(0.5)));
+  CHECK(machine.rotary[1]->direction[2] == Approx(std::sqrt(0.5)));
   CHECK(configuration_of(default_parameters_for(machine.machine)) == "XYTZ");
   CHECK_FALSE(has_rotary_axes(*read_rotary_machine("tests/data/params/mill_machine.toml")));
   CHECK(read_machine("samples/five_axes/machine.toml")->warnings.empty());
@@ -184,11 +163,11 @@ TEST_CASE("rotary axes that no machine can have are refused with their line and 
                  "machine.toml:1:17: configuration: letter A: expected a table [axis.A] with travel_deg and pivot_mm"));
   CHECK(contains(failure(five_axes("XYTZ", kTableC)), "configuration \"XYTZ\" has no letter C"));
   const std::string empty = failure(five_axes("XYCTZ", "[axis.C]\n"));
-  CHECK(contains(empty, "machine.toml:8:1: axis.C: expected pivot_mm = [x, y, z], a point on its axis"));
-  CHECK(contains(empty, "axis.C: expected travel_deg = [lower end, upper end], found none"));
+  check_holds(empty, {"machine.toml:8:1: axis.C: expected pivot_mm = [x, y, z], a point on its axis",
+                      "axis.C: expected travel_deg = [lower end, upper end], found none"});
   const std::string wrong =
       failure(five_axes("XYCTZ", "[axis.C]\ntravel_deg = [0, 4000]\npivot_mm = [1, 2]\ndirection = [0, 0, 0]\n"));
-  CHECK(contains(wrong, "machine.toml:9:14: axis.C.travel_deg: expected two ends in deg"));
-  CHECK(contains(wrong, "machine.toml:10:12: axis.C.pivot_mm: expected a point x, y, z"));
-  CHECK(contains(wrong, "machine.toml:11:13: axis.C.direction: expected a direction x, y, z that is not 0"));
+  check_holds(wrong, {"machine.toml:9:14: axis.C.travel_deg: expected two ends in deg",
+                      "machine.toml:10:12: axis.C.pivot_mm: expected a point x, y, z",
+                      "machine.toml:11:13: axis.C.direction: expected a direction x, y, z that is not 0"});
 }

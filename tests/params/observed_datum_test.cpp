@@ -1,9 +1,7 @@
 // The datum type and the switch states that a recorded sequence shows.
 #include "params/observed_datum.hpp"
 
-#include <vector>
-
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 namespace ecs::params {
 namespace {

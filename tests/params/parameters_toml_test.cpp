@@ -1,12 +1,10 @@
 #include "params/parameters_toml.hpp"
 
-#include <algorithm>
 #include <array>
-
-#include <doctest/doctest.h>
 
 #include "core/memory_image.hpp"
 #include "tests/params/support/random_parameters.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::params;
@@ -44,9 +42,7 @@ TEST_CASE("parameters written to TOML and read back are the same to the last bit
 }
 
 TEST_CASE("a file of all present axes leaves nothing to defaults") {
-  const auto back = parsed(parameters_toml(UnitParameters{}));
-  REQUIRE(back.has_value());
-  CHECK(back->defaulted.empty());
+  CHECK(must(parsed(parameters_toml(UnitParameters{}))).defaulted.empty());
 }
 
 TEST_CASE("TOML to the unit's bytes and back is the same TOML") {
@@ -62,11 +58,10 @@ TEST_CASE("TOML to the unit's bytes and back is the same TOML") {
 }
 
 TEST_CASE("a short file takes the defaults for the rest and says which") {
-  const auto file = read_parameters("tests/data/params/mill_unit.toml");
-  REQUIRE(file.has_value());
-  CHECK(file->identity.machine == "moving column mill");
-  CHECK(file->identity.serial_number == "MCM-0107");
-  const UnitParameters& p = file->parameters;
+  const auto file = must(read_parameters("tests/data/params/mill_unit.toml"));
+  CHECK(file.identity.machine == "moving column mill");
+  CHECK(file.identity.serial_number == "MCM-0107");
+  const UnitParameters& p = file.parameters;
   CHECK(p.interpolation == Interpolation::nearest);
   CHECK(p.C0Y_um_per_m == 16.0);
   CHECK(p.B0Z_um_per_m == -38.8);
@@ -77,28 +72,26 @@ TEST_CASE("a short file takes the defaults for the rest and says which") {
   CHECK(p.axes[0].datum.switch_finally_active);
   CHECK(p.axes[0].datum.approach_direction == Approach::forward);
   CHECK(p.axes[1] == AxisParameters{});
-  CHECK(lists(file->defaulted, "axis.Y.deadband_um"));
-  CHECK(lists(file->defaulted, "compensation.loop_period_us"));
-  CHECK_FALSE(lists(file->defaulted, "axis.X.deadband_um"));
+  CHECK(lists(file.defaulted, "axis.Y.deadband_um"));
+  CHECK(lists(file.defaulted, "compensation.loop_period_us"));
+  CHECK_FALSE(lists(file.defaulted, "axis.X.deadband_um"));
 }
 
 TEST_CASE("fields of absent axes are not missed, and their tables are left out of the file") {
-  const auto file = parsed("[configuration]\nchain = \"TX\"\naxes = \"X\"\n");
-  REQUIRE(file.has_value());
-  CHECK(lists(file->defaulted, "axis.X.deadband_um"));
-  CHECK_FALSE(lists(file->defaulted, "axis.Y.deadband_um"));
-  const std::string text = parameters_toml(file->parameters);
-  CHECK(text.find("[axis.X.datum]") != std::string::npos);
-  CHECK(text.find("[axis.Y") == std::string::npos);
+  const auto file = must(parsed("[configuration]\nchain = \"TX\"\naxes = \"X\"\n"));
+  CHECK(lists(file.defaulted, "axis.X.deadband_um"));
+  CHECK_FALSE(lists(file.defaulted, "axis.Y.deadband_um"));
+  const std::string text = parameters_toml(file.parameters);
+  CHECK(contains(text, "[axis.X.datum]"));
+  CHECK(!contains(text, "[axis.Y"));
 }
 
 TEST_CASE("an empty file is a set of defaults, and no sound file") {
-  const auto file = parsed("");
-  REQUIRE(file.has_value());
-  CHECK(file->parameters == UnitParameters{});
-  CHECK(file->defaulted.size() == fields().size());
-  CHECK(file->axes_without_keys.size() == kAxes);
-  CHECK_FALSE(file->has_end);
+  const auto file = must(parsed(""));
+  CHECK(file.parameters == UnitParameters{});
+  CHECK(file.defaulted.size() == fields().size());
+  CHECK(file.axes_without_keys.size() == kAxes);
+  CHECK_FALSE(file.has_end);
 }
 
 TEST_CASE("a file cut off at any byte is known by its missing last line") {
@@ -112,35 +105,32 @@ TEST_CASE("a file cut off at any byte is known by its missing last line") {
 }
 
 TEST_CASE("a present axis of which a file gives nothing is named") {
-  const auto file = parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n");
-  REQUIRE(file.has_value());
-  CHECK(file->axes_without_keys == std::vector<Axis>{Axis::Y});
+  const auto file = must(parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n"));
+  CHECK(file.axes_without_keys == std::vector<Axis>{Axis::Y});
   CHECK(parsed("axis.X.deadband_um = 1\n[configuration]\nchain = \"TX\"\naxes = \"X\"\n")->axes_without_keys.empty());
 }
 
 TEST_CASE("the written file explains each field with unit, range and default, and a vector is one entry") {
   const std::string text = parameters_toml(UnitParameters{});
-  CHECK(text.find("# 100 to 20000 us; default 1000\nloop_period_us = 1000.0\n") != std::string::npos);
-  CHECK(text.find("\nmeasurement_line_mm = { y = 0.0, z = 0.0 }\n") != std::string::npos);
-  CHECK(text.find("\ntool_offset_mm = { x = 0.0, y = 0.0, z = 0.0 }\n") != std::string::npos);
-  CHECK(text.find("\n[compensation.squareness]\n") != std::string::npos);
-  CHECK(text.find("\n[axis.Z.datum]\n") != std::string::npos);
+  check_holds(
+      text,
+      {"# 100 to 20000 us; default 1000\nloop_period_us = 1000.0\n", "\nmeasurement_line_mm = { y = 0.0, z = 0.0 }\n",
+       "\ntool_offset_mm = { x = 0.0, y = 0.0, z = 0.0 }\n", "\n[compensation.squareness]\n", "\n[axis.Z.datum]\n"});
 }
 
 TEST_CASE("tables may come in any order and keys may be dotted") {
-  const auto file = parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n[axis.X]\ndeadband_um = 3\n");
-  REQUIRE(file.has_value());
-  CHECK(file->parameters.axes[2].deadband_um == 7.0);
-  CHECK(file->parameters.axes[0].deadband_um == 3.0);
-  CHECK(file->parameters.axes[0].datum.null_offset_mm == 1.0);
+  const auto file =
+      must(parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n[axis.X]\ndeadband_um = 3\n"));
+  CHECK(file.parameters.axes[2].deadband_um == 7.0);
+  CHECK(file.parameters.axes[0].deadband_um == 3.0);
+  CHECK(file.parameters.axes[0].datum.null_offset_mm == 1.0);
 }
 
 TEST_CASE("every wrong value of a file is reported in one pass, in file order, with line and column") {
-  const auto file = read_parameters("tests/data/params/broken_values.toml");
-  REQUIRE_FALSE(file.has_value());
-  CHECK(file.error().kind == ProblemKind::bad_input);
-  CHECK(file.error().file == "tests/data/params/broken_values.toml");
-  const auto found = places(file.error());
+  const auto file = must_fail(read_parameters("tests/data/params/broken_values.toml"));
+  CHECK(file.kind == ProblemKind::bad_input);
+  CHECK(file.file == "tests/data/params/broken_values.toml");
+  const auto found = places(file);
   const std::vector<std::string> expected{
       "2:11: identity.machine: expected a text in quotes, found 12",
       "5:9: configuration.chain: expected one T and different letters of XYZ, such as \"TXYZ\", found \"TXYX\"",
@@ -167,10 +157,9 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
 }
 
 TEST_CASE("a file that is not TOML is refused at the place of the error") {
-  const auto file = read_parameters("tests/data/params/broken_syntax.toml");
-  REQUIRE_FALSE(file.has_value());
-  CHECK(file.error().line == 3);
-  CHECK(file.error().column > 0);
+  const auto file = must_fail(read_parameters("tests/data/params/broken_syntax.toml"));
+  CHECK(file.line == 3);
+  CHECK(file.column > 0);
   for (const char* text : {"[", "a = ", "a = 1\na = 2\n", "\xff\xfe", "[axis.X]\n[axis.X]\n", "a = \"\\q\""})
     CHECK_MESSAGE(!parsed(text).has_value(), text);
 }
@@ -199,9 +188,7 @@ TEST_CASE("a key nested without end is refused at its line instead of exhausting
   for (const std::string part : {"a.", "[", "{a="}) {
     std::string text = "\nx";
     for (int i = 0; i < 300'000; ++i) text += part;
-    const auto file = parsed(text);
-    REQUIRE_FALSE(file.has_value());
-    CHECK(file.error().line == 2);
+    CHECK(must_fail(parsed(text)).line == 2);
   }
   std::string deep;
   for (int i = 0; i < 2'000; ++i) deep += "a.";
@@ -209,17 +196,12 @@ TEST_CASE("a key nested without end is refused at its line instead of exhausting
 }
 
 TEST_CASE("a name in a file holds no control characters and no more than a name has") {
-  const auto plain = parsed("[identity]\nmachine = \"mill\\u001b[31m\"\n");
-  REQUIRE(plain.has_value());
-  CHECK(plain->identity.machine == "mill?[31m");
-  const auto endless = parsed("[identity]\nmachine = \"" + std::string(3'000'000, 'N') + "\"\n");
-  REQUIRE_FALSE(endless.has_value());
-  CHECK(endless.error().line == 2);
-  CHECK(endless.error().message == "identity.machine: expected at most 200 bytes, found 3000000");
+  CHECK(must(parsed("[identity]\nmachine = \"mill\\u001b[31m\"\n")).identity.machine == "mill?[31m");
+  const auto endless = must_fail(parsed("[identity]\nmachine = \"" + std::string(3'000'000, 'N') + "\"\n"));
+  CHECK(endless.line == 2);
+  CHECK(endless.message == "identity.machine: expected at most 200 bytes, found 3000000");
 }
 
 TEST_CASE("a missing file is a problem that names it") {
-  const auto file = read_parameters("tests/data/params/none.toml");
-  REQUIRE_FALSE(file.has_value());
-  CHECK(to_text(file.error()).find("none.toml") != std::string::npos);
+  CHECK(contains(to_text(must_fail(read_parameters("tests/data/params/none.toml"))), "none.toml"));
 }

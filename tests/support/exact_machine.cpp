@@ -38,10 +38,9 @@ Carriage carriage(const MachineErrors& errors, char axis, const Vector3& positio
   const std::string name(1, axis);
   const auto of = [&](const char* sense) { return value(errors, (sense + name).c_str()); };
   const auto place = static_cast<std::size_t>(axis - 'X');
-  Carriage c;
-  c.moved_mm = position_mm[place] * direction(errors, axis) + Vector(of("EX"), of("EY"), of("EZ")) * 1e-3;
-  c.angle_rad = Vector(of("EA"), of("EB"), of("EC")) * 1e-6;
-  c.centre_mm = Vector::Zero();
+  Carriage c{.moved_mm = position_mm[place] * direction(errors, axis) + Vector(of("EX"), of("EY"), of("EZ")) * 1e-3,
+             .angle_rad = Vector(of("EA"), of("EB"), of("EC")) * 1e-6,
+             .centre_mm = Vector::Zero()};
   for (const char lever : levers) {
     const auto l = static_cast<std::size_t>(lever - 'X');
     c.centre_mm[static_cast<Eigen::Index>(l)] = errors.lines_mm[place][l];

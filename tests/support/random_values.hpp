@@ -1,14 +1,12 @@
 // Random numbers for properties: decimal steps over a range, so that a counterexample can be read and retyped.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <rapidcheck.h>
 
 #include "core/axis.hpp"
 #include "core/parameters.hpp"
 #include "core/terms.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::test {
 
@@ -30,7 +28,7 @@ inline std::vector<std::string> every_chain() {
   for (std::size_t i = 0; i < orders.size(); ++i) {
     const std::string order = orders[i];
     for (const char letter : {'X', 'Y', 'Z'})
-      if (order.find(letter) == std::string::npos) orders.push_back(order + letter);
+      if (!contains(order, letter)) orders.push_back(order + letter);
     for (std::size_t place = 0; !order.empty() && place <= order.size(); ++place)
       chains.push_back(order.substr(0, place) + "T" + order.substr(place));
   }
@@ -40,33 +38,29 @@ inline std::vector<std::string> every_chain() {
 inline void set_configuration(UnitParameters& parameters, const std::string& chain) {
   parameters.configuration = {};
   for (std::size_t i = 0; i < chain.size(); ++i) parameters.configuration[i] = chain[i];
-  for (const Axis a : kAllAxes) parameters.axis_present[index_of(a)] = chain.find(letter_of(a)) != std::string::npos;
+  for (const Axis a : kAllAxes) parameters.axis_present[index_of(a)] = contains(chain, letter_of(a));
 }
 
 inline DatumParameters random_datum() {
-  DatumParameters d;
-  d.kind = *rc::gen::element(DatumKind::fanuc, DatumKind::allen_bradley, DatumKind::siemens);
-  d.switch_polarity = *rc::gen::element<std::int8_t>(-1, 1);
-  d.switch_initially_active = *rc::gen::arbitrary<bool>();
-  d.switch_finally_active = *rc::gen::arbitrary<bool>();
-  d.approach_speed_mm_min = number_between(0.1, 20'000.0);
-  d.approach_direction = *rc::gen::element(Approach::forward, Approach::reverse);
-  d.null_offset_mm = number_up_to(50.0);
-  d.reference_position_mm = number_up_to(5000.0);
-  return d;
+  return {.kind = *rc::gen::element(DatumKind::fanuc, DatumKind::allen_bradley, DatumKind::siemens),
+          .switch_polarity = *rc::gen::element<std::int8_t>(-1, 1),
+          .switch_initially_active = *rc::gen::arbitrary<bool>(),
+          .switch_finally_active = *rc::gen::arbitrary<bool>(),
+          .approach_speed_mm_min = number_between(0.1, 20'000.0),
+          .approach_direction = *rc::gen::element(Approach::forward, Approach::reverse),
+          .null_offset_mm = number_up_to(50.0),
+          .reference_position_mm = number_up_to(5000.0)};
 }
 
 inline AxisParameters random_axis() {
-  AxisParameters a;
-  a.transducer = *rc::gen::element(Transducer::encoder, Transducer::resolver);
-  a.position_scale_um_per_count = number_between(0.01, 20.0) * *rc::gen::element(-1, 1);
-  a.deadband_um = number_between(0.0, 50.0);
-  a.output_scale_counts_per_um = number_between(0.1, 100.0);
-  a.compensation_polarity = *rc::gen::element<std::int8_t>(-1, 1);
-  a.output_limit_um = number_between(0.0, 2000.0);
-  a.output_slew_um_per_s = number_between(1.0, 1e5);
-  a.datum = random_datum();
-  return a;
+  return {.transducer = *rc::gen::element(Transducer::encoder, Transducer::resolver),
+          .position_scale_um_per_count = number_between(0.01, 20.0) * *rc::gen::element(-1, 1),
+          .deadband_um = number_between(0.0, 50.0),
+          .output_scale_counts_per_um = number_between(0.1, 100.0),
+          .compensation_polarity = *rc::gen::element<std::int8_t>(-1, 1),
+          .output_limit_um = number_between(0.0, 2000.0),
+          .output_slew_um_per_s = number_between(1.0, 1e5),
+          .datum = random_datum()};
 }
 
 /// Parameters that a unit can run with. The chains that the printed equations do not know go with the ISO signs only.

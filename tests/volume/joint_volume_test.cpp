@@ -1,18 +1,13 @@
 // The volume of machines with rotary axes against rigid bodies with exact matrices, and against the three-axis volume.
 #include "volume/joint_volume.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "tests/support/exact_joints.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/volume_machine.hpp"
 
 namespace ecs::volume {
 namespace {
 
-using doctest::Approx;
 using kinematics::Angles;
 using kinematics::Joint;
 
@@ -39,11 +34,10 @@ TEST_CASE("errors over a grid are those of single places, and exact to second or
     const auto components = *machine.errors.components(grid);
     const Field field = *errors_over(machine, grid)->before.field;
 
-    test::ExactMachine exact;
-    exact.configuration = chain;
-    exact.rotary = machine.rotary->machine.rotary;
-    exact.tool_offset_mm = machine.tool_offset_mm;
-    exact.location = machine.rotary->errors.location;
+    test::ExactMachine exact{.configuration = chain,
+                             .rotary = machine.rotary->machine.rotary,
+                             .tool_offset_mm = machine.tool_offset_mm,
+                             .location = machine.rotary->errors.location};
     exact.values.squareness = components.squareness;
     const auto error_at = [&](std::size_t side, const GridIndex& index) {
       RotaryErrors motions = machine.rotary->errors;

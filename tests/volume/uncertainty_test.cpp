@@ -1,17 +1,12 @@
 // The two ways of propagation against each other, and the bound against maps that were drawn like it and like none.
 #include "volume/uncertainty.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "base/random.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/volume_machine.hpp"
 
 namespace ecs::volume {
 namespace {
-
-using doctest::Approx;
 
 /// Nothing but what a test sets.
 UncertaintySettings nothing_assumed() {
@@ -111,21 +106,19 @@ TEST_CASE("linear propagation and draws agree at every place, on chains of all k
 
 TEST_CASE("the bound of the volume says both ways how certain it is, and they agree") {
   const CompensatedMachine machine = stated_machine();
-  const auto u = uncertainty_of(machine, budget_of(machine, {}), {}, 1000);
-  REQUIRE(u);
-  CHECK(u->linear_rms_um == Approx(u->drawn_rms_um).epsilon(0.05));
-  CHECK(u->largest_95_um > u->largest_50_um);
-  CHECK(u->rms_95_um > u->linear_rms_um);
-  CHECK(u->largest_95_um > u->rms_95_um);
+  const auto u = must(uncertainty_of(machine, budget_of(machine, {}), {}, 1000));
+  CHECK(u.linear_rms_um == Approx(u.drawn_rms_um).epsilon(0.05));
+  CHECK(u.largest_95_um > u.largest_50_um);
+  CHECK(u.rms_95_um > u.linear_rms_um);
+  CHECK(u.largest_95_um > u.rms_95_um);
 }
 
 TEST_CASE("curves that do not act leave those alone that do") {
   CompensatedMachine machine = straight_machine();
   machine.map.header.uncertainty = {{Component::EXX, 1.0, 0.0, 0}};
-  const auto u = uncertainty_of(machine, budget_of(machine, nothing_assumed()), nothing_assumed(), 64);
-  REQUIRE(u);
-  CHECK(u->linear_rms_um > 0.5);
-  CHECK(u->drawn_rms_um == Approx(u->linear_rms_um).epsilon(0.08));
+  const auto u = must(uncertainty_of(machine, budget_of(machine, nothing_assumed()), nothing_assumed(), 64));
+  CHECK(u.linear_rms_um > 0.5);
+  CHECK(u.drawn_rms_um == Approx(u.linear_rms_um).epsilon(0.08));
 }
 
 TEST_CASE("maps drawn with other seeds stay inside the bound in 95 of 100") {

@@ -1,15 +1,8 @@
 // Sizes of a volume that a hand can check, and what a unit leaves of it. The sums of volume/field.hpp against rigid
 // bodies with exact rotation matrices, written from the definition alone.
-
 #include "volume/volume.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <random>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "base/random.hpp"
 #include "tests/support/exact_machine.hpp"
@@ -19,8 +12,6 @@
 
 namespace ecs::volume {
 namespace {
-
-using doctest::Approx;
 
 TEST_CASE("a grid holds both ends of every travel and no more places than asked for") {
   const Travels travel_mm{{{{0.0, 100.0}}, {{-50.0, 0.0}}, {{0.0, 10.0}}}};
@@ -38,16 +29,15 @@ TEST_CASE("a grid holds both ends of every travel and no more places than asked 
 
 TEST_CASE("a scale error alone is largest at the far end and needs no unit to be known") {
   CompensatedMachine machine = straight_machine();
-  const auto answer = evaluated(machine, 1000);
-  REQUIRE(answer);
-  CHECK(answer->before.all.largest_um == Approx(20.0));  // 20 um over 1000 mm
-  CHECK(answer->before.all.at_mm[0] == 1000.0);
-  CHECK(answer->before.all.error_um[0] == Approx(20.0));
+  const auto answer = must(evaluated(machine, 1000));
+  CHECK(answer.before.all.largest_um == Approx(20.0));  // 20 um over 1000 mm
+  CHECK(answer.before.all.at_mm[0] == 1000.0);
+  CHECK(answer.before.all.error_um[0] == Approx(20.0));
   // Places at even steps 0 … 20: mean square 20² · (2n−1)/(6(n−1)), n = 10
-  CHECK(answer->before.all.rms_um == Approx(20.0 * std::sqrt(19.0 / 54.0)));
-  CHECK(answer->before.diagonals.places == 4 * kDiagonalPlaces);
-  CHECK(answer->before.edges.largest_um == Approx(20.0));
-  CHECK(answer->after.all.largest_um < 1e-9);
+  CHECK(answer.before.all.rms_um == Approx(20.0 * std::sqrt(19.0 / 54.0)));
+  CHECK(answer.before.diagonals.places == 4 * kDiagonalPlaces);
+  CHECK(answer.before.edges.largest_um == Approx(20.0));
+  CHECK(answer.after.all.largest_um < 1e-9);
 }
 
 TEST_CASE("95 of 100 places have no more than p95") {
@@ -64,10 +54,9 @@ TEST_CASE("a roll error acts by the lever and a longer tool by a longer one") {
   machine.errors = errors_of_map(machine.map, machine.parameters, {0.0, 0.0, -200.0});
   machine.tool_offset_mm = {0.0, 0.0, -200.0};
   const Grid grid = grid_at(machine.travel_mm, {1000.0, 0.0, 0.0}, {});
-  const auto errors = errors_over(machine, grid);
-  REQUIRE(errors);
-  CHECK(errors->before.at(grid, 1, {})[1] == Approx(6.0));  // E_Y = −EAX·Z, Z = −0.2 m
-  CHECK(errors->after.at(grid, 1, {})[1] == Approx(6.0));   // the unit knows nothing of the tool
+  const auto errors = must(errors_over(machine, grid));
+  CHECK(errors.before.at(grid, 1, {})[1] == Approx(6.0));  // E_Y = −EAX·Z, Z = −0.2 m
+  CHECK(errors.after.at(grid, 1, {})[1] == Approx(6.0));   // the unit knows nothing of the tool
   machine.parameters.tool_offset_mm = machine.tool_offset_mm;
   CHECK(errors_over(machine, grid)->after.at(grid, 1, {})[1] == Approx(0.0));
 }
@@ -77,10 +66,9 @@ TEST_CASE("reversal counts from the mean of both sides at the reference") {
   machine.map.tables = {{Component::EXX, Approach::forward, {0.0, 1000.0}, {-3.0, -3.0}},
                         {Component::EXX, Approach::reverse, {0.0, 1000.0}, {3.0, 3.0}}};
   machine.errors = errors_of_map(machine.map, machine.parameters, {});
-  const auto answer = evaluated(machine, 8);
-  REQUIRE(answer);
-  CHECK(answer->before.all.largest_um == Approx(3.0));
-  CHECK(answer->before.all.rms_um == Approx(3.0));
+  const auto answer = must(evaluated(machine, 8));
+  CHECK(answer.before.all.largest_um == Approx(3.0));
+  CHECK(answer.before.all.rms_um == Approx(3.0));
 }
 
 TEST_CASE("vectors at places give the same answer as the components they come from") {
@@ -174,7 +162,7 @@ TEST_CASE("a row of places is the same as one place after the other") {
   std::vector<Vector3> row(made.grid.mm[2].size());
   field.row(1, 2, 0, row);
   for (std::size_t z = 0; z < row.size(); ++z)
-    for (std::size_t d = 0; d < kAxes; ++d) CHECK(row[z][d] == doctest::Approx(field.at(1, {2, 0, z})[d]));
+    for (std::size_t d = 0; d < kAxes; ++d) CHECK(row[z][d] == Approx(field.at(1, {2, 0, z})[d]));
 }
 
 TEST_CASE("at the reference the mean of both sides is zero") {
@@ -182,8 +170,7 @@ TEST_CASE("at the reference the mean of both sides is zero") {
   const Case made = case_of("XYTZ", 1.0, generator);
   Field field(made.grid, made.components, made.kinematics);
   field.count_from_reference();
-  for (std::size_t d = 0; d < kAxes; ++d)
-    CHECK(field.at_reference(0)[d] + field.at_reference(1)[d] == doctest::Approx(0.0));
+  for (std::size_t d = 0; d < kAxes; ++d) CHECK(field.at_reference(0)[d] + field.at_reference(1)[d] == Approx(0.0));
 }
 
 }  // namespace

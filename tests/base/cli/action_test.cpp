@@ -95,20 +95,17 @@ TEST_CASE("an action that writes to a unit takes a link and a secret code; one t
 }
 
 TEST_CASE("an answer is described once, as text and JSON; where it does not hold the exit code is 1") {
-  const auto few = drawn({"draw", "a.csv", "--points", "7"});
-  REQUIRE(few);
-  CHECK(few->text == "7 points\n");
-  CHECK(few->json == "{\"points\":7}");
-  CHECK(few->exit_code == kDoesNotHold);
+  const auto few = must(drawn({"draw", "a.csv", "--points", "7"}));
+  CHECK(few.text == "7 points\n");
+  CHECK(few.json == "{\"points\":7}");
+  CHECK(few.exit_code == kDoesNotHold);
   CHECK(drawn({"draw", "a.csv"})->exit_code == kDone);
 }
 
 TEST_CASE("an output file that is there is refused unless --force is given") {
   const Folder folder;
   const std::string there = folder.with("b.svg", "former");
-  const auto refused = drawn({"draw", "a.csv", "-o", there});
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().kind == ProblemKind::usage);
+  CHECK(must_fail(drawn({"draw", "a.csv", "-o", there})).kind == ProblemKind::usage);
   CHECK(drawn({"draw", "a.csv", "-o", there, "--force"}));
   CHECK(drawn({"draw", there, "-o", there}));  // changed in place
 }
