@@ -1,35 +1,27 @@
 // The CSV form of measurement sets: what is read, what is refused and where; its properties over arbitrary sets; which
 // machine a file was measured on.
-
 #include "laser/measurement_set.hpp"
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
 #include "laser/writers/writers.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
 
 namespace {
 
-Problem refusal_of(const std::string& text) {
-  const auto set = parse_measurement_set(text, "m.csv");
-  REQUIRE_FALSE(set.has_value());
-  return set.error();
-}
+Problem refusal_of(const std::string& text) { return must_fail(parse_measurement_set(text, "m.csv")); }
 
 }  // namespace
 
 TEST_CASE("a measurement file gives its metadata, rows and places in order") {
-  const auto set = read_measurement_set(sample("x_axis.csv"));
-  REQUIRE(set.has_value());
-  CHECK(metadata_value(*set, "machine") == "moving column mill");
-  REQUIRE(set->readings.size() == 8);
-  const Reading& second = set->readings[1];
+  const auto set = must(read_measurement_set(sample("x_axis.csv")));
+  CHECK(metadata_value(set, "machine") == "moving column mill");
+  REQUIRE(set.readings.size() == 8);
+  const Reading& second = set.readings[1];
   CHECK(second.row == 2);
   CHECK(second.line == 5);
   CHECK(second.axis == Axis::X);
@@ -39,56 +31,50 @@ TEST_CASE("a measurement file gives its metadata, rows and places in order") {
   CHECK(second.approach == Approach::reverse);
   CHECK(second.time_s == 10.0);
   CHECK(second.sensors_degC.at("t_air_degC") == 20.1);
-  CHECK(set->readings[3].text_extras.at("operator") == "N, N.");
-  CHECK(sensor_names_of(*set) == std::vector<std::string>{"t_air_degC"});
+  CHECK(set.readings[3].text_extras.at("operator") == "N, N.");
+  CHECK(sensor_names_of(set) == std::vector<std::string>{"t_air_degC"});
 }
 
 TEST_CASE("an empty optional cell is not measured, never a number") {
-  const auto set = read_measurement_set(sample("x_axis.csv"));
-  REQUIRE(set.has_value());
-  CHECK_FALSE(set->readings[2].sensors_degC.contains("t_air_degC"));
-  CHECK_FALSE(set->readings[6].text_extras.contains("operator"));
-  CHECK_FALSE(set->readings[0].compensated.has_value());
-  CHECK_FALSE(set->readings[0].pressure_hPa.has_value());
+  const auto set = must(read_measurement_set(sample("x_axis.csv")));
+  CHECK_FALSE(set.readings[2].sensors_degC.contains("t_air_degC"));
+  CHECK_FALSE(set.readings[6].text_extras.contains("operator"));
+  CHECK_FALSE(set.readings[0].compensated.has_value());
+  CHECK_FALSE(set.readings[0].pressure_hPa.has_value());
 }
 
 TEST_CASE("absent columns mean position 0, approach unknown and run 1") {
-  const auto set = read_measurement_set(sample("minimal.csv"));
-  REQUIRE(set.has_value());
-  CHECK(set->readings[1].position_mm == Vector3{20.0, 0.0, 0.0});
-  CHECK(set->readings[1].approach == Approach::unknown);
-  CHECK(set->readings[1].run == 1);
+  const auto set = must(read_measurement_set(sample("minimal.csv")));
+  CHECK(set.readings[1].position_mm == Vector3{20.0, 0.0, 0.0});
+  CHECK(set.readings[1].approach == Approach::unknown);
+  CHECK(set.readings[1].run == 1);
 }
 
 TEST_CASE("a moved axis without its position column is read with 0 and a note") {
-  const auto set = parse_measurement_set("axis,sense,reading,time_s\nX,EX,1,0\nX,EX,2,5\n", "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(set->readings[1].position_mm[0] == 0.0);
-  CHECK(says(set->notes, "no column x_mm"));
+  const auto set = must(parse_measurement_set("axis,sense,reading,time_s\nX,EX,1,0\nX,EX,2,5\n", "m.csv"));
+  CHECK(set.readings[1].position_mm[0] == 0.0);
+  CHECK(says(set.notes, "no column x_mm"));
 }
 
 TEST_CASE("CRLF, byte order mark, blanks and quotes are accepted") {
-  const auto set = read_measurement_set(sample("windows.csv"));
-  REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
-  CHECK(metadata_value(*set, "machine") == "Fr\xC3\xA4se 7");
-  REQUIRE(set->readings.size() == 2);
-  CHECK(set->readings[0].error == 1.5);
-  CHECK(set->readings[0].compensated == false);
-  CHECK(set->readings[1].error == -0.25);
-  CHECK(set->readings[1].approach == Approach::reverse);
+  const auto set = must(read_measurement_set(sample("windows.csv")));
+  CHECK(metadata_value(set, "machine") == "Fr\xC3\xA4se 7");
+  REQUIRE(set.readings.size() == 2);
+  CHECK(set.readings[0].error == 1.5);
+  CHECK(set.readings[0].compensated == false);
+  CHECK(set.readings[1].error == -0.25);
+  CHECK(set.readings[1].approach == Approach::reverse);
 }
 
 TEST_CASE("a Windows code page becomes UTF-8 and is noted") {
-  const auto set = parse_measurement_set("# machine: Fr\xE4se\naxis,sense,reading,x_mm\nX,EX,1,0\n", "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(metadata_value(*set, "machine") == "Fr\xC3\xA4se");
-  CHECK(says(set->notes, "Windows-1252"));
+  const auto set = must(parse_measurement_set("# machine: Fr\xE4se\naxis,sense,reading,x_mm\nX,EX,1,0\n", "m.csv"));
+  CHECK(metadata_value(set, "machine") == "Fr\xC3\xA4se");
+  CHECK(says(set.notes, "Windows-1252"));
 }
 
 TEST_CASE("every bad row is reported at once with line, column, expectation and finding") {
-  const auto set = read_measurement_set(sample("broken_rows.csv"));
-  REQUIRE_FALSE(set.has_value());
-  const Problem& first = set.error();
+  const auto set = must_fail(read_measurement_set(sample("broken_rows.csv")));
+  const Problem& first = set;
   CHECK(first.kind == ProblemKind::bad_input);
   REQUIRE(first.also.size() == 7);
   // rows of another length are found first, then cells
@@ -121,30 +107,24 @@ TEST_CASE("after twenty faults the rest is counted") {
 }
 
 TEST_CASE("missing columns are named together with what may have been meant") {
-  const auto set = read_measurement_set(sample("broken_header.csv"));
-  REQUIRE_FALSE(set.has_value());
-  const std::string text = to_text(set.error());
-  CHECK(contains(text, "expected a column sense, found none; is \"sence\" meant"));
-  CHECK(contains(text, "expected a column reading, found none; is \"readng\" meant"));
+  const std::string text = to_text(must_fail(read_measurement_set(sample("broken_header.csv"))));
+  check_holds(text, {"expected a column sense, found none; is \"sence\" meant",
+                     "expected a column reading, found none; is \"readng\" meant"});
 }
 
 TEST_CASE("a misspelt optional column is kept and noted") {
-  const auto set = parse_measurement_set("axis,x_mm,sense,reading,feed_mm_mim\nX,0,EX,1,500\n", "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(set->readings[0].extras.at("feed_mm_mim") == 500.0);
-  CHECK(says(set->notes, "is feed_mm_min meant"));
+  const auto set = must(parse_measurement_set("axis,x_mm,sense,reading,feed_mm_mim\nX,0,EX,1,500\n", "m.csv"));
+  CHECK(set.readings[0].extras.at("feed_mm_mim") == 500.0);
+  CHECK(says(set.notes, "is feed_mm_min meant"));
 }
 
 TEST_CASE("semicolons or tabs between the fields come with decimal commas") {
-  const auto set = read_measurement_set(sample("semicolon.csv"));
-  REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
-  REQUIRE(set->readings.size() == 1);
-  CHECK(set->readings[0].error == 1.5);
-  CHECK(says(set->notes, "semicolons"));
-  const auto tabs = parse_measurement_set("axis\tx_mm\tsense\treading\tapproach\nX\t0,5\tEX\t1.25\t\n", "m.csv");
-  REQUIRE(tabs.has_value());
-  CHECK(tabs->readings[0].position_mm[0] == 0.5);
-  CHECK(tabs->readings[0].error == 1.25);
+  const auto set = must(read_measurement_set(sample("semicolon.csv")));
+  CHECK(only(set.readings).error == 1.5);
+  CHECK(says(set.notes, "semicolons"));
+  const auto tabs = must(parse_measurement_set("axis\tx_mm\tsense\treading\tapproach\nX\t0,5\tEX\t1.25\t\n", "m.csv"));
+  CHECK(tabs.readings[0].position_mm[0] == 0.5);
+  CHECK(tabs.readings[0].error == 1.25);
 }
 
 TEST_CASE("UTF-16 is read with and without its mark") {
@@ -153,10 +133,9 @@ TEST_CASE("UTF-16 is read with and without its mark") {
     for (const bool marked : {false, true}) {
       std::string bytes = !marked ? "" : big ? "\xFE\xFF" : "\xFF\xFE";
       for (const char c : plain) bytes += big ? std::string{'\0', c} : std::string{c, '\0'};
-      const auto set = parse_measurement_set(bytes, "m.csv");
-      REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
-      CHECK(set->readings[0].error == 1.5);
-      CHECK(says(set->notes, "UTF-16"));
+      const auto set = must(parse_measurement_set(bytes, "m.csv"));
+      CHECK(set.readings[0].error == 1.5);
+      CHECK(says(set.notes, "UTF-16"));
     }
 }
 
@@ -187,28 +166,25 @@ TEST_CASE("columns count characters, not bytes") {
 }
 
 TEST_CASE("a column with one word among numbers stays text as a whole") {
-  const auto set = parse_measurement_set("axis,sense,reading,probe,count\nX,EX,1,7,7\nX,EX,1,left,8\n", "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(set->readings[0].text_extras.at("probe") == "7");
-  CHECK(set->readings[0].extras.at("count") == 7.0);
+  const auto set = must(parse_measurement_set("axis,sense,reading,probe,count\nX,EX,1,7,7\nX,EX,1,left,8\n", "m.csv"));
+  CHECK(set.readings[0].text_extras.at("probe") == "7");
+  CHECK(set.readings[0].extras.at("count") == 7.0);
 }
 
 TEST_CASE("writing gives back the rows of every good sample") {
   for (const char* const name : {"x_axis.csv", "minimal.csv", "windows.csv"}) {
-    const auto set = read_measurement_set(sample(name));
-    REQUIRE(set.has_value());
-    auto again = parse_measurement_set(to_csv(*set), set->source);
+    const auto set = must(read_measurement_set(sample(name)));
+    auto again = parse_measurement_set(to_csv(set), set.source);
     REQUIRE_MESSAGE(again.has_value(), name);
-    CHECK(again->metadata == set->metadata);
-    CHECK(again->columns == set->columns);
-    CHECK(again->readings == set->readings);
+    CHECK(again->metadata == set.metadata);
+    CHECK(again->columns == set.columns);
+    CHECK(again->readings == set.readings);
   }
 }
 
 TEST_CASE("a set made in memory is written with the columns it needs") {
-  MeasurementSet set;
-  set.metadata = {{"machine", "mill"}};
-  set.readings = {reading(Axis::Y, Sense::EC, -0.1, 2.5, Approach::forward, 3)};
+  MeasurementSet set{.metadata = {{"machine", "mill"}},
+                     .readings = {reading(Axis::Y, Sense::EC, -0.1, 2.5, Approach::forward, 3)}};
   set.readings[0].load_kg = 120.0;
   set.readings[0].sensors_degC["t_spindle_degC"] = 31.5;
   set.readings[0].compensated = true;
@@ -222,10 +198,10 @@ namespace {
 
 /// Approaches in the order of the file.
 std::vector<int> approaches_in(const std::string& text, bool order_gives_approach = true) {
-  const auto set = order_gives_approach ? parse_measurement_set(text, "m.csv") : set_with_approach_open(text, "m.csv");
-  REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
+  const auto set =
+      must(order_gives_approach ? parse_measurement_set(text, "m.csv") : set_with_approach_open(text, "m.csv"));
   std::vector<int> approaches;
-  for (const Reading& reading : set->readings) approaches.push_back(static_cast<int>(reading.approach));
+  for (const Reading& reading : set.readings) approaches.push_back(static_cast<int>(reading.approach));
   return approaches;
 }
 
@@ -241,10 +217,9 @@ std::string to_targets(const std::vector<double>& targets_mm, const std::string&
 TEST_CASE("without a column approach a run that goes both ways has it from the order of its targets, but the first") {
   const std::string text = to_targets({0, 100, 200, 200, 100, 0});
   CHECK(approaches_in(text) == std::vector<int>{0, 1, 1, -1, -1, -1});
-  const auto set = parse_measurement_set(text, "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(contains(set->notes.front(), "no column approach: it is taken from the order of the targets, for 5 of 6"));
-  CHECK(contains(to_csv(*set), "approach"));
+  const auto set = must(parse_measurement_set(text, "m.csv"));
+  CHECK(contains(set.notes.front(), "no column approach: it is taken from the order of the targets, for 5 of 6"));
+  CHECK(contains(to_csv(set), "approach"));
 }
 
 TEST_CASE("a next run begins with an unknown approach again") {
@@ -271,9 +246,8 @@ TEST_CASE("an approach that the file states stays, 0 too, and it can be left unk
         std::vector<int>(3, 0));
   const std::string text = to_targets({0, 100, 200, 100, 0});
   CHECK(approaches_in(text, false) == std::vector<int>(5, 0));
-  const auto set = set_with_approach_open(text, "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(approaches_in(to_csv(*set)) == std::vector<int>(5, 0));  // written as said
+  const auto set = must(set_with_approach_open(text, "m.csv"));
+  CHECK(approaches_in(to_csv(set)) == std::vector<int>(5, 0));  // written as said
 }
 
 TEST_CASE("a measurement CSV knows the words for the approach") {
@@ -315,9 +289,8 @@ TEST_CASE("readings and positions that no machine has are refused with line and 
 
 TEST_CASE("readings that are all below 0.1 um are noted as perhaps mm") {
   const auto set =
-      parse_measurement_set("axis,sense,reading,x_mm\nX,EX,0.025,0\nX,EX,-0.01,50\nX,EX,0.02,99\n", "m.csv");
-  REQUIRE(set.has_value());
-  CHECK(says(set->notes, "all readings are below 0.1 um, the largest is 0.025: are they in mm?"));
+      must(parse_measurement_set("axis,sense,reading,x_mm\nX,EX,0.025,0\nX,EX,-0.01,50\nX,EX,0.02,99\n", "m.csv"));
+  CHECK(says(set.notes, "all readings are below 0.1 um, the largest is 0.025: are they in mm?"));
 }
 
 namespace {
@@ -333,19 +306,18 @@ std::string text() {
 }
 
 Reading arbitrary_reading() {
-  Reading reading;
-  reading.axis = *rc::gen::element(Axis::X, Axis::Y, Axis::Z);
-  reading.sense = *rc::gen::element(Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC);
-  reading.position_mm = {number(), number(), number()};
-  reading.error = number();
-  reading.approach = *rc::gen::element(Approach::forward, Approach::unknown, Approach::reverse);
-  reading.run = *rc::gen::inRange(-3, 100);
-  reading.time_s = maybe_number();
-  reading.feed_mm_min = maybe_number();
-  reading.load_kg = maybe_number();
-  reading.travel_since_reversal_mm = maybe_number();
-  reading.pressure_hPa = maybe_number();
-  reading.humidity_pct = maybe_number();
+  Reading reading{.axis = *rc::gen::element(Axis::X, Axis::Y, Axis::Z),
+                  .position_mm = {number(), number(), number()},
+                  .sense = *rc::gen::element(Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC),
+                  .error = number(),
+                  .approach = *rc::gen::element(Approach::forward, Approach::unknown, Approach::reverse),
+                  .run = *rc::gen::inRange(-3, 100),
+                  .time_s = maybe_number(),
+                  .feed_mm_min = maybe_number(),
+                  .load_kg = maybe_number(),
+                  .travel_since_reversal_mm = maybe_number(),
+                  .pressure_hPa = maybe_number(),
+                  .humidity_pct = maybe_number()};
   if (*rc::gen::arbitrary<bool>()) reading.compensated = *rc::gen::arbitrary<bool>();
   if (const auto value = maybe_number()) reading.sensors_degC["t_air_degC"] = *value;
   if (const auto value = maybe_number()) reading.extras["spindle_rpm"] = *value;
@@ -357,9 +329,8 @@ Reading arbitrary_reading() {
 
 TEST_CASE("what is written is read back exactly") {
   CHECK(rc::check([] {
-    MeasurementSet set;
-    set.source = "m.csv";
-    set.metadata = {{"machine", "mill"}, {"", "free words"}, {"date", "2024-05-06 09:10"}};
+    MeasurementSet set{.source = "m.csv",
+                       .metadata = {{"machine", "mill"}, {"", "free words"}, {"date", "2024-05-06 09:10"}}};
     const int count = *rc::gen::inRange(1, 12);
     for (int i = 0; i < count; ++i) {
       set.readings.push_back(arbitrary_reading());

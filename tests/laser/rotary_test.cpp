@@ -1,7 +1,6 @@
 // Rotary axes A, B, C in measurement sets, tables and statistics: targets in degrees, errors in um/m.
 #include <numbers>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "laser/analysis/iso230.hpp"
@@ -9,11 +8,9 @@
 #include "laser/writers/writers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -25,9 +22,7 @@ ImportOptions of_rotary(ImportOptions options) {
 }
 
 MeasurementSet turned_set(const std::string& text, const ImportOptions& options, const std::string& name = "c.csv") {
-  const auto read = parse_any(text, name, of_rotary(options));
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  return read->set;
+  return must(parse_any(text, name, of_rotary(options))).set;
 }
 
 }  // namespace
@@ -49,11 +44,10 @@ TEST_CASE("a rotary axis in the measurement CSV is read and written back") {
 }
 
 TEST_CASE("work on linear axes refuses a rotary one, with its line and what takes it") {
-  const auto refused = parse_any("axis,a_deg,sense,reading\nA,0,EA,1\n", "a.csv", {});
-  REQUIRE_FALSE(refused.has_value());
-  CHECK(refused.error().line == 2);
+  const auto refused = must_fail(parse_any("axis,a_deg,sense,reading\nA,0,EA,1\n", "a.csv", {}));
+  CHECK(refused.line == 2);
   CHECK(
-      contains(refused.error().message,
+      contains(refused.message,
                "found the rotary axis A: the unit and its maps are of linear axes; `ecs laser stats` and `ecs model`"));
 }
 
@@ -77,10 +71,7 @@ TEST_CASE("actual angles become errors") {
 }
 
 TEST_CASE("an instrument's file of a rotary axis: its targets are degrees") {
-  ImportOptions options;
-  options.axis = Axis::X;
-  options.rotary = true;
-  options.sense = Sense::EA;
+  ImportOptions options{.axis = Axis::X, .rotary = true, .sense = Sense::EA};
   const auto set = turned_set(sample_text("pitch.rta"), options, "pitch.rta");
   CHECK(set.readings.front().rotary);
   CHECK(set.readings[1].angle_deg[0] != set.readings[0].angle_deg[0]);
@@ -95,13 +86,11 @@ TEST_CASE("statistics of a full turn: the targets that the standard asks for, an
   for (int run = 1; run <= 5; ++run)
     for (int k = 0; k <= 4; ++k) text += fmt::format("C,{},EC,{},1,{}\n", 90 * k, k + 0.1 * run, run);
   const auto set = turned_set(text, {});
-  const auto iso = iso230_of(set);
-  REQUIRE(iso.has_value());
-  REQUIRE(iso->size() == 1);
-  CHECK(iso->front().rotary);
-  CHECK(*iso->front().E_forward == Approx(4.0));
-  CHECK(says(iso->front().notes, "fewer than 8 targets (5 on 360 deg)"));
-  CHECK(says(iso->front().notes, "the same place at 0 and 360 deg differs by +4 um/m"));
-  CHECK_FALSE(says(iso->front().notes, "longer than 2000 mm"));
-  CHECK_FALSE(says(iso->front().notes, "not a positioning error"));
+  const auto iso = must(iso230_of(set));
+  CHECK(only(iso).rotary);
+  CHECK(*iso.front().E_forward == Approx(4.0));
+  CHECK(says(iso.front().notes, "fewer than 8 targets (5 on 360 deg)"));
+  CHECK(says(iso.front().notes, "the same place at 0 and 360 deg differs by +4 um/m"));
+  CHECK_FALSE(says(iso.front().notes, "longer than 2000 mm"));
+  CHECK_FALSE(says(iso.front().notes, "not a positioning error"));
 }

@@ -2,23 +2,18 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "base/file.hpp"
 #include "core/parameters.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/measurement_set.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::laser {
 
 inline Reading reading(Axis axis, Sense sense, double target_mm, double error, Approach approach = Approach::unknown,
                        int run = 1) {
-  Reading made;
-  made.axis = axis;
-  made.sense = sense;
+  Reading made{.axis = axis, .sense = sense};
   made.position_mm[index_of(axis)] = target_mm;
   made.error = error;
   made.approach = approach;
@@ -48,18 +43,12 @@ inline MeasurementSet set_of(const std::vector<Stop>& stops) {
 
 inline Curve curve_of(const std::vector<Stop>& stops) {
   const MeasurementSet set = set_of(stops);
-  auto curve = averaged(set, groups_of(set).front());
-  REQUIRE(curve.has_value());
-  return *curve;
+  return must(averaged(set, groups_of(set).front()));
 }
 
 /// Parameters of a machine with the axis X alone.
 inline UnitParameters one_axis() {
-  UnitParameters p;
-  p.configuration = {'T', 'X', 0, 0, 0};
-  p.axis_present = {true, false, false};
-  p.scope = Scope::linear;
-  return p;
+  return {.configuration = {'T', 'X', 0, 0, 0}, .axis_present = {true, false, false}, .scope = Scope::linear};
 }
 
 /// A measured file: of samples/laser, else of tests/data/laser, which has the broken and the odd ones.
@@ -77,7 +66,7 @@ inline std::string sample_text(const std::string& name) {
 /// True if some entry contains the words.
 inline bool says(const std::vector<std::string>& notes, const std::string& words) {
   for (const std::string& note : notes)
-    if (note.find(words) != std::string::npos) return true;
+    if (contains(note, words)) return true;
   return false;
 }
 

@@ -1,11 +1,7 @@
 // Growth at one target against temperatures: its coefficient and the lag, whichever of the two is late.
 #include "laser/analysis/growth.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <random>
-
-#include <doctest/doctest.h>
 
 #include "base/file.hpp"
 #include "base/random.hpp"
@@ -13,7 +9,6 @@
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -37,11 +32,7 @@ MeasurementSet warmed(double growth_lag_s, double sensor_lag_s) {
   return set;
 }
 
-Growth growth_in(const MeasurementSet& set) {
-  const auto growth = growth_of(set, groups_of(set).front());
-  REQUIRE(growth.has_value());
-  return *growth;
-}
+Growth growth_in(const MeasurementSet& set) { return must(growth_of(set, groups_of(set).front())); }
 
 }  // namespace
 
@@ -114,13 +105,10 @@ TEST_CASE("several targets, or readings without times, are no growth at one targ
 }
 
 TEST_CASE("six warm-ups with clocks of their own, as a file has them: the lag is that of one warm-up") {
-  const auto text = read_file("tests/data/made_up/runs_from_zero.csv");
-  REQUIRE(text);
-  const auto set = parse_measurement_set(*text, "runs_from_zero.csv");
-  REQUIRE(set);
-  const Growth growth = growth_in(*set);
+  const auto text = must(read_file("tests/data/made_up/runs_from_zero.csv"));
+  const auto set = must(parse_measurement_set(text, "runs_from_zero.csv"));
+  const Growth growth = growth_in(set);
   CHECK(growth.stretches == 6);
-  REQUIRE(growth.sensors.size() == 1);
-  CHECK(std::abs(growth.sensors[0].lag_s) < 600.0);  // 2080 s where the six are taken as one
+  CHECK(std::abs(only(growth.sensors).lag_s) < 600.0);  // 2080 s where the six are taken as one
   CHECK(growth.sensors[0].rms_left < 0.1 * growth.range);
 }

@@ -1,13 +1,8 @@
 // ISO 230-2 values against cases worked by hand, and against published reports of real axes.
-
 #include "laser/analysis/iso230.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
@@ -15,19 +10,13 @@
 #include "laser/import/import.hpp"
 #include "tests/support/readings.hpp"
 #include "tests/support/real_data.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
-Iso230 evaluated(const MeasurementSet& set) {
-  const auto axis = iso230_of(set, groups_of(set).front());
-  REQUIRE(axis.has_value());
-  return *axis;
-}
+Iso230 evaluated(const MeasurementSet& set) { return must(iso230_of(set, groups_of(set).front())); }
 
 const double root2 = std::sqrt(2.0);
 
@@ -58,16 +47,14 @@ void check_against_report(const Published& published) {
   CAPTURE(published.name);
   ImportOptions options;
   options.axis = Axis::X;
-  const auto imported = read_any(real_data("ecmc-iso230-2/" + std::string(published.name) + "_ISO230.dat"), options);
-  REQUIRE_MESSAGE(imported.has_value(), to_text(imported.error()));
-  CHECK(imported->format->id == "iso230_assignments");
-  const auto all = iso230_of(imported->set);
-  REQUIRE(all.has_value());
-  REQUIRE(all->size() == 1);
-  const Iso230& axis = all->front();
-  const auto report = read_file(real_data("ecmc-iso230-2/" + std::string(published.name) + "_report.md"));
-  REQUIRE(report.has_value());
-  const auto printed = axis_values_um(*report);
+  const auto imported =
+      must(read_any(real_data("ecmc-iso230-2/" + std::string(published.name) + "_ISO230.dat"), options));
+  CHECK(imported.format->id == "iso230_assignments");
+  const auto all = must(iso230_of(imported.set));
+  REQUIRE(all.size() == 1);
+  const Iso230& axis = all.front();
+  const auto report = must(read_file(real_data("ecmc-iso230-2/" + std::string(published.name) + "_report.md")));
+  const auto printed = axis_values_um(report);
   // the set called FWD in the data is printed as backward in the report
   const std::map<std::string, double> ours{{"B", *axis.B},
                                            {"B_avg", -*axis.B_mean},

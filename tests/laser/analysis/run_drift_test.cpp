@@ -3,14 +3,11 @@
 
 #include <random>
 
-#include <doctest/doctest.h>
-
 #include "base/random.hpp"
 #include "tests/support/readings.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -28,11 +25,7 @@ MeasurementSet runs_with(int runs, unsigned seed, Offset offset) {
   return set;
 }
 
-RunDrift drift_of(const MeasurementSet& set) {
-  const auto drift = run_drift_of(set, groups_of(set).front());
-  REQUIRE(drift.has_value());
-  return *drift;
-}
+RunDrift drift_of(const MeasurementSet& set) { return must(run_drift_of(set, groups_of(set).front())); }
 
 }  // namespace
 

@@ -1,18 +1,14 @@
 // Shrunk curves are never worse than plain means on average, whatever the curve is, and better where it is smooth.
 #include "laser/analysis/shrinking.hpp"
 
-#include <cmath>
 #include <map>
-
-#include <doctest/doctest.h>
 
 #include "base/random.hpp"
 #include "tests/support/shrinking_forms.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::laser {
 namespace {
-
-using doctest::Approx;
 
 TEST_CASE("over 200 seeds shrinking is never worse than the plain means, on curves of every form") {
   std::map<std::string, double> ratio;
@@ -66,12 +62,11 @@ TEST_CASE("repeatability parts what differs from reading to reading from what di
           set.readings.push_back(one);
         }
       }
-    const auto found = repeatability_of(set, groups_of(set).front());
-    REQUIRE(found);
-    CHECK(found->repeats == Approx(5.0));
-    CHECK(found->pass_freedom == 8);
-    reading += found->reading * found->reading / kSets;
-    pass += found->pass * found->pass / kSets;
+    const auto found = must(repeatability_of(set, groups_of(set).front()));
+    CHECK(found.repeats == Approx(5.0));
+    CHECK(found.pass_freedom == 8);
+    reading += found.reading * found.reading / kSets;
+    pass += found.pass * found.pass / kSets;
   }
   CHECK(std::sqrt(reading) == Approx(1.5).epsilon(0.03));
   CHECK(std::sqrt(pass) == Approx(std::sqrt(0.64 + 0.36 / 3.0)).epsilon(0.1));

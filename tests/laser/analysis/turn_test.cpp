@@ -1,15 +1,13 @@
 // The model of one turn of a rotary axis: offset, reversal and waves of known size are found, noise gives none.
 #include "laser/analysis/turn.hpp"
 
-#include <cmath>
 #include <functional>
 #include <numbers>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -26,12 +24,7 @@ MeasurementSet turned(double from_deg, double to_deg, int targets, const std::fu
     for (const Approach approach : {Approach::forward, Approach::reverse})
       for (int k = 0; k < targets; ++k) {
         seed = seed * 1664525U + 1013904223U;
-        Reading r;
-        r.rotary = true;
-        r.axis = Axis::Z;
-        r.sense = Sense::EC;
-        r.approach = approach;
-        r.run = run;
+        Reading r{.axis = Axis::Z, .rotary = true, .sense = Sense::EC, .approach = approach, .run = run};
         const double deg = from_deg + (to_deg - from_deg) * k / (targets - 1);
         r.angle_deg[2] = deg;
         r.error = error(deg) + (approach == Approach::forward ? 0.5 : -0.5) * reversal +
@@ -46,20 +39,19 @@ std::optional<TurnModel> turn_of_only(const MeasurementSet& set) { return turn_o
 }  // namespace
 
 TEST_CASE("offset, reversal and the waves of a turn are found with their sizes and phases") {
-  const auto turn = turn_of_only(turned(
-      0, 350, 36, [](double deg) { return 3.0 + 5.0 * wave(deg, 1, 40) + 1.0 * wave(deg, 6, 200); }, 2.0));
-  REQUIRE(turn);
-  CHECK(turn->offset == Approx(3.0).epsilon(0.02));
-  CHECK(*turn->reversal == Approx(2.0).epsilon(0.05));
-  REQUIRE(turn->waves.size() == 2);
-  CHECK(turn->waves[0].order == 1);
-  CHECK(turn->waves[0].amplitude == Approx(5.0).epsilon(0.01));
-  CHECK(turn->waves[0].phase_deg == Approx(40.0).epsilon(0.01));
-  CHECK(turn->waves[1].order == 6);
-  CHECK(turn->waves[1].amplitude == Approx(1.0).epsilon(0.05));
-  CHECK(turn->waves[1].amplitude_sigma < 0.02);
-  CHECK(turn->explained > 0.99);
-  CHECK(turn->rms_left == Approx(0.2 / std::sqrt(12.0)).epsilon(0.2));
+  const auto turn = must(turn_of_only(turned(
+      0, 350, 36, [](double deg) { return 3.0 + 5.0 * wave(deg, 1, 40) + 1.0 * wave(deg, 6, 200); }, 2.0)));
+  CHECK(turn.offset == Approx(3.0).epsilon(0.02));
+  CHECK(*turn.reversal == Approx(2.0).epsilon(0.05));
+  REQUIRE(turn.waves.size() == 2);
+  CHECK(turn.waves[0].order == 1);
+  CHECK(turn.waves[0].amplitude == Approx(5.0).epsilon(0.01));
+  CHECK(turn.waves[0].phase_deg == Approx(40.0).epsilon(0.01));
+  CHECK(turn.waves[1].order == 6);
+  CHECK(turn.waves[1].amplitude == Approx(1.0).epsilon(0.05));
+  CHECK(turn.waves[1].amplitude_sigma < 0.02);
+  CHECK(turn.explained > 0.99);
+  CHECK(turn.rms_left == Approx(0.2 / std::sqrt(12.0)).epsilon(0.2));
 }
 
 TEST_CASE("the second turn is the same place: 370 degrees is 10 degrees") {
@@ -72,14 +64,10 @@ TEST_CASE("the second turn is the same place: 370 degrees is 10 degrees") {
 }
 
 TEST_CASE("noise alone has no waves, and part of a turn none that are longer than the part") {
-  const auto noise = turn_of_only(turned(0, 350, 36, [](double) { return 0.0; }));
-  REQUIRE(noise);
-  CHECK(noise->waves.empty());
-  const auto part = turn_of_only(turned(-55, 55, 23, [](double deg) { return wave(deg, 4, 0); }));
-  REQUIRE(part);
-  CHECK(part->least_waves == 4);  // 115 deg with the step hold a wave of 90 deg
-  REQUIRE(part->waves.size() == 1);
-  CHECK(part->waves.front().order == 4);
+  CHECK(must(turn_of_only(turned(0, 350, 36, [](double) { return 0.0; }))).waves.empty());
+  const auto part = must(turn_of_only(turned(-55, 55, 23, [](double deg) { return wave(deg, 4, 0); })));
+  CHECK(part.least_waves == 4);  // 115 deg with the step hold a wave of 90 deg
+  CHECK(only(part.waves).order == 4);
 }
 
 TEST_CASE("linear axes and few angles have no model of a turn") {

@@ -1,18 +1,15 @@
 // Logs of several channels joined by time: JSON lines and the lines of a control system; readings at rest.
 #include "laser/import/channels.hpp"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "laser/import/format.hpp"
 #include "laser/import/set_up.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -23,10 +20,9 @@ ImportOptions by_channels(const std::string& channels) {
 }
 
 MeasurementSet read_lines(const std::string& text, const ImportOptions& options) {
-  const auto read = parse_any(text, "log.jsonl", options);
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  CHECK(read->format->id == "json_lines");
-  return read->set;
+  const auto read = must(parse_any(text, "log.jsonl", options));
+  CHECK(read.format->id == "json_lines");
+  return read.set;
 }
 
 /// z every 2 s, a bed of 20 + t/10 degC every 4 s.
@@ -81,10 +77,9 @@ TEST_CASE("channels that bear the names of columns need no options; others are l
   const auto set = read_lines("{\"time_s\":0,\"x_mm\":0,\"EX\":1}\n{\"time_s\":1,\"x_mm\":10,\"EX\":2}\n", {});
   REQUIRE(set.readings.size() == 2);
   CHECK(set.readings[1].position_mm[0] == 10.0);
-  const auto refused = parse_any(probe_log(), "log.jsonl", {});
-  REQUIRE_FALSE(refused.has_value());
-  CHECK(refused.error().line == 1);
-  CHECK(contains(refused.error().message, "there are bed.temp (6 values), z (11 values): give --channels"));
+  const auto refused = must_fail(parse_any(probe_log(), "log.jsonl", {}));
+  CHECK(refused.line == 1);
+  CHECK(contains(refused.message, "there are bed.temp (6 values), z (11 values): give --channels"));
   ImportOptions wrong = by_channels("EZ=zz");
   wrong.axis = Axis::Z;
   const auto unknown = parse_any(probe_log(), "log.jsonl", wrong);
@@ -92,13 +87,11 @@ TEST_CASE("channels that bear the names of columns need no options; others are l
 }
 
 TEST_CASE("a bad JSON line is refused with line and column") {
-  const auto bad = parse_any("{\"t\":0,\"EX\":1}\n{\"t\":1,\"EX\":}\n{\"EX\":2}\n", "log.jsonl", {});
-  REQUIRE_FALSE(bad.has_value());
-  CHECK(bad.error().line == 2);
-  CHECK(bad.error().column == 13);
-  REQUIRE(bad.error().also.size() == 1);
-  CHECK(bad.error().also[0].line == 3);
-  CHECK(contains(bad.error().also[0].message, "expected a JSON object with its time"));
+  const auto bad = must_fail(parse_any("{\"t\":0,\"EX\":1}\n{\"t\":1,\"EX\":}\n{\"EX\":2}\n", "log.jsonl", {}));
+  CHECK(bad.line == 2);
+  CHECK(bad.column == 13);
+  CHECK(only(bad.also).line == 3);
+  CHECK(contains(bad.also[0].message, "expected a JSON object with its time"));
 }
 
 TEST_CASE("several channels of a control system's log as position, reading and temperature") {
@@ -114,13 +107,12 @@ TEST_CASE("several channels of a control system's log as position, reading and t
   options.mapping->delimiter = ' ';
   options.channels = column_mapping("x_mm=ENC[mm],reading=LASER[mm],t_air_degC=AIR").value();
   options.channels->values = TableValues::actual_positions;
-  const auto read = parse_any(text, "pv.log", options);
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  REQUIRE(read->set.readings.size() == 5);  // after the last value of ENC there is nothing to join
-  CHECK(read->set.readings[0].position_mm[0] == Approx(21.0));
-  CHECK(read->set.readings[0].error == Approx(3.0));
-  CHECK(read->set.readings[0].sensors_degC.at("t_air_degC") == Approx(20.105));
-  CHECK(metadata_value(read->set, "begun") == "2022-11-08 14:00:10.500");
+  const auto read = must(parse_any(text, "pv.log", options));
+  REQUIRE(read.set.readings.size() == 5);  // after the last value of ENC there is nothing to join
+  CHECK(read.set.readings[0].position_mm[0] == Approx(21.0));
+  CHECK(read.set.readings[0].error == Approx(3.0));
+  CHECK(read.set.readings[0].sensors_degC.at("t_air_degC") == Approx(20.105));
+  CHECK(metadata_value(read.set, "begun") == "2022-11-08 14:00:10.500");
 }
 
 TEST_CASE("rows at rest only, and their means") {

@@ -1,11 +1,6 @@
 // Any table as measurements, by a mapping of its columns; units that headings of tables state.
-
 #include "laser/import/columns.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
@@ -17,25 +12,20 @@
 #include "laser/measurement_set.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
 MeasurementSet read_table(const std::string& text, const ImportOptions& options) {
-  auto imported = parse_any(text, "table.txt", options);
-  REQUIRE_MESSAGE(imported.has_value(), (imported ? "" : to_text(imported.error())));
-  CHECK(imported->format->id == "mapped_columns");
-  return imported->set;
+  auto imported = must(parse_any(text, "table.txt", options));
+  CHECK(imported.format->id == "mapped_columns");
+  return imported.set;
 }
 
 std::string refused_table(const std::string& text, const ImportOptions& options) {
-  const auto imported = parse_any(text, "table.txt", options);
-  REQUIRE_FALSE(imported.has_value());
-  return to_text(imported.error());
+  return to_text(must_fail(parse_any(text, "table.txt", options)));
 }
 
 ImportOptions channel_log() {
@@ -262,13 +252,11 @@ TEST_CASE("units of the options are those of columns without one") {
 }
 
 TEST_CASE("every bad row is named with line and column, and what to map is said") {
-  const auto bad = parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by_columns("x_mm=x,reading=e"));
-  REQUIRE_FALSE(bad.has_value());
-  CHECK(bad.error().line == 3);
-  CHECK(bad.error().column == 1);
-  REQUIRE(bad.error().also.size() == 1);
-  CHECK(bad.error().also[0].line == 4);
-  CHECK(bad.error().also[0].column == 4);
+  const auto bad = must_fail(parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by_columns("x_mm=x,reading=e")));
+  CHECK(bad.line == 3);
+  CHECK(bad.column == 1);
+  CHECK(only(bad.also).line == 4);
+  CHECK(bad.also[0].column == 4);
   CHECK(contains(refused_table("x,e\n0,1\n", by_columns("x_mm=x,reading=err")),
                  "expected a heading \"err\", found none"));
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=5")), "expected a column 5, found 2"));
@@ -281,35 +269,29 @@ TEST_CASE("every bad row is named with line and column, and what to map is said"
 
 TEST_CASE("an empty cell is named with its line and column") {
   const std::string what = refused_table("x,y\n,1\n2,\n3, \n", by_columns("x_mm=1[mm],reading=2[um]", 1));
-  CHECK(what.find("table.txt:2:1: x_mm: expected a finite number, found nothing") != std::string::npos);
-  CHECK(what.find("table.txt:3:3: reading: expected a finite number, found nothing") != std::string::npos);
-  CHECK(what.find("table.txt:4:3: reading: expected a finite number, found nothing") != std::string::npos);
+  check_holds(what, {"table.txt:2:1: x_mm: expected a finite number, found nothing",
+                     "table.txt:3:3: reading: expected a finite number, found nothing",
+                     "table.txt:4:3: reading: expected a finite number, found nothing"});
 }
 
 TEST_CASE("a wrong mapping is refused rule by rule") {
-  const auto wrong = column_mapping("x_mm=0,reading=2[furlong],reading=3,run=,approach=4*x,time_s");
-  REQUIRE_FALSE(wrong.has_value());
-  CHECK(wrong.error().kind == ProblemKind::usage);
-  CHECK(wrong.error().also.size() == 5);
-  CHECK(contains(to_text(wrong.error()), "expected a unit in brackets"));
-  CHECK(contains(to_text(wrong.error()), "each field once"));
+  const auto wrong = must_fail(column_mapping("x_mm=0,reading=2[furlong],reading=3,run=,approach=4*x,time_s"));
+  CHECK(wrong.kind == ProblemKind::usage);
+  CHECK(wrong.also.size() == 5);
+  check_holds(to_text(wrong), {"expected a unit in brackets", "each field once"});
   CHECK_FALSE(column_mapping("").has_value());
   CHECK(contains(to_text(column_mapping("x_mm=1..2,reading=3").error()), "only date_time takes several"));
   CHECK(contains(to_text(column_mapping("date_time=3..2,reading=4").error()), "expected one column"));
-  const auto scaled = column_rules("reading=\"Err, X\"[mm]*-1e-3+0.5");
-  REQUIRE(scaled.has_value());
-  CHECK(scaled->front().heading == "Err, X");
-  CHECK(scaled->front().factor == -1e-3);
-  CHECK(scaled->front().offset == 0.5);
+  const auto scaled = must(column_rules("reading=\"Err, X\"[mm]*-1e-3+0.5"));
+  CHECK(scaled.front().heading == "Err, X");
+  CHECK(scaled.front().factor == -1e-3);
+  CHECK(scaled.front().offset == 0.5);
 }
 
 TEST_CASE("a table that nothing else reads is described, with the option that imports it") {
-  const auto why = parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {});
-  REQUIRE_FALSE(why.has_value());
-  CHECK(contains(why.error().message, "2 rows and 2 columns between semicolons is in lines 3 to 4"));
-  CHECK(contains(why.error().message, "1 \"pos\", 2 \"dev\""));
-  CHECK(contains(why.error().message, "--columns"));
-  CHECK(contains(why.error().message, "--skip 2"));
+  const auto why = must_fail(parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {}));
+  check_holds(why.message, {"2 rows and 2 columns between semicolons is in lines 3 to 4", "1 \"pos\", 2 \"dev\"",
+                            "--columns", "--skip 2"});
 }
 
 TEST_CASE("a written table is read back whatever delimiter, unit and decimal sign it has") {

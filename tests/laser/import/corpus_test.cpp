@@ -1,16 +1,11 @@
 // Every file of samples/real, and real files that may not be passed on: read, or refused with a reason a person
 // understands.
-
-#include <algorithm>
-#include <cmath>
-
 #include "laser/groups.hpp"
 #include "tests/laser/support/import_corpus.hpp"
 #include "tests/support/real_data.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 TEST_CASE("every file of samples/real and tests/data/real is read or refused with the right reason") {
   const std::vector<Expected> corpus{
@@ -38,10 +33,9 @@ TEST_CASE("every file of samples/real and tests/data/real is read or refused wit
 TEST_CASE("a real compensation table comes in by its columns") {
   ImportOptions screw = by_columns("x_mm=1,forward=2,reverse=3", 0);
   screw.mapping->values = TableValues::actual_positions;
-  const auto table = read_any("tests/data/real/linuxcnc-comp/screwcompX.dat", screw);
-  REQUIRE_MESSAGE(table.has_value(), to_text(table.error()));
-  REQUIRE(table->set.readings.size() == 22);
-  CHECK(table->set.readings[6].error == Approx(-200.0));  // the slip in the line of -4
+  const auto table = must(read_any("tests/data/real/linuxcnc-comp/screwcompX.dat", screw));
+  REQUIRE(table.set.readings.size() == 22);
+  CHECK(table.set.readings[6].error == Approx(-200.0));  // the slip in the line of -4
 }
 
 TEST_CASE("real probe points come in by their columns") {
@@ -50,11 +44,10 @@ TEST_CASE("real probe points come in by their columns") {
   REQUIRE_MESSAGE(!points.has_value(), "two positions are mapped: the axis must be given");
   ImportOptions options = by_columns("x_mm=1,y_mm=2,EZ=3[mm]", 0);
   options.axis = Axis::X;
-  const auto along_x = read_any("tests/data/real/linuxcnc-comp/probe_points.txt", options);
-  REQUIRE_MESSAGE(along_x.has_value(), to_text(along_x.error()));
-  CHECK(along_x->set.readings.size() == 25);
-  CHECK(along_x->set.readings[0].position_mm == Vector3{-50.0, -50.0, 0.0});
-  CHECK(along_x->set.readings[0].error == Approx(-32.2));
+  const auto along_x = must(read_any("tests/data/real/linuxcnc-comp/probe_points.txt", options));
+  CHECK(along_x.set.readings.size() == 25);
+  CHECK(along_x.set.readings[0].position_mm == Vector3{-50.0, -50.0, 0.0});
+  CHECK(along_x.set.readings[0].error == Approx(-32.2));
 }
 
 TEST_CASE("every further real file is read or refused with the right reason") {
@@ -101,14 +94,13 @@ TEST_CASE("every further real file is read or refused with the right reason") {
 TEST_CASE("the printed extremes of the real height map come back") {
   const auto folder = real_data("bed-mesh");
   SKIP_UNLESS(!folder.empty(), kNoRealData);
-  ImportOptions options;
-  options.sense = Sense::EZ;
-  options.reading_unit = unit_named("mm");
-  options.matrix = MatrixLayout{matrix_axes("x=xmin+xspacing*xnum,y=ymin+yspacing*ynum").value(), "", "", "0", ','};
-  const auto map = read_any(folder / "heightmap_v2_9x9.csv", options);
-  REQUIRE(map.has_value());
+  ImportOptions options{
+      .sense = Sense::EZ,
+      .reading_unit = unit_named("mm"),
+      .matrix = MatrixLayout{matrix_axes("x=xmin+xspacing*xnum,y=ymin+yspacing*ynum").value(), "", "", "0", ','}};
+  const auto map = must(read_any(folder / "heightmap_v2_9x9.csv", options));
   double least = 1e9, most = -1e9, sum = 0.0;
-  for (const Reading& reading : map->set.readings) {
+  for (const Reading& reading : map.set.readings) {
     least = std::min(least, reading.error);
     most = std::max(most, reading.error);
     sum += reading.error;
@@ -116,22 +108,20 @@ TEST_CASE("the printed extremes of the real height map come back") {
   CHECK(least == Approx(-50.0));
   CHECK(most == Approx(123.0));
   CHECK(std::abs(sum / 81.0 - 42.0) < 1.0);  // the title rounds to 1 um
-  CHECK(map->set.readings.back().position_mm == Vector3{225.0, 10.0 + 8 * 23.12, 0.0});
+  CHECK(map.set.readings.back().position_mm == Vector3{225.0, 10.0 + 8 * 23.12, 0.0});
   options.matrix = MatrixLayout{matrix_axes("x=min_x..max_x,y=min_y..max_y").value(), "[bed_mesh ", "#*#", "0", ','};
-  const auto mesh = read_any(folder / "klipper_9x9.cfg", options);
-  REQUIRE(mesh.has_value());
-  CHECK(mesh->set.readings.front().error == Approx(92.5));
-  CHECK(mesh->set.readings.back().position_mm == Vector3{214.0, 190.0, 0.0});
+  const auto mesh = must(read_any(folder / "klipper_9x9.cfg", options));
+  CHECK(mesh.set.readings.front().error == Approx(92.5));
+  CHECK(mesh.set.readings.back().position_mm == Vector3{214.0, 190.0, 0.0});
 }
 
 TEST_CASE("a real drilled plate: scale and rotation of its own published fit") {
   const auto folder = real_data("sdss-plugplate-cmm");
   SKIP_UNLESS(!folder.empty(), kNoRealData);
-  const auto plate = read_any(folder / "D8131_1", {});
-  REQUIRE(plate.has_value());
+  const auto plate = must(read_any(folder / "D8131_1", {}));
   // least squares of error = offset + (scale, rotation) about the centre; FitOffset -0.044 0.079, FitRotAngle 0.029 deg
   double n = 0, sx = 0, sy = 0, ex = 0, ey = 0;
-  const auto& r = plate->set.readings;
+  const auto& r = plate.set.readings;
   for (std::size_t i = 0; i + 1 < r.size(); i += 2) {
     n += 1.0, sx += r[i].position_mm[0], sy += r[i].position_mm[1], ex += r[i].error, ey += r[i + 1].error;
   }
@@ -149,14 +139,12 @@ TEST_CASE("a real drilled plate: scale and rotation of its own published fit") {
 
 TEST_CASE("a real step gauge comes in by its columns") {
   SKIP_UNLESS(!real_data("msl-cmm-simulated").empty(), kNoRealData);
-  const auto gauge = read_any(real_data("msl-cmm-simulated/bar_fulldata.csv"),
-                              by_columns("x_mm=cmm_nom_x,y_mm=3,z_mm=4,axis_text=1,EX=cmm_dev_x[mm]", 8));
-  REQUIRE_FALSE(gauge.has_value());
-  CHECK(contains(gauge.error().message, "which axis moved"));
+  const auto gauge = must_fail(read_any(real_data("msl-cmm-simulated/bar_fulldata.csv"),
+                                        by_columns("x_mm=cmm_nom_x,y_mm=3,z_mm=4,axis_text=1,EX=cmm_dev_x[mm]", 8)));
+  CHECK(contains(gauge.message, "which axis moved"));
   ImportOptions along = by_columns("x_mm=cmm_nom_x,y_mm=3,z_mm=4,EX=cmm_dev_x[mm],EY=cmm_dev_y[mm]", 8);
   along.axis = Axis::X;
-  const auto gauge_x = read_any(real_data("msl-cmm-simulated/bar_fulldata.csv"), along);
-  REQUIRE_MESSAGE(gauge_x.has_value(), to_text(gauge_x.error()));
-  REQUIRE(gauge_x->set.readings.size() == 62);
-  CHECK(gauge_x->set.readings[8].error == Approx(0.10));
+  const auto gauge_x = must(read_any(real_data("msl-cmm-simulated/bar_fulldata.csv"), along));
+  REQUIRE(gauge_x.set.readings.size() == 62);
+  CHECK(gauge_x.set.readings[8].error == Approx(0.10));
 }

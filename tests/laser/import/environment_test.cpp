@@ -1,24 +1,19 @@
 // Environment logs: tables by their headings, and both kinds joined to readings by time.
 #include "laser/import/environment.hpp"
 
-#include <doctest/doctest.h>
-
 #include "laser/import/import.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
 EnvironmentSeries series_of(const std::string& text) {
-  const auto read = parse_any(text, "env.csv", {});
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  CHECK(read->format->id == "environment_table");
-  return read->environment;
+  const auto read = must(parse_any(text, "env.csv", {}));
+  CHECK(read.format->id == "environment_table");
+  return read.environment;
 }
 
 MeasurementSet four_readings() {
@@ -45,18 +40,16 @@ TEST_CASE("a table of the environment is read by its headings and units") {
 }
 
 TEST_CASE("a bad cell of an environment table is refused with line and column") {
-  const auto read = parse_any("air temperature,pressure\n20.1,991\n20.2,?\n", "env.csv", {});
-  REQUIRE_FALSE(read.has_value());
-  CHECK(read.error().line == 3);
-  CHECK(read.error().column == 6);
+  const auto read = must_fail(parse_any("air temperature,pressure\n20.1,991\n20.2,?\n", "env.csv", {}));
+  CHECK(read.line == 3);
+  CHECK(read.column == 6);
 }
 
 TEST_CASE("the environment is joined by time, linear, its end values beyond its ends") {
   MeasurementSet set = four_readings();
   set.readings[2].sensors_degC["t_air_degC"] = 30.0;
-  const auto joined =
-      join_environment(set, series_of("time_s,t_air_degC,pressure_hPa\n100,20,990\n120,22,992\n"), std::nullopt);
-  REQUIRE(joined.has_value());
+  (void)must(
+      join_environment(set, series_of("time_s,t_air_degC,pressure_hPa\n100,20,990\n120,22,992\n"), std::nullopt));
   CHECK(set.readings[1].sensors_degC.at("t_air_degC") == Approx(21.0));
   CHECK(set.readings[2].sensors_degC.at("t_air_degC") == 30.0);  // its own
   CHECK(*set.readings[3].pressure_hPa == Approx(992.0));
@@ -78,16 +71,15 @@ TEST_CASE("dates on both sides meet") {
 }
 
 TEST_CASE("a log without times is spread over the readings, or has a row every so many seconds") {
-  const auto log = read_any("samples/laser/environment.pos");
-  REQUIRE(log.has_value());
+  const auto log = must(read_any("samples/laser/environment.pos"));
   MeasurementSet set = four_readings();
-  REQUIRE(join_environment(set, log->environment, std::nullopt));
+  REQUIRE(join_environment(set, log.environment, std::nullopt));
   CHECK(says(set.notes, "its 2 rows are spread evenly over the time of the readings"));
-  CHECK(*set.readings[3].pressure_hPa == Approx(*log->environment.value(1, "pressure_hPa")));
+  CHECK(*set.readings[3].pressure_hPa == Approx(*log.environment.value(1, "pressure_hPa")));
   MeasurementSet timed = four_readings();
-  REQUIRE(join_environment(timed, log->environment, 10.0));
-  CHECK(*timed.readings[1].pressure_hPa == Approx(*log->environment.value(1, "pressure_hPa")));
+  REQUIRE(join_environment(timed, log.environment, 10.0));
+  CHECK(*timed.readings[1].pressure_hPa == Approx(*log.environment.value(1, "pressure_hPa")));
   MeasurementSet untimed = four_readings();
   for (Reading& one : untimed.readings) one.time_s.reset();
-  CHECK(join_environment(untimed, log->environment, 10.0).error().kind == ProblemKind::usage);
+  CHECK(join_environment(untimed, log.environment, 10.0).error().kind == ProblemKind::usage);
 }

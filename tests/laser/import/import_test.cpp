@@ -1,42 +1,30 @@
 // Instruments' own files as measurement sets. Every format of measurement files in the registry: its words, its sample,
 // its fuzzer, and what it refuses.
-
 #include "laser/import/import.hpp"
 
 #include <set>
-
-#include <doctest/doctest.h>
 
 #include "base/text.hpp"
 #include "laser/import/format.hpp"
 #include "laser/writers/writers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
 ImportOptions options_with(std::optional<Axis> axis, std::optional<Sense> sense = std::nullopt) {
-  ImportOptions options;
-  options.axis = axis;
-  options.sense = sense;
-  return options;
+  return {.axis = axis, .sense = sense};
 }
 
 Imported imported(const std::string& name, const ImportOptions& options = {}) {
-  auto result = read_any(sample(name), options);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : to_text(result.error())));
-  return *result;
+  return must(read_any(sample(name), options));
 }
 
 std::string refusal(const std::string& name, const ImportOptions& options = {}) {
-  const auto result = read_any(sample(name), options);
-  REQUIRE_FALSE(result.has_value());
-  return to_text(result.error());
+  return to_text(must_fail(read_any(sample(name), options)));
 }
 
 }  // namespace
@@ -113,11 +101,9 @@ TEST_CASE("a run file cut short is refused unless asked for") {
 }
 
 TEST_CASE("every bad point of a run file is reported with its line") {
-  const auto result = read_any(sample("broken_points.rtl"), {});
-  REQUIRE_FALSE(result.has_value());
-  CHECK(result.error().line == 28);
-  REQUIRE(result.error().also.size() == 1);
-  CHECK(result.error().also[0].line == 31);
+  const auto result = must_fail(read_any(sample("broken_points.rtl"), {}));
+  CHECK(result.line == 28);
+  CHECK(only(result.also).line == 31);
 }
 
 TEST_CASE("a dynamic capture gives displacements over time") {
@@ -164,10 +150,10 @@ TEST_CASE("an API report gives the two directions rather than their mean") {
   CHECK(file.set.readings[1].error == Approx(1.9));
   CHECK(file.set.readings[3].error == Approx(0.9));
   const std::string text = sample_text("report.pos");
-  const auto mean_only = parse_any(text.substr(0, text.find("Position   \tForward")), "r.pos", options_with(Axis::X));
-  REQUIRE(mean_only.has_value());
-  REQUIRE(mean_only->set.readings.size() == 2);
-  CHECK(mean_only->set.readings[1].approach == Approach::unknown);
+  const auto mean_only =
+      must(parse_any(text.substr(0, text.find("Position   \tForward")), "r.pos", options_with(Axis::X)));
+  REQUIRE(mean_only.set.readings.size() == 2);
+  CHECK(mean_only.set.readings[1].approach == Approach::unknown);
 }
 
 TEST_CASE("an environment log gives records and no readings") {
@@ -195,9 +181,8 @@ TEST_CASE("assignments of absolute positions become errors in um") {
 TEST_CASE("assignments that contradict themselves are refused") {
   const std::string good = sample_text("axis.dat");
   const auto refused = [&](const std::string& text, const std::string& words) {
-    const auto result = parse_any(text, "a.dat", options_with(Axis::Z));
-    REQUIRE_FALSE(result.has_value());
-    CHECK_MESSAGE(contains(to_text(result.error()), words), to_text(result.error()));
+    const auto result = must_fail(parse_any(text, "a.dat", options_with(Axis::Z)));
+    CHECK_MESSAGE(contains(to_text(result), words), to_text(result));
   };
   refused(good + "TGT_DATA[1]=-10\n", "each index once");
   refused(good + "REF_DATA_FWD[1]=2\n", "target and cycle index");
@@ -214,10 +199,8 @@ TEST_CASE("our own CSV is imported like any other format") {
 }
 
 TEST_CASE("a file of no known format is refused with what was looked for") {
-  const auto result = parse_any("Dear all,\nno readings today.\n", "letter.txt", {});
-  REQUIRE_FALSE(result.has_value());
-  CHECK(contains(result.error().message, "Renishaw run file"));
-  CHECK(contains(result.error().message, "measurement CSV"));
+  const auto result = must_fail(parse_any("Dear all,\nno readings today.\n", "letter.txt", {}));
+  check_holds(result.message, {"Renishaw run file", "measurement CSV"});
 }
 
 TEST_CASE("a written run file is read back: both ways, one way, and angles") {
@@ -228,14 +211,12 @@ TEST_CASE("a written run file is read back: both ways, one way, and angles") {
       for (Reading& r : set.readings) r.sense = sense;
       set.readings.front().sensors_degC["t_air_degC"] = 20.5;
       set.readings.back().sensors_degC["t_air_degC"] = 21.5;
-      const auto text = to_renishaw_run(set);
-      REQUIRE(text.has_value());
-      const auto back = parse_any(*text, "x" + renishaw_extension(set), options_with({}, sense));
-      REQUIRE_MESSAGE(back.has_value(), to_text(back.error()));
-      REQUIRE(back->set.readings.size() == set.readings.size());
+      const auto text = must(to_renishaw_run(set));
+      const auto back = must(parse_any(text, "x" + renishaw_extension(set), options_with({}, sense)));
+      REQUIRE(back.set.readings.size() == set.readings.size());
       for (const Reading& wanted : set.readings) {
         int found = 0;
-        for (const Reading& r : back->set.readings)
+        for (const Reading& r : back.set.readings)
           if (r.run == wanted.run && r.approach == wanted.approach && target_mm(r) == target_mm(wanted)) {
             ++found;
             CHECK(r.error == Approx(wanted.error));
@@ -243,7 +224,7 @@ TEST_CASE("a written run file is read back: both ways, one way, and angles") {
           }
         CHECK(found == 1);
       }
-      CHECK(back->set.readings.back().sensors_degC.at("t_air_degC") == Approx(21.5));
+      CHECK(back.set.readings.back().sensors_degC.at("t_air_degC") == Approx(21.5));
     }
   }
 }
@@ -257,10 +238,9 @@ TEST_CASE("incomplete or mixed sets are not written as run files") {
 }
 
 TEST_CASE("real environment logs are read completely") {
-  const auto log = read_any("tests/data/real/nmm-environment/T22-0263_L2_16_1.pos", {});
-  REQUIRE(log.has_value());
-  CHECK(log->environment.rows.size() == 251);
-  CHECK(log->environment.value(0, "pressure_hPa").value() == Approx(976.35));
+  const auto log = must(read_any("tests/data/real/nmm-environment/T22-0263_L2_16_1.pos", {}));
+  CHECK(log.environment.rows.size() == 251);
+  CHECK(log.environment.value(0, "pressure_hPa").value() == Approx(976.35));
 }
 
 namespace ecs::laser {
@@ -285,10 +265,9 @@ TEST_CASE("every file format that is found by content recognises and reads its s
   for (const FileFormat* format : file_formats()) {
     if (!format->recognises) continue;
     CAPTURE(format->id);
-    const auto imported = read_any(sample(std::string(format->sample)), along_x());
-    REQUIRE_MESSAGE(imported, to_text(imported.error()));
-    CHECK(imported->format == format);
-    CHECK(imported->set.readings.size() + imported->environment.rows.size() > 0);
+    const auto imported = must(read_any(sample(std::string(format->sample)), along_x()));
+    CHECK(imported.format == format);
+    CHECK(imported.set.readings.size() + imported.environment.rows.size() > 0);
   }
 }
 
@@ -316,23 +295,20 @@ TEST_CASE("what a file format writes it recognises and reads again") {
     if (!format->write) continue;
     CAPTURE(format->id);
     const std::string name = "out" + std::string(format->written_extensions.front());
-    const auto written = format->write(set, name);
-    REQUIRE_MESSAGE(written, to_text(written.error()));
-    const auto again = parse_any(*written, name, along_x());
-    REQUIRE_MESSAGE(again, to_text(again.error()));
-    CHECK(again->format == format);
-    CHECK(again->set.readings.size() == set.readings.size());
+    const auto written = must(format->write(set, name));
+    const auto again = must(parse_any(written, name, along_x()));
+    CHECK(again.format == format);
+    CHECK(again.set.readings.size() == set.readings.size());
   }
 }
 
 TEST_CASE("every file format has a fuzzer and seeds for it") {
-  const auto list = read_file("tests/fuzz/CMakeLists.txt");
-  REQUIRE(list);
+  const auto list = must(read_file("tests/fuzz/CMakeLists.txt"));
   for (const FileFormat* format : file_formats()) {
     CAPTURE(format->id);
     const std::string id(format->id);
     const std::string seeds = "tests/fuzz/corpus/" + id;
-    const bool listed = list->find(" " + id) != std::string::npos;
+    const bool listed = contains(list, " " + id);
     CHECK_MESSAGE(listed, "add " << id << " to the readers in tests/fuzz/CMakeLists.txt");
     const bool seeded = std::filesystem::is_directory(seeds) && !std::filesystem::is_empty(seeds);
     CHECK_MESSAGE(seeded, "put a seed into " << seeds);

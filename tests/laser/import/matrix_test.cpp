@@ -1,23 +1,17 @@
 // Matrices of values by their layout, as the shipped profiles describe bed meshes and height maps.
 #include "laser/import/matrix.hpp"
 
-#include <doctest/doctest.h>
-
 #include "laser/import/import.hpp"
 #include "tests/support/readings.hpp"
 
 namespace ecs::laser {
 namespace {
 
-using doctest::Approx;
-
 ImportOptions by(const char* axes, const char* section, const char* line_prefix) {
-  ImportOptions options;
-  options.axis = Axis::X;
-  options.sense = Sense::EZ;
-  options.reading_unit = unit_named("mm");
-  options.matrix = MatrixLayout{matrix_axes(axes).value(), section, line_prefix, "0", ','};
-  return options;
+  return {.axis = Axis::X,
+          .sense = Sense::EZ,
+          .reading_unit = unit_named("mm"),
+          .matrix = MatrixLayout{matrix_axes(axes).value(), section, line_prefix, "0", ','}};
 }
 
 ImportOptions bed_mesh() { return by("x=min_x..max_x*x_count,y=min_y..max_y*y_count", "[bed_mesh ", "#*#"); }
@@ -27,15 +21,11 @@ ImportOptions height_map() {
 }
 
 MeasurementSet read(const std::string& text, const ImportOptions& options) {
-  auto imported = parse_any(text, "matrix.txt", options);
-  REQUIRE_MESSAGE(imported, to_text(imported.error()));
-  return std::move(imported->set);
+  return must(parse_any(text, "matrix.txt", options)).set;
 }
 
 std::string refusal(const std::string& text, const ImportOptions& options) {
-  const auto imported = parse_any(text, "matrix.txt", options);
-  REQUIRE_FALSE(imported);
-  return to_text(imported.error());
+  return to_text(must_fail(parse_any(text, "matrix.txt", options)));
 }
 
 TEST_CASE("places of a height map that were not probed are left out, in every version of its head") {
@@ -72,9 +62,9 @@ TEST_CASE("a spoiled cell, a short row and a missing position are named with the
     changed.replace(changed.find(from), from.size(), to);
     return refusal(changed, bed_mesh());
   };
-  CHECK(spoiled("0.0725", "0.07x5").find("matrix.txt:4:") != std::string::npos);
-  CHECK(spoiled("0.0225, ", "").find("expected 3 values in the row, found 2") != std::string::npos);
-  CHECK(spoiled("min_x", "min_q").find("X: expected the first position (min_x)") != std::string::npos);
+  CHECK(contains(spoiled("0.0725", "0.07x5"), "matrix.txt:4:"));
+  CHECK(contains(spoiled("0.0225, ", ""), "expected 3 values in the row, found 2"));
+  CHECK(contains(spoiled("min_x", "min_q"), "X: expected the first position (min_x)"));
 }
 
 TEST_CASE("a layout that is none is refused with its form") {

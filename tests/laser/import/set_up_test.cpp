@@ -1,20 +1,15 @@
 // Nominal and measured positions: the six freedoms of the set-up are found, told and taken out.
 #include "laser/import/set_up.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
 #include "laser/import/import.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -76,18 +71,15 @@ TEST_CASE("a table of nominal and measured positions comes in without its set-up
     text += fmt::format("{},{},{},{:.7f},{:.7f},{:.7f}\n", point[0], point[1], point[2], at[0], at[1], at[2]);
   }
   ImportOptions options = by_columns("x_mm=x,y_mm=y,z_mm=z,measured_x_mm=mx,measured_y_mm=my,measured_z_mm=mz");
-  const auto read = parse_any(text, "cmm.csv", options);
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  REQUIRE(read->set.readings.size() == 54);
-  CHECK(says(read->set.notes, "set-up taken out: shift X"));
+  const auto read = must(parse_any(text, "cmm.csv", options));
+  REQUIRE(read.set.readings.size() == 54);
+  CHECK(says(read.set.notes, "set-up taken out: shift X"));
   double largest = 0.0;
-  for (const Reading& one : read->set.readings) largest = std::max(largest, std::abs(one.error));
+  for (const Reading& one : read.set.readings) largest = std::max(largest, std::abs(one.error));
   CHECK(largest < 2.0);  // of a scale of 3 um
   CHECK(largest > 1.0);
   options.keep_set_up = true;
-  const auto whole = parse_any(text, "cmm.csv", options);
-  REQUIRE(whole.has_value());
-  CHECK(whole->set.readings[0].error == Approx(50.0));
+  CHECK(must(parse_any(text, "cmm.csv", options)).set.readings[0].error == Approx(50.0));
   const auto lacks = parse_any(text, "cmm.csv", by_columns("x_mm=x,measured_y_mm=my"));
   CHECK(contains(lacks.error().message, "measured_y_mm needs y_mm"));
 }

@@ -1,12 +1,10 @@
 // The table found in an unknown file is whole, what is suggested imports it, and nothing is dropped without a word.
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "laser/import/columns.hpp"
 #include "laser/import/import.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -28,42 +26,36 @@ std::string parted() {
 MeasurementSet read_table(const std::string& text, const std::string& columns, int skip = 0, int most = 0) {
   ImportOptions options = by_columns(columns, skip);
   options.mapping->most_rows = most;
-  const auto read = parse_any(text, "table.txt", options);
-  REQUIRE_MESSAGE(read.has_value(), to_text(read.error()));
-  return read->set;
+  return must(parse_any(text, "table.txt", options)).set;
 }
 
 Problem refused(const std::string& text, const ImportOptions& options = {}) {
-  const auto read = parse_any(text, "table.txt", options);
-  REQUIRE_FALSE(read.has_value());
-  return read.error();
+  return must_fail(parse_any(text, "table.txt", options));
 }
 
 }  // namespace
 
 TEST_CASE("a table goes on after comments, empty lines and other lines") {
-  const auto shape = table_shape(parted());
-  REQUIRE(shape.has_value());
-  CHECK(shape->rows == 96);
-  CHECK(shape->first_row_line == 3);
-  CHECK(shape->last_row_line == 101);
-  CHECK(shape->lines_between == 1);
-  CHECK(shape->headings == std::vector<std::string>{"nr", "pos", "err"});
+  const auto shape = must(table_shape(parted()));
+  CHECK(shape.rows == 96);
+  CHECK(shape.first_row_line == 3);
+  CHECK(shape.last_row_line == 101);
+  CHECK(shape.lines_between == 1);
+  CHECK(shape.headings == std::vector<std::string>{"nr", "pos", "err"});
 }
 
 TEST_CASE("lines of the head that hold a number are no rows of the table below") {
-  const auto shape = table_shape("probe,7\nserial,12\n0.0,1.5\n10.0,2.5\n20.0,3.5\n");
-  REQUIRE(shape.has_value());
-  CHECK(shape->rows == 3);
-  CHECK(shape->first_row_line == 3);
+  const auto shape = must(table_shape("probe,7\nserial,12\n0.0,1.5\n10.0,2.5\n20.0,3.5\n"));
+  CHECK(shape.rows == 3);
+  CHECK(shape.first_row_line == 3);
 }
 
 TEST_CASE("what is suggested for a table imports every row of it") {
   const Problem why = refused(parted());
   CHECK(why.line == 3);
   CHECK(why.column == 1);
-  CHECK(contains(why.message, "a table of 96 rows and 3 columns between blanks is in lines 3 to 101"));
-  CHECK(contains(why.message, "--columns \"x_mm=2[mm],reading=3[um],approach=motion\" --skip 2"));
+  check_holds(why.message, {"a table of 96 rows and 3 columns between blanks is in lines 3 to 101",
+                            "--columns \"x_mm=2[mm],reading=3[um],approach=motion\" --skip 2"});
   const auto set = read_table(parted(), "x_mm=2[mm],reading=3[um],approach=motion", 2);
   CHECK(set.readings.size() == 96);
   CHECK(says(set.notes, "1 comments between the rows are passed over"));
@@ -104,8 +96,7 @@ TEST_CASE("a bad cell among the rows is refused with its line and column, quoted
   const Problem empty = refused("x,y\n,1\n2,\n3,4\n", by_columns("x_mm=1,reading=2"));
   CHECK(empty.line == 2);
   CHECK(empty.column == 1);
-  REQUIRE(empty.also.size() == 1);
-  CHECK(empty.also[0].line == 3);
+  CHECK(only(empty.also).line == 3);
   CHECK(empty.also[0].column == 3);
   const Problem quoted = refused("0;\"1\"\n10;\"  x\"\n20;3\n", by_columns("x_mm=1,reading=2"));
   CHECK(quoted.line == 2);

@@ -1,7 +1,4 @@
 // Instruments' files as users have them: other encodings, decimal commas, key case, units, sensors that were not there.
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
@@ -10,25 +7,21 @@
 #include "laser/writers/writers.hpp"
 #include "tests/laser/support/import_options.hpp"
 #include "tests/support/readings.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  REQUIRE(text.find(from) != std::string::npos);
+  REQUIRE(contains(text, from));
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
   return text;
 }
 
 MeasurementSet read(const std::string& text, const std::string& name, const ImportOptions& options = along_x()) {
-  const auto imported = parse_any(text, name, options);
-  REQUIRE_MESSAGE(imported.has_value(), to_text(imported.error()));
-  return imported->set;
+  return must(parse_any(text, name, options)).set;
 }
 
 /// The readings alone: lines differ between line ends.
@@ -156,15 +149,13 @@ TEST_CASE("what a table writer writes, the reader reads back") {
 TEST_CASE("environment records come back through a log") {
   const std::vector<EnvironmentRecord> records{{{1.5, -2.0, 3.0}, {20.1, 20.2, 20.3}, 991.2, 45.0, 20.5},
                                                {{0.0, 0.0, 0.0}, {19.9, 20.0, 20.1}, 1013.25, 60.0, 19.0}};
-  const auto text = to_sios_environment(records);
-  REQUIRE(text.has_value());
-  const auto back = parse_any(*text, "e.pos", {});
-  REQUIRE(back.has_value());
-  REQUIRE(back->environment.rows.size() == 2);
+  const auto text = must(to_sios_environment(records));
+  const auto back = must(parse_any(text, "e.pos", {}));
+  REQUIRE(back.environment.rows.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    CHECK(back->environment.value(i, "pressure_hPa").value() == Approx(records[i].pressure_hPa));
-    CHECK(back->environment.value(i, "y_mm").value() == Approx(records[i].stage_mm[1]));
-    CHECK(back->environment.value(i, "t_material_degC").value() == Approx(records[i].sample_degC));
+    CHECK(back.environment.value(i, "pressure_hPa").value() == Approx(records[i].pressure_hPa));
+    CHECK(back.environment.value(i, "y_mm").value() == Approx(records[i].stage_mm[1]));
+    CHECK(back.environment.value(i, "t_material_degC").value() == Approx(records[i].sample_degC));
   }
 }
 

@@ -1,13 +1,12 @@
 // From measured files to a map: what each component takes, and what is refused.
 #include "laser/map/build.hpp"
 
-#include <cmath>
 #include <filesystem>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -50,11 +49,10 @@ MapRecipe recipe_of(std::vector<ComponentRecipe> components) {
   return recipe;
 }
 
-ComponentRecipe one(Component c, std::vector<fs::path> files) {
-  ComponentRecipe made;
-  made.component = c;
-  made.files = std::move(files);
-  return made;
+ComponentRecipe one(Component c, std::vector<fs::path> files) { return {.component = c, .files = std::move(files)}; }
+
+auto built_of(Component c, std::vector<fs::path> files) {
+  return build_map(recipe_of({one(c, std::move(files))}), mill_parameters());
 }
 
 }  // namespace
@@ -63,26 +61,24 @@ TEST_CASE("compensation is minus the error, forward and reverse apart, zero at t
   const MapFolder folder;
   const auto file = folder.write(
       "x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double p, int d) { return 5.0 + 0.02 * p + 1.5 * d; }));
-  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
-  REQUIRE(built);
-  REQUIRE(built->map.tables.size() == 2);
-  const MapTable& forward = built->map.tables[0];
-  const MapTable& reverse = built->map.tables[1];
+  const auto built = must(built_of(Component::EXX, {file}));
+  REQUIRE(built.map.tables.size() == 2);
+  const MapTable& forward = built.map.tables[0];
+  const MapTable& reverse = built.map.tables[1];
   CHECK(forward.approach == Approach::forward);
-  CHECK(compensation_at(forward, -200.0) == doctest::Approx(4.0 - 1.5));  // error -4 + 1.5
-  CHECK(compensation_at(reverse, -200.0) == doctest::Approx(4.0 + 1.5));
-  CHECK(compensation_at(forward, 0.0) + compensation_at(reverse, 0.0) == doctest::Approx(0.0));
+  CHECK(compensation_at(forward, -200.0) == Approx(4.0 - 1.5));  // error -4 + 1.5
+  CHECK(compensation_at(reverse, -200.0) == Approx(4.0 + 1.5));
+  CHECK(compensation_at(forward, 0.0) + compensation_at(reverse, 0.0) == Approx(0.0));
 }
 
 TEST_CASE("straightness loses its slope and the header says how much") {
   const MapFolder folder;
   const auto file =
       folder.write("yx.csv", runs('X', "EY", {0, -1400, 0}, -200, 0, 50, [](double p, int) { return 0.3 * p + 12.0; }));
-  const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
-  REQUIRE(built);
-  for (const double c : built->map.tables[0].compensation) CHECK(c == doctest::Approx(0.0).epsilon(1e-9));
-  CHECK(built->outcomes[0].slope_um_per_m == doctest::Approx(300.0));
-  CHECK(built->map.header.processing.front().find("300.00 um/m removed by least_squares") != std::string::npos);
+  const auto built = must(built_of(Component::EYX, {file}));
+  for (const double c : built.map.tables[0].compensation) CHECK(c == Approx(0.0).epsilon(1e-9));
+  CHECK(built.outcomes[0].slope_um_per_m == Approx(300.0));
+  CHECK(contains(built.map.header.processing.front(), "300.00 um/m removed by least_squares"));
 }
 
 TEST_CASE("yaw comes from two linear runs at two ram positions, in our signs") {
@@ -93,10 +89,9 @@ TEST_CASE("yaw comes from two linear runs at two ram positions, in our signs") {
       folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double p, int) { return 0.01 * p; }));
   const auto out = folder.write("out.csv", runs('X', "EX", {0, -1400, -1000}, -400, 0, 100,
                                                 [&](double p, int) { return 0.01 * p + yaw(p) * -1.0; }));
-  const auto built = build_map(recipe_of({one(Component::EBX, {in, out})}), mill_parameters());
-  REQUIRE(built);
-  CHECK(compensation_at(built->map.tables[0], -300.0) == doctest::Approx(-30.0));
-  CHECK(built->outcomes[0].band == doctest::Approx(40.0));
+  const auto built = must(built_of(Component::EBX, {in, out}));
+  CHECK(compensation_at(built.map.tables[0], -300.0) == Approx(-30.0));
+  CHECK(built.outcomes[0].band == Approx(40.0));
 }
 
 TEST_CASE("the same two runs cannot show another rotation") {
@@ -104,47 +99,38 @@ TEST_CASE("the same two runs cannot show another rotation") {
   const auto in = folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double, int) { return 0.0; }));
   const auto out =
       folder.write("out.csv", runs('X', "EX", {0, -1400, -1000}, -400, 0, 100, [](double, int) { return 1.0; }));
-  const auto built = build_map(recipe_of({one(Component::ECX, {in, out})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("show EBX, not ECX") != std::string::npos);
+  CHECK(contains(must_fail(built_of(Component::ECX, {in, out})).message, "show EBX, not ECX"));
 }
 
 TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
   const MapFolder folder;  // E_X = -C0Y · Y with C0Y = 16 um/m
   const auto file =
       folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, [](double p, int) { return -0.016 * p; }));
-  const auto built = build_map(recipe_of({one(Component::C0Y, {file})}), mill_parameters());
-  REQUIRE(built);
-  CHECK(built->parameters.C0Y_um_per_m == doctest::Approx(16.0));
-  CHECK(built->map.tables.empty());
-  CHECK(built->map.header.sources.front().component == "C0Y");
+  const auto built = must(built_of(Component::C0Y, {file}));
+  CHECK(built.parameters.C0Y_um_per_m == Approx(16.0));
+  CHECK(built.map.tables.empty());
+  CHECK(built.map.header.sources.front().component == "C0Y");
 }
 
 TEST_CASE("a file of another sense is refused with what it holds") {
   const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
-  const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("expected readings of EY along X, found EX along X at Y -1400, Z 0") !=
-        std::string::npos);
+  const auto built = must_fail(built_of(Component::EYX, {file}));
+  CHECK(contains(built.message, "expected readings of EY along X, found EX along X at Y -1400, Z 0"));
 }
 
 TEST_CASE("readings taken while compensating make no map") {
   const MapFolder folder;
   const auto file =
       folder.write("x.csv", "axis,sense,x_mm,y_mm,reading,compensated\nX,EX,0,-1400,1,1\nX,EX,-50,-1400,2,1\n");
-  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("compensation active") != std::string::npos);
+  CHECK(contains(must_fail(built_of(Component::EXX, {file})).message, "compensation active"));
 }
 
 TEST_CASE("a curve off the measurement line of the parameters is refused") {
   const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, 0, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
-  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("measured at Y 0, but the parameters' measurement line of X is at Y -1400") !=
-        std::string::npos);
+  const auto built = must_fail(built_of(Component::EXX, {file}));
+  CHECK(contains(built.message, "measured at Y 0, but the parameters' measurement line of X is at Y -1400"));
 }
 
 TEST_CASE("files of two machines do not make one map") {
@@ -152,17 +138,15 @@ TEST_CASE("files of two machines do not make one map") {
   const auto flat = [](double, int) { return 0.0; };
   const auto x = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, flat, "# machine: mill A\n"));
   const auto y = folder.write("y.csv", runs('Y', "EY", {0, 0, 0}, -1400, 0, 200, flat, "# machine: mill B\n"));
-  const auto built = build_map(recipe_of({one(Component::EXX, {x}), one(Component::EYY, {y})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("more than one machine") != std::string::npos);
+  const auto built =
+      must_fail(build_map(recipe_of({one(Component::EXX, {x}), one(Component::EYY, {y})}), mill_parameters()));
+  CHECK(contains(built.message, "more than one machine"));
 }
 
 TEST_CASE("a component that the chain does not use is refused") {
   const MapFolder folder;
   const auto file = folder.write("z.csv", runs('Z', "EA", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
-  const auto built = build_map(recipe_of({one(Component::EAZ, {file})}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("does not use it") != std::string::npos);
+  CHECK(contains(must_fail(built_of(Component::EAZ, {file})).message, "does not use it"));
 }
 
 TEST_CASE("the files themselves suggest what they serve, and name what is left over") {
@@ -173,32 +157,26 @@ TEST_CASE("the files themselves suggest what they serve, and name what is left o
       folder.write("x_out.csv", runs('X', "EX", {0, -1400, -1000}, -200, 0, 50, flat)),
       folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, flat, "# instrument: indicator on a square\n")),
       folder.write("yx_far.csv", runs('X', "EY", {0, 0, 0}, -200, 0, 50, flat))};
-  const auto suggested = suggest_recipe(files, mill_parameters());
-  REQUIRE(suggested);
-  REQUIRE(suggested->recipe.components.size() == 3);
-  CHECK(suggested->recipe.components[0].component == Component::EXX);
-  CHECK(suggested->recipe.components[1].component == Component::EBX);
-  CHECK(suggested->recipe.components[1].files.size() == 2);
-  CHECK(suggested->recipe.components[2].component == Component::C0Y);
-  REQUIRE(suggested->unused.size() == 1);
+  const auto suggested = must(suggest_recipe(files, mill_parameters()));
+  REQUIRE(suggested.recipe.components.size() == 3);
+  CHECK(suggested.recipe.components[0].component == Component::EXX);
+  CHECK(suggested.recipe.components[1].component == Component::EBX);
+  CHECK(suggested.recipe.components[1].files.size() == 2);
+  CHECK(suggested.recipe.components[2].component == Component::C0Y);
+  REQUIRE(suggested.unused.size() == 1);
   CHECK(
-      suggested->unused[0] ==
+      suggested.unused[0] ==
       "yx_far.csv (EY along X): it was measured at Y 0, the measurement line of X in the parameters is at Y -1400, and "
       "no rotation can be found from it");
 }
 
 TEST_CASE("a recipe reports every fault with its line") {
-  const auto recipe = parse_map_recipe(
-      "colour = 1\n[[component]]\ncode = \"EXQ\"\nfiles = [\"a.csv\"]\n"
-      "[[component]]\ncode = \"EXX\"\nfiles = []\n[[declared_zero]]\ncode = \"EXX\"\n",
-      "r.toml", ".");
-  REQUIRE_FALSE(recipe);
-  const std::string text = to_text(recipe.error());
-  CHECK(text.find("r.toml:1") != std::string::npos);
-  CHECK(text.find("found \"EXQ\"") != std::string::npos);
-  CHECK(text.find("files: expected one file for EXX, found 0") != std::string::npos);
-  CHECK(text.find("EXX occurs twice in the recipe") != std::string::npos);
-  CHECK(text.find("reason: say why") != std::string::npos);
+  const std::string text = to_text(
+      must_fail(parse_map_recipe("colour = 1\n[[component]]\ncode = \"EXQ\"\nfiles = [\"a.csv\"]\n"
+                                 "[[component]]\ncode = \"EXX\"\nfiles = []\n[[declared_zero]]\ncode = \"EXX\"\n",
+                                 "r.toml", ".")));
+  check_holds(text, {"r.toml:1", "found \"EXQ\"", "files: expected one file for EXX, found 0",
+                     "EXX occurs twice in the recipe", "reason: say why"});
 }
 
 TEST_CASE("an angle is zero where its axis stood while the axes it levers were measured") {
@@ -208,14 +186,11 @@ TEST_CASE("an angle is zero where its axis stood while the axes it levers were m
   const MapFolder folder;
   const auto file =
       folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
-  const auto built = build_map(recipe_of({one(Component::EAX, {file})}), p);
-  REQUIRE(built);
-  CHECK(compensation_at(built->map.tables[0], -100.0) == doctest::Approx(0.0));
-  CHECK(compensation_at(built->map.tables[0], 0.0) == doctest::Approx(-10.0));
+  const auto built = must(build_map(recipe_of({one(Component::EAX, {file})}), p));
+  CHECK(compensation_at(built.map.tables[0], -100.0) == Approx(0.0));
+  CHECK(compensation_at(built.map.tables[0], 0.0) == Approx(-10.0));
   p.measurement_lines_mm[2] = {-150.0, -1400.0, 0.0};
-  const auto split = build_map(recipe_of({one(Component::EAX, {file})}), p);
-  REQUIRE_FALSE(split);
-  CHECK(split.error().message.find("cannot be zero at both") != std::string::npos);
+  CHECK(contains(must_fail(build_map(recipe_of({one(Component::EAX, {file})}), p)).message, "cannot be zero at both"));
 }
 
 TEST_CASE("for the printed equations, roll, pitch about Z and two squareness values change their sign") {
@@ -226,10 +201,9 @@ TEST_CASE("for the printed equations, roll, pitch about Z and two squareness val
       folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
   const auto square =
       folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, [](double y, int) { return -0.016 * y; }));
-  const auto built = build_map(recipe_of({one(Component::EAX, {roll}), one(Component::C0Y, {square})}), p);
-  REQUIRE(built);
-  CHECK(compensation_at(built->map.tables[0], -200.0) == doctest::Approx(-20.0));
-  CHECK(built->parameters.C0Y_um_per_m == doctest::Approx(-16.0));
+  const auto built = must(build_map(recipe_of({one(Component::EAX, {roll}), one(Component::C0Y, {square})}), p));
+  CHECK(compensation_at(built.map.tables[0], -200.0) == Approx(-20.0));
+  CHECK(built.parameters.C0Y_um_per_m == Approx(-16.0));
 }
 
 TEST_CASE("a run that is to be left out must be there") {
@@ -237,9 +211,8 @@ TEST_CASE("a run that is to be left out must be there") {
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   ComponentRecipe recipe = one(Component::EXX, {file});
   recipe.exclude_runs = {2, 9};
-  const auto built = build_map(recipe_of({recipe}), mill_parameters());
-  REQUIRE_FALSE(built);
-  CHECK(built.error().message.find("run 9 is to be left out, but the file has runs 1, 2") != std::string::npos);
+  const auto built = must_fail(build_map(recipe_of({recipe}), mill_parameters()));
+  CHECK(contains(built.message, "run 9 is to be left out, but the file has runs 1, 2"));
 }
 
 /// Two runs that differ by 2 um, up and down from target to target.
@@ -255,13 +228,11 @@ std::string scattered_runs() {
 TEST_CASE("the header states how certain the means are") {
   const MapFolder folder;
   const auto built =
-      build_map(recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})}), mill_parameters());
-  REQUIRE(built);
-  REQUIRE(built->map.header.uncertainty.size() == 1);
-  const StatedUncertainty& u = built->map.header.uncertainty.front();
+      must(build_map(recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})}), mill_parameters()));
+  REQUIRE(built.map.header.uncertainty.size() == 1);
+  const StatedUncertainty& u = built.map.header.uncertainty.front();
   CHECK(u.component == Component::EXX);
-  CHECK(u.value ==
-        doctest::Approx(std::sqrt(40.0 / 34.0)).epsilon(0.02));  // σ² = 2 · 40/(40 − 6), of a mean of two half of it
+  CHECK(u.value == Approx(std::sqrt(40.0 / 34.0)).epsilon(0.02));  // σ² = 2 · 40/(40 − 6), of a mean of two half of it
   CHECK(u.pass == 0.0);
   CHECK(u.degrees_of_freedom == 2);
 }
@@ -270,17 +241,14 @@ TEST_CASE("a curve that is shrunk loses what its repeats call scatter, and the h
   const MapFolder folder;
   MapRecipe recipe = recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})});
   recipe.shrink = true;
-  const auto built = build_map(recipe, mill_parameters());
-  REQUIRE(built);
-  CHECK(built->map.header.processing.front().starts_with("EXX shrunk below its noise"));
+  const auto built = must(build_map(recipe, mill_parameters()));
+  CHECK(built.map.header.processing.front().starts_with("EXX shrunk below its noise"));
 }
 
 TEST_CASE("a header that states an uncertainty wrongly is refused with what is expected") {
   for (const char* line : {"uncertainty: EXX", "uncertainty: EQX value=1 pass=0 degrees_of_freedom=2",
                            "uncertainty: EXX value=-1 pass=0 degrees_of_freedom=2",
                            "uncertainty: EXX value=a pass=0 degrees_of_freedom=2"}) {
-    const auto header = parse_header(line, "m.csv");
-    REQUIRE_FALSE(header);
-    CHECK(header.error().message.find("uncertainty: expected CODE value=") != std::string::npos);
+    CHECK(contains(must_fail(parse_header(line, "m.csv")).message, "uncertainty: expected CODE value="));
   }
 }

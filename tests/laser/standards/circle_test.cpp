@@ -1,11 +1,9 @@
 // Quantities of ISO 230-4 against circles whose deviations a hand can compute, and what a circle file must hold.
 #include "laser/standards/circle.hpp"
 
-#include <cmath>
 #include <functional>
 #include <numbers>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "laser/writers/writers.hpp"
@@ -13,7 +11,6 @@
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -31,9 +28,7 @@ CircleTest circle_of(const Deviation& deviation, int step_deg = 2) {
 }
 
 std::string circle_refusal(const std::string& text) {
-  const auto test = parse_circle_test(text, "circle.csv");
-  REQUIRE(!test);
-  return to_text(test.error());
+  return to_text(must_fail(parse_circle_test(text, "circle.csv")));
 }
 
 const std::string kHead = "# plane: XY\n# radius_mm: 100\nangle_deg,deviation_um,direction\n";
@@ -53,8 +48,7 @@ TEST_CASE("an ellipse of +-3 um has G 6 um, F +-3 um, and no centring error") {
   CHECK(values.passes[0].F_max_um == Approx(3.0).epsilon(1e-4));
   CHECK(values.passes[0].F_min_um == Approx(-3.0).epsilon(1e-4));
   CHECK(std::abs(values.passes[0].centre_um[0]) < 1e-9);
-  REQUIRE(values.pairs.size() == 1);
-  CHECK(values.pairs[0].G_um == Approx(6.0).epsilon(1e-4));
+  CHECK(only(values.pairs).G_um == Approx(6.0).epsilon(1e-4));
   CHECK(values.pairs[0].H_um < 1e-9);
 }
 
@@ -111,14 +105,13 @@ TEST_CASE("a circle that was written is read as it was") {
   test.plane = {Axis::Z, Axis::X};
   test.feed_mm_min = 500.0;
   test.centre_mm = {-500.0, -2000.0};
-  const auto back = parse_circle_test(to_csv(test), "back.csv");
-  REQUIRE(back);
-  CHECK(back->plane == test.plane);
-  CHECK(back->radius_mm == 100.0);
-  CHECK(back->feed_mm_min == 500.0);
-  CHECK(back->centre_mm == test.centre_mm);
-  CHECK(back->readings.size() == test.readings.size());
-  CHECK(back->readings[45].deviation_um == Approx(test.readings[45].deviation_um).epsilon(1e-3));
+  const auto back = must(parse_circle_test(to_csv(test), "back.csv"));
+  CHECK(back.plane == test.plane);
+  CHECK(back.radius_mm == 100.0);
+  CHECK(back.feed_mm_min == 500.0);
+  CHECK(back.centre_mm == test.centre_mm);
+  CHECK(back.readings.size() == test.readings.size());
+  CHECK(back.readings[45].deviation_um == Approx(test.readings[45].deviation_um).epsilon(1e-3));
 }
 
 TEST_CASE("what a circle lacks is said in words") {

@@ -2,17 +2,14 @@
 #include "laser/standards/diagonals.hpp"
 
 #include <array>
-#include <cmath>
 #include <functional>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -56,17 +53,11 @@ std::string file_of(const std::vector<std::string>& names, const ErrorAt& error)
 const std::vector<std::string> kBody{"PPP", "NPP", "PNP", "PPN"};
 
 DiagonalResults results_of(const std::string& text) {
-  const auto test = parse_diagonals(text, "diagonals.csv");
-  if (!test) FAIL(to_text(test.error()));
-  const auto results = diagonal_results_of(*test);
-  REQUIRE(results);
-  return *results;
+  return must(diagonal_results_of(must(parse_diagonals(text, "diagonals.csv"))));
 }
 
 std::string diagonal_refusal(const std::string& text) {
-  const auto test = parse_diagonals(text, "diagonals.csv");
-  REQUIRE(!test);
-  return to_text(test.error());
+  return to_text(must_fail(parse_diagonals(text, "diagonals.csv")));
 }
 
 Point nothing_wrong(const Point&) { return {}; }
@@ -98,8 +89,7 @@ TEST_CASE("two face diagonals of XY show C0Y and nothing else") {
   const auto results = results_of(file_of({"PP0", "NP0"}, [](const Point& p) {
     return Point{-20.0 * p[1] / 1000.0, 0.0, 0.0};
   }));
-  REQUIRE(results.squareness.size() == 1);
-  CHECK(results.squareness[0].name == "C0Y");
+  CHECK(only(results.squareness).name == "C0Y");
   CHECK(results.squareness[0].um_per_m == Approx(20.0).epsilon(1e-4));
   CHECK(!results.E_body_um);
 }
@@ -122,16 +112,13 @@ TEST_CASE("step diagonals: a beam 0.1 mrad out of line moves 50 um between perfe
         text += fmt::format("{},{:.6f},{:.6f},{}\n", name, position, deviation, "XYZ"[axis]);
       }
   }
-  const auto test = parse_diagonals(text, "step.csv");
-  if (!test) FAIL(to_text(test.error()));
-  CHECK(*test->diagonals[0].while_moving_um[0] == Approx(48.0));  // 0.1 mrad × 0.6 × 800 mm
-  CHECK(*test->diagonals[0].while_moving_um[1] == Approx(-48.0));
-  CHECK(*test->diagonals[0].while_moving_um[2] == Approx(0.0));
-  const auto results = diagonal_results_of(*test);
-  REQUIRE(results);
-  CHECK(*results->E_body_um < 1e-3);
-  CHECK(contains(results->notes.back(), "what each axis did is not separated"));
-  CHECK(contains(results->notes.back(), "Chapman 2003"));
+  const auto test = must(parse_diagonals(text, "step.csv"));
+  CHECK(*test.diagonals[0].while_moving_um[0] == Approx(48.0));  // 0.1 mrad × 0.6 × 800 mm
+  CHECK(*test.diagonals[0].while_moving_um[1] == Approx(-48.0));
+  CHECK(*test.diagonals[0].while_moving_um[2] == Approx(0.0));
+  const auto results = must(diagonal_results_of(test));
+  CHECK(*results.E_body_um < 1e-3);
+  check_holds(results.notes.back(), {"what each axis did is not separated", "Chapman 2003"});
 }
 
 TEST_CASE("what a diagonal test lacks is said in words") {

@@ -2,10 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "laser/import/import.hpp"
 #include "tests/laser/support/import_options.hpp"

@@ -1,12 +1,9 @@
 // How the tests read files: along X, or by numbered columns.
 #pragma once
 
-#include <string>
-
-#include <doctest/doctest.h>
-
 #include "laser/import/columns.hpp"
 #include "laser/import/import.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::laser {
 
@@ -18,9 +15,8 @@ inline ImportOptions along_x() {
 
 inline ImportOptions by_columns(const std::string& columns, int skip = 0) {
   ImportOptions options;
-  auto mapping = column_mapping(columns);
-  REQUIRE_MESSAGE(mapping.has_value(), (mapping ? "" : to_text(mapping.error())));
-  options.mapping = *mapping;
+  auto mapping = must(column_mapping(columns));
+  options.mapping = mapping;
   options.mapping->skip_lines = skip;
   return options;
 }
