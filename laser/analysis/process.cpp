@@ -123,7 +123,7 @@ Result<Zeroed> zeroed_at(const Curve& curve, double datum_mm) {
   return result;
 }
 
-Result<Squareness> squareness_of(const Curve& indicator, const RemainingSlopes& remaining) {
+Result<Squareness> squareness_of(const Curve& indicator) {
   const SquarenessRule* const rule =
       is_rotation(indicator.sense) ? nullptr : rule_of(indicator.axis, direction_of(indicator.sense));
   if (rule == nullptr)
@@ -133,8 +133,8 @@ Result<Squareness> squareness_of(const Curve& indicator, const RemainingSlopes& 
   const auto means = mean_points(indicator);
   if (means.size() < 2) return too_few(means.size());
   const Fit fit = through_all(means);
-  const double tilt = fit.line.slope_per_m - remaining.own_um_per_m - remaining.reference_um_per_m;
-  return Squareness{rule->component, rule->sign * tilt, fit.slope_std_error_per_m, fit.line.slope_per_m};
+  return Squareness{rule->component, rule->sign * fit.line.slope_per_m, fit.slope_std_error_per_m,
+                    fit.line.slope_per_m};
 }
 
 namespace {
@@ -377,18 +377,6 @@ Result<Curve> resampled(const Curve& curve, const Grid& grid, Beyond beyond) {
     result.points.push_back(point);
   }
   return result;
-}
-
-std::optional<Grid> uniform_grid_of(const Curve& curve) {
-  if (curve.points.size() < 2 || curve.points.size() > kMostPoints) return std::nullopt;
-  const int count = static_cast<int>(curve.points.size());
-  const double first_mm = curve.points.front().position_mm;
-  const Grid grid{first_mm, (curve.points.back().position_mm - first_mm) / (count - 1), count};
-  for (int k = 0; k < count; ++k)
-    if (std::abs(curve.points[static_cast<std::size_t>(k)].position_mm - position_of(grid, k)) >
-        curve.merge_tolerance_mm)
-      return std::nullopt;
-  return grid;
 }
 
 namespace {

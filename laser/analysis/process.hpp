@@ -96,12 +96,6 @@ struct Smoothed {
 /// along the sense; fewer than two targets in common.
 [[nodiscard]] Result<Curve> rotation_from(const Curve& first, const Curve& second);
 
-/// Slopes that the straightness curves keep in the map: the map corrects them already, squareness must not again.
-struct RemainingSlopes {
-  double own_um_per_m = 0.0;        ///< straightness of the axis run along, in the direction of the readings
-  double reference_um_per_m = 0.0;  ///< straightness of the reference axis, in the direction of the axis run along
-};
-
 struct Squareness {
   Component component = Component::C0Y;
   double um_per_m = 0.0;  ///< positive as in the rigid-body model: E_X = −C0Y·Y + B0Z·Z, E_Y = −A0Z·Z
@@ -111,10 +105,9 @@ struct Squareness {
 
 /// Squareness from an indicator run along one axis over a square that was aligned with another (thesis 6.3.2.4).
 /// The curve's axis is the one run along, its sense the direction of the reference axis: E_X along Y (or E_Y along X)
-/// gives C0Y = −slope, E_X along Z (E_Z along X) B0Z = +slope, E_Y along Z (E_Z along Y) A0Z = −slope; the slopes that
-/// the straightness curves keep are taken off the indicator's slope first. `refused` for a rotation, for the axis's own
-/// direction, and for fewer than two targets.
-[[nodiscard]] Result<Squareness> squareness_of(const Curve& indicator, const RemainingSlopes& remaining = {});
+/// gives C0Y = −slope, E_X along Z (E_Z along X) B0Z = +slope, E_Y along Z (E_Z along Y) A0Z = −slope. `refused` for a
+/// rotation, for the axis's own direction, and for fewer than two targets.
+[[nodiscard]] Result<Squareness> squareness_of(const Curve& indicator);
 
 // ---- grids -----------------------------------------------------------------------------------------------------
 
@@ -134,9 +127,5 @@ enum class Beyond { refuse, hold_end_value };
 /// standard deviations of their neighbours. `refused` outside the measured travel unless ends are held, `usage` for a
 /// wrong grid.
 [[nodiscard]] Result<Curve> resampled(const Curve& curve, const Grid& grid, Beyond beyond = Beyond::refuse);
-
-/// The grid on which the curve already stands, each target within the merge tolerance; nothing if there is none or
-/// fewer than two points.
-[[nodiscard]] std::optional<Grid> uniform_grid_of(const Curve& curve);
 
 }  // namespace ecs::laser

@@ -57,7 +57,6 @@ class AboutEstimates {
 }  // namespace
 
 double u_of_range(double width) { return std::abs(width) / std::sqrt(12.0); }
-double u_of_cycle(double half_width) { return std::abs(half_width) / std::sqrt(2.0); }
 
 Budget budget_of(const BudgetFunction& f, const std::vector<BudgetInput>& inputs) {
   const AboutEstimates about(f, inputs);

@@ -29,8 +29,6 @@ struct BudgetInput {
 
 /// Standard uncertainty of a rectangular distribution of that width: width/√12 (GUM 4.3.7).
 [[nodiscard]] double u_of_range(double width);
-/// Standard uncertainty of a U-shaped (arcsine) distribution of that half width: half/√2, of a cyclic temperature.
-[[nodiscard]] double u_of_cycle(double half_width);
 
 struct BudgetLine {
   std::string name;
