@@ -1,13 +1,10 @@
 // Coded blocks: what is coded comes back, and it is shorter where the bytes are smooth or text.
-#include <cmath>
-#include <optional>
 #include <random>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "protocol/client/block_frames.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::protocol {
 namespace {

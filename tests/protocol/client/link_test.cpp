@@ -1,7 +1,6 @@
 // The client against a unit on a real pseudo-terminal and on TCP, with the faults of a line.
 #include <filesystem>
 
-#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -19,28 +19,22 @@ namespace {
 
 void check_everyday_use(Workshop& shop) {
   auto unit = shop.client();
-  const auto identity = unit.identity();
-  REQUIRE(identity.has_value());
-  CHECK(identity->serial_number == "ECS-0042");
-  CHECK(identity->axis_count() == 2);
-  const auto status = unit.status();
-  REQUIRE(status.has_value());
-  CHECK(status->axes[1].position_mm == -12.5);
-  CHECK(status->pointers[3] == CurvePointer{17, 0x100022});
-  CHECK(status->pointers[4].index == kUnused);
+  const auto identity = must(unit.identity());
+  CHECK(identity.serial_number == "ECS-0042");
+  CHECK(identity.axis_count() == 2);
+  const auto status = must(unit.status());
+  CHECK(status.axes[1].position_mm == -12.5);
+  CHECK(status.pointers[3] == CurvePointer{17, 0x100022});
+  CHECK(status.pointers[4].index == kUnused);
   const auto first = unit.monitor();
-  const auto second = unit.monitor();
-  REQUIRE(second.has_value());
-  CHECK(second->number == first->number + 1);
+  CHECK(must(unit.monitor()).number == first->number + 1);
   CHECK(unit.enter_compensation().has_value());
   CHECK(unit.status()->mode == UnitMode::compensating);
   const auto refused = unit.set_axis_position(Axis::X, 1.0);
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().kind == ProblemKind::refused);
   CHECK(says(refused, "integration mode"));
-  const auto protected_memory = unit.write_memory(kBankA.first, noise_image(100));
-  REQUIRE_FALSE(protected_memory.has_value());
-  CHECK(protected_memory.error().kind == ProblemKind::refused);
+  CHECK(must_fail(unit.write_memory(kBankA.first, noise_image(100))).kind == ProblemKind::refused);
   CHECK(unit.enter_integration().has_value());
   CHECK(unit.set_axis_position(Axis::Y, -1.5).has_value());
   shop.in_model([](UnitModel& model) {
@@ -78,11 +72,10 @@ TEST_CASE("under every fault of the link a reading is right or a clear error, an
     std::uint32_t last = unit.monitor().value().number;
     shop.fault(fault, 2);
     for (int n = 0; n < 4; ++n) {
-      const auto sample = unit.monitor();
-      REQUIRE(sample.has_value());
-      CHECK(sample->number > last);
-      CHECK(sample->axes[0].position_mm == sample->number);
-      last = sample->number;
+      const auto sample = must(unit.monitor());
+      CHECK(sample.number > last);
+      CHECK(sample.axes[0].position_mm == sample.number);
+      last = sample.number;
     }
     const auto& counts = unit.link().statistics();
     if (fault != LinkFault::slow_reply) CHECK(counts.retries >= 1);
@@ -113,9 +106,8 @@ TEST_CASE("a reply later than the response time-out is discarded as late") {
     server.faults().next(LinkFault::slow_reply, 1);
   });
   auto unit = shop.client();
-  const auto sample = unit.monitor();
-  REQUIRE(sample.has_value());
-  CHECK(sample->number == 2);  // the first sample was the late one
+  const auto sample = must(unit.monitor());
+  CHECK(sample.number == 2);  // the first sample was the late one
   CHECK(unit.link().statistics().timeouts == 1);
 }
 
@@ -124,9 +116,8 @@ TEST_CASE("late replies over TCP are recognised too") {
   auto unit = shop.client();
   shop.fault(LinkFault::stale_reply, 1);
   for (std::uint32_t n = 0; n < 3; ++n) {
-    const auto sample = unit.monitor();
-    REQUIRE(sample.has_value());
-    CHECK(sample->number == n + 3);  // the first was late, and the second came behind it
+    const auto sample = must(unit.monitor());
+    CHECK(sample.number == n + 3);  // the first was late, and the second came behind it
   }
 }
 
@@ -146,12 +137,10 @@ TEST_CASE("a long command is followed to its end, and stopped when its time is o
   auto unit = shop.client(&cancelled);
   shop.in_model([](UnitModel& model) { model.busy_polls_left = 3; });
   int seen = 0;
-  const auto result = unit.test_datum(Axis::X, 10s, [&](const CommandResult& busy) {
-    ++seen;
-    CHECK(busy.text == "move the axis");
-  });
-  REQUIRE(result.has_value());
-  CHECK(result->value == 99);
+  CHECK(must(unit.test_datum(Axis::X, 10s, [&](const CommandResult& busy) {
+          ++seen;
+          CHECK(busy.text == "move the axis");
+        })).value == 99);
   CHECK(seen >= 3);
 
   shop.in_model([](UnitModel& model) { model.busy_polls_left = 1'000'000; });
@@ -176,7 +165,7 @@ TEST_CASE("while a command is busy another one is refused and the first goes on"
     shop.in_model([](UnitModel& model) { model.busy_polls_left = 0; });
   });
   REQUIRE(refusal.has_value());
-  CHECK(refusal->message.find("another command is under way") != std::string::npos);
+  CHECK(contains(refusal->message, "another command is under way"));
   REQUIRE(result.has_value());  // though another host has asked meanwhile
   CHECK(result->value == 99);
 }

@@ -1,10 +1,6 @@
 // A map sent to a unit: whole or not at all, whatever the line does.
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "core/memory_image.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -134,9 +130,7 @@ TEST_CASE("a link cut in the middle is an error and leaves the old map active an
   for (const Over line : {Over::pty, Over::tcp}) {
     UnitWithMap shop(line);
     auto unit = shop.client();
-    const auto sent = sent_while(unit, image, 20'000, [&] { shop.cut_line(); });
-    REQUIRE_FALSE(sent.has_value());
-    CHECK(sent.error().kind == ProblemKind::link);
+    CHECK(must_fail(sent_while(unit, image, 20'000, [&] { shop.cut_line(); })).kind == ProblemKind::link);
     CHECK(unit.link().last_failure() == LinkFailure::disconnected);
     CHECK(shop.active_image() == kOldImage);
     CHECK(shop.in_model([](UnitModel& model) { return model.commits; }) == 0);
@@ -176,9 +170,7 @@ TEST_CASE("a unit that compensates refuses a map and keeps its own") {
   UnitWithMap shop(Over::pty);
   shop.in_model([](UnitModel& model) { model.mode = UnitMode::compensating; });
   auto unit = shop.client();
-  const auto sent = unit.upload_image(noise_image(1000));
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().kind == ProblemKind::refused);
+  CHECK(must_fail(unit.upload_image(noise_image(1000))).kind == ProblemKind::refused);
   CHECK(shop.active_image() == kOldImage);
 }
 
@@ -215,7 +207,7 @@ TEST_CASE("a commit without a reply on a silent link is reported as in doubt, ne
   REQUIRE_FALSE(sent.has_value());
   CHECK(shop.active_image() == image);
   CHECK(says(sent, "may have taken the new map"));
-  CHECK(sent.error().message.find("old map is active") == std::string::npos);
+  CHECK(!contains(sent.error().message, "old map is active"));
 }
 
 TEST_CASE("a commit that the unit does not carry out is reported as not taken, and what was staged is abandoned") {
@@ -223,10 +215,9 @@ TEST_CASE("a commit that the unit does not carry out is reported as not taken, a
     UnitWithMap shop(Over::tcp, had_map ? kOldImage : std::vector<std::uint8_t>());
     shop.in_model([](UnitModel& model) { model.takes_commits = false; });
     auto unit = shop.client();
-    const auto sent = unit.upload_image(noise_image(4000));
-    REQUIRE_FALSE(sent.has_value());
-    CHECK((sent.error().message.find("the old map is active") != std::string::npos) == had_map);
-    CHECK((sent.error().message.find("holds none, as before") != std::string::npos) != had_map);
+    const auto sent = must_fail(unit.upload_image(noise_image(4000)));
+    CHECK((contains(sent.message, "the old map is active")) == had_map);
+    CHECK((contains(sent.message, "holds none, as before")) != had_map);
     CHECK_FALSE(shop.staging());
   }
 }
@@ -263,11 +254,10 @@ TEST_CASE("a map that is active already is not sent again, and nothing is commit
   const auto image = sealed_image(2000);
   REQUIRE(unit.upload_image(image)->commit_sequence == 1);
   const auto requests = unit.link().statistics().requests;
-  const auto again = unit.upload_image(image);
-  REQUIRE(again.has_value());
-  CHECK(again->already_held);
-  CHECK(again->bytes_sent == 0);
-  CHECK(again->commit_sequence == 1);
+  const auto again = must(unit.upload_image(image));
+  CHECK(again.already_held);
+  CHECK(again.bytes_sent == 0);
+  CHECK(again.commit_sequence == 1);
   CHECK(unit.link().statistics().requests - requests == 1);
 }
 
@@ -285,9 +275,7 @@ TEST_CASE("where nothing counts as held the whole image is sent, whatever the ch
   auto unit = shop.client();
   CHECK(unit.upload_image(image)->already_held);
   CHECK(shop.active_image() == forged);
-  const auto sent = unit.upload_image(image, {}, Held::nothing);
-  REQUIRE(sent.has_value());
-  CHECK(sent->bytes_sent == image.size());
+  CHECK(must(unit.upload_image(image, {}, Held::nothing)).bytes_sent == image.size());
   CHECK(shop.active_image() == image);
 }
 

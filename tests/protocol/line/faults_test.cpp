@@ -1,7 +1,7 @@
 // Which transaction meets which fault, and when replies go out, whole or with one.
 #include "protocol/line/faults.hpp"
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs::protocol;
 using namespace std::chrono_literals;

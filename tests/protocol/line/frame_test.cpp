@@ -1,15 +1,14 @@
 // Frames byte by byte: the check, the worked example of the documentation, exceptions, nonsense.
 #include <array>
 #include <numeric>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
 #include "protocol/line/frame_codec.hpp"
 #include "protocol/registers/unit_registers.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -48,16 +47,15 @@ TEST_CASE_FIXTURE(FrameUnit, "the worked frame of the documentation is what the 
 }
 
 TEST_CASE("the documentation shows the worked frame and every block at its address") {
-  const auto document = read_file("docs/protocol.md");
-  REQUIRE(document.has_value());
-  CHECK(document->find(hex_of(kAskIdentity)) != std::string::npos);
-  CHECK(document->find(hex_of(kIdentityReply)) != std::string::npos);
+  const auto document = must(read_file("docs/protocol.md"));
+  CHECK(contains(document, hex_of(kAskIdentity)));
+  CHECK(contains(document, hex_of(kIdentityReply)));
   for (const Block& block :
        {kEcho,          kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen,
         kEventSelect,   kToken,      kBlockWrite,  kIdentity,   kStatus,  kMonitor,      kPointers,
         kCommandResult, kWindowAck,  kMemory,      kChecks,     kSession, kEvents,       kActiveMap}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
-    CHECK_MESSAGE(document->find(row) != std::string::npos, row);
+    CHECK_MESSAGE(contains(document, row), row);
   }
 }
 

@@ -1,7 +1,7 @@
 // Link addresses and the times of a line.
 #include "protocol/line/link_address.hpp"
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::protocol;
@@ -33,7 +33,7 @@ TEST_CASE("a wrong address is a usage problem that says what was expected") {
     const auto address = link_address_of(text);
     REQUIRE_FALSE_MESSAGE(address.has_value(), text);
     CHECK(address.error().kind == ProblemKind::usage);
-    CHECK_MESSAGE(address.error().message.find(word) != std::string::npos, address.error().message);
+    CHECK_MESSAGE(contains(address.error().message, word), address.error().message);
   };
   says("rtu:/dev/ttyUSB0", "baud rate is missing");
   says("rtu:/dev/ttyUSB0:12345", "115200");

@@ -1,13 +1,13 @@
 // A serial port for one program at a time.
 #include <cstdlib>
-#include <string>
 
-#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include "protocol/line/modbus_link.hpp"
+#include "tests/support/test.hpp"
 
+using namespace ecs;
 using namespace ecs::protocol;
 
 namespace {
@@ -31,12 +31,10 @@ struct Terminal {
 TEST_CASE("a port is taken once, and free again when the lock is gone") {
   const Terminal terminal;
   {
-    const auto first = lock_port(terminal.device);
-    REQUIRE(first);
-    const auto second = lock_port(terminal.device);
-    REQUIRE_FALSE(second);
-    CHECK(second.error().failure != LinkFailure::none);
-    CHECK_FALSE(second.error().problem.message.empty());
+    const auto first = must(lock_port(terminal.device));
+    const auto second = must_fail(lock_port(terminal.device));
+    CHECK(second.failure != LinkFailure::none);
+    CHECK_FALSE(second.problem.message.empty());
   }
   CHECK(lock_port(terminal.device));
 }

@@ -2,12 +2,11 @@
 #include "protocol/registers/unit_registers.hpp"
 
 #include <limits>
-#include <vector>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "protocol/registers/register_map.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::protocol;
@@ -44,10 +43,9 @@ Identity any_identity() {
           any<std::uint32_t>()};
 }
 UnitStatus any_status() {
-  UnitStatus s;
-  s.mode = *one_of_first<UnitMode>(5);
-  s.fault = *one_of_first<Fault>(kFaultCount);
-  s.fault_address = any<std::uint32_t>();
+  UnitStatus s{.mode = *one_of_first<UnitMode>(5),
+               .fault = *one_of_first<Fault>(kFaultCount),
+               .fault_address = any<std::uint32_t>()};
   if (any<bool>()) s.fault_axis = *one_of_first<Axis>(kAxes);
   s.ram_test = *one_of_first<TestOutcome>(3);
   s.ram_test_address = any<std::uint32_t>();
@@ -73,11 +71,10 @@ UnitStatus any_status() {
   return s;
 }
 MonitorSample any_sample() {
-  MonitorSample s;
-  s.number = any<std::uint32_t>();
-  s.unit_time_us = any<std::uint64_t>();
-  s.mode = *one_of_first<UnitMode>(5);
-  s.fault = *one_of_first<Fault>(kFaultCount);
+  MonitorSample s{.number = any<std::uint32_t>(),
+                  .unit_time_us = any<std::uint64_t>(),
+                  .mode = *one_of_first<UnitMode>(5),
+                  .fault = *one_of_first<Fault>(kFaultCount)};
   for (auto& a : s.axes)
     a = {any<bool>(), finite(),       finite(), any<bool>(),         any<bool>(),
          any<bool>(), any_approach(), finite(), any<std::int32_t>(), any<bool>()};
@@ -179,31 +176,20 @@ TEST_CASE("typed values survive the way through registers") {
 }
 
 TEST_CASE("each command carries the arguments that its code names") {
-  Command c;
-  c.sequence = 9;
-  c.code = CommandCode::output_compensation;
-  c.axis = Axis::Z;
-  c.output_um = -12.25;
-  c.relay_on = true;
-  c.session = 0x12345678;
-  c.clock_ms = 70'000;
-  c.stops = 3;
+  Command c{.sequence = 9,
+            .code = CommandCode::output_compensation,
+            .axis = Axis::Z,
+            .output_um = -12.25,
+            .relay_on = true,
+            .session = 0x12345678,
+            .clock_ms = 70'000,
+            .stops = 3};
   CHECK(value_in<Command>(registers_of(c, 1)).value() == c);
-  Command commit;
-  commit.code = CommandCode::commit_staged;
-  commit.length = 70'000;
-  commit.crc = 0xDEADBEEF;
-  commit.token = 0x12345678;
+  Command commit{.code = CommandCode::commit_staged, .length = 70'000, .crc = 0xDEADBEEF, .token = 0x12345678};
   CHECK(value_in<Command>(registers_of(commit, 1)).value() == commit);
-  Command user;
-  user.code = CommandCode::run_user_software;
-  user.address = 0x040100;
-  user.argument = 0x12345678;
+  Command user{.code = CommandCode::run_user_software, .address = 0x040100, .argument = 0x12345678};
   CHECK(value_in<Command>(registers_of(user, 1)).value() == user);
-  Command position;
-  position.code = CommandCode::set_axis_position;
-  position.axis = Axis::Y;
-  position.position_mm = 0.1;
+  Command position{.code = CommandCode::set_axis_position, .axis = Axis::Y, .position_mm = 0.1};
   CHECK(value_in<Command>(registers_of(position, 1)).value() == position);
 }
 
@@ -227,10 +213,10 @@ TEST_CASE("a block that makes no sense is refused with the name of the field") {
   auto status = registers_of(UnitStatus{}, 0);
   status[1] = 77;
   REQUIRE_FALSE(value_in<UnitStatus>(status).has_value());
-  CHECK(value_in<UnitStatus>(status).error().message.find("mode") != std::string::npos);
+  CHECK(contains(value_in<UnitStatus>(status).error().message, "mode"));
   UnitStatus nan;
   nan.loop_period_us = std::numeric_limits<double>::quiet_NaN();
-  CHECK(value_in<UnitStatus>(registers_of(nan, 0)).error().message.find("loop period") != std::string::npos);
+  CHECK(contains(value_in<UnitStatus>(registers_of(nan, 0)).error().message, "loop period"));
   CHECK_FALSE(value_in<UnitStatus>(Registers(5, 0)).has_value());
   CHECK_FALSE(value_in<Identity>(registers_of(Identity{1, 0, 0, "a\x1b[2J", "", 1, {}, 0}, 0)).has_value());
 }

@@ -1,10 +1,7 @@
 // Who may write to a unit, and what the unit keeps of what was done to it.
-#include <algorithm>
-
-#include <doctest/doctest.h>
-
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/server/host_sessions.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -243,8 +240,7 @@ TEST_CASE("a window that is closed for wrong checks is an event of the host that
     CHECK_FALSE(server.write(kBlockWrite.first, block).has_value());
   }
   const auto events = events_of(server, 2);
-  REQUIRE(events.size() == 1);
-  CHECK(events[0].host == "host 7");
+  CHECK(only(events).host == "host 7");
   CHECK(events[0].error == UnitError::check_mismatch);
   CHECK(events[0].state == CommandState::refused);
 }

@@ -1,5 +1,4 @@
 // The unit's side of a bulk write.
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
@@ -7,6 +6,7 @@
 #include "protocol/client/block_frames.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/server/register_server.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;

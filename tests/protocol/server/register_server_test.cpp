@@ -1,8 +1,7 @@
 // What a unit carries out, of all that comes over its link.
 #include "protocol/server/register_server.hpp"
 
-#include <doctest/doctest.h>
-
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
