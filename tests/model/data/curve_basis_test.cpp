@@ -1,10 +1,9 @@
 // Smooth curves between their targets.
 #include "model/data/curve_basis.hpp"
 
-#include <cmath>
-
 #include <Eigen/Dense>
-#include <doctest/doctest.h>
+
+#include "tests/support/test.hpp"
 
 namespace ecs::model {
 namespace {
@@ -36,8 +35,7 @@ TEST_CASE("a curve that is free at every target does not swing between the outer
     value(i) = i % 2 == 0 ? 1.0 : -1.0;
   }
   const Eigen::VectorXd sizes = columns.colPivHouseholderQr().solve(value);
-  for (int i = 0; i < 15; ++i)
-    CHECK(row(basis, at[static_cast<std::size_t>(i)]).dot(sizes) == doctest::Approx(value(i)));
+  for (int i = 0; i < 15; ++i) CHECK(row(basis, at[static_cast<std::size_t>(i)]).dot(sizes) == Approx(value(i)));
   for (double p = 0.0; p <= 700.0; p += 1.0) CHECK(std::abs(row(basis, p).dot(sizes)) < 1.2);
 }
 
@@ -54,7 +52,7 @@ TEST_CASE("at the targets the functions are Legendre polynomials, between many o
       squares += (p - 500.0) * (p - 500.0);
     }
     for (const double p : {0.0, 15.0, 500.0, 517.3, 998.0})
-      CHECK(basis.value(k, p) == doctest::Approx(smooth_shape(k + 1, p / 1000.0) - mean - sum / squares * (p - 500.0))
+      CHECK(basis.value(k, p) == Approx(smooth_shape(k + 1, p / 1000.0) - mean - sum / squares * (p - 500.0))
                                      .epsilon(3e-3));  // the ends are natural
   }
 }

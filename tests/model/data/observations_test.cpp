@@ -1,9 +1,8 @@
 // Readings as the model takes them: rows given twice.
 #include "model/data/observations.hpp"
 
-#include <doctest/doctest.h>
-
 #include "model/fit/model_file.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

@@ -6,7 +6,6 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -17,9 +16,7 @@ Vector3 no_errors(const PathPlace&) { return {}; }
 
 TEST_CASE("a path is read back from its text, and other texts are none") {
   for (const char* text : {"circle XY radius 100 centre 400 300 -50.25", "diagonal PNP from 0 500 0 to 800 0 400"}) {
-    const auto path = path_in(text);
-    REQUIRE(path);
-    CHECK(to_text(*path) == text);
+    CHECK(to_text(must(path_in(text))) == text);
   }
   CHECK(name_of(circle_in_xy()) == "circle XY");
   CHECK(axes_of(path_in("diagonal PN0 from 0 500 7 to 800 0 7").value()) == "XY");
@@ -73,7 +70,7 @@ TEST_CASE("centre and radius of each pass of a circle and the zero of each run o
 TEST_CASE("a circle beside a line leaves the line as it is") {
   laser::MeasurementSet set = measured({}, 0.2, nothing);
   const Observations alone = observations_of(set, Model{}, mill());
-  for (laser::Reading& reading : set_of_circle(made_circle(no_errors)).readings) set.readings.push_back(reading);
+  for (Reading& reading : set_of_circle(made_circle(no_errors)).readings) set.readings.push_back(reading);
   const Observations both = observations_of(set, Model{}, mill());
   const Observations lines = without_paths(both);
   CHECK(lines.size() == alone.size());
@@ -87,7 +84,7 @@ TEST_CASE("a circle beside a line leaves the line as it is") {
 
 TEST_CASE("a cell of column path that is no path is an extra column like any other") {
   laser::MeasurementSet set = measured({}, 0.2, nothing);
-  for (laser::Reading& reading : set.readings) reading.text_extras["path"] = "along the table";
+  for (Reading& reading : set.readings) reading.text_extras["path"] = "along the table";
   CHECK(observations_of(set, Model{}, mill()).paths.empty());
 }
 
@@ -95,11 +92,8 @@ TEST_CASE("a circle without its centre counts from it and says so; step diagonal
   laser::CircleTest test = made_circle(no_errors);
   test.centre_mm = {};
   const laser::MeasurementSet set = set_of_circle(test);
-  REQUIRE(set.notes.size() == 1);
-  CHECK(contains(set.notes.front(), "no centre_x_mm and centre_y_mm"));
+  CHECK(contains(only(set.notes), "no centre_x_mm and centre_y_mm"));
   laser::DiagonalTest steps;
   steps.steps = true;
-  const auto refused = set_of_diagonals(steps);
-  REQUIRE_FALSE(refused);
-  CHECK(contains(refused.error().message, "expected diagonal, found step"));
+  CHECK(contains(must_fail(set_of_diagonals(steps)).message, "expected diagonal, found step"));
 }

@@ -1,24 +1,20 @@
 #include "model/diagnosis/bad_run.hpp"
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "tests/model/support/searching.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
 
-Plan line_of_runs(int runs, int targets = 41) {
-  Plan plan{.targets = targets, .runs = runs};
-  return plan;
-}
+Plan line_of_runs(int runs, int targets = 41) { return {.targets = targets, .runs = runs}; }
 
 std::optional<RunOffset> best_offset_in(const laser::MeasurementSet& set) {
   const Searching of(set, kSigma_um, {});
@@ -47,26 +43,23 @@ std::optional<NoisyRun> noisy_run_in(const Scatter& made) {
 }  // namespace
 
 TEST_CASE("the offset of a run gains its square for every reading of it, less the part that the mean of all takes") {
-  const auto found = best_offset_in(
-      measured(line_of_runs(5), kSigma_um, [](const laser::Reading& r) { return r.run == 3 ? 1.0 : 0.0; }));
-  REQUIRE(found);
-  CHECK(found->run == 3);
-  CHECK(found->sense == Sense::EX);
+  const auto found = must(
+      best_offset_in(measured(line_of_runs(5), kSigma_um, [](const Reading& r) { return r.run == 3 ? 1.0 : 0.0; })));
+  CHECK(found.run == 3);
+  CHECK(found.sense == Sense::EX);
   const double promised = 1.0 * 82.0 * (1.0 - 82.0 / 410.0) / (kSigma_um * kSigma_um);  // 82 of 410 readings
-  CHECK(found->gain == Approx(promised).epsilon(0.1));
+  CHECK(found.gain == Approx(promised).epsilon(0.1));
   // one coefficient, and one run chosen out of five
-  CHECK(found->score == Approx(found->gain - std::log(410.0) - 2.0 * std::log(5.0)).epsilon(0.01));
+  CHECK(found.score == Approx(found.gain - std::log(410.0) - 2.0 * std::log(5.0)).epsilon(0.01));
 }
 
 TEST_CASE("a run that drifts along the axis gains offset and slope together") {
-  const auto set = measured(line_of_runs(4), kSigma_um, [](const laser::Reading& r) {
-    return r.run == 2 ? 0.3 + 4.0 * (p(r) - 500.0) / 1000.0 : 0.0;
-  });
+  const auto set = measured(line_of_runs(4), kSigma_um,
+                            [](const Reading& r) { return r.run == 2 ? 0.3 + 4.0 * (p(r) - 500.0) / 1000.0 : 0.0; });
   const Searching of(set, kSigma_um, {});
-  const auto found = best_run_offset(of.data, of.whitener, of.search.base());
-  REQUIRE(found);
-  CHECK(found->run == 2);
-  const double left = of.search.base().chi2() - found->gain;
+  const auto found = must(best_run_offset(of.data, of.whitener, of.search.base()));
+  CHECK(found.run == 2);
+  const double left = of.search.base().chi2() - found.gain;
   CHECK(left == Approx(328.0 - 4.0).epsilon(0.2));  // noise of 328 readings, √(2/328) = 8 %
 }
 
@@ -75,7 +68,7 @@ TEST_CASE("whichever run is off, up or down, is the one that is found") {
     const int runs = *rc::gen::inRange(3, 7), bad = *rc::gen::inRange(1, runs + 1);
     const double height_um = *rc::gen::element(-3.0, -0.7, 0.7, 3.0);
     const auto found = best_offset_in(measured(
-        line_of_runs(runs, 15), kSigma_um, [&](const laser::Reading& r) { return r.run == bad ? height_um : 0.0; },
+        line_of_runs(runs, 15), kSigma_um, [&](const Reading& r) { return r.run == bad ? height_um : 0.0; },
         static_cast<unsigned>(*rc::gen::inRange(1, 1000))));
     RC_ASSERT(found.has_value());
     RC_ASSERT(found->run == bad);
@@ -84,16 +77,15 @@ TEST_CASE("whichever run is off, up or down, is the one that is found") {
 }
 
 TEST_CASE("of two runs none is the bad one") {
-  CHECK_FALSE(best_offset_in(
-      measured(line_of_runs(2), kSigma_um, [](const laser::Reading& r) { return r.run == 2 ? 5.0 : 0.0; })));
+  CHECK_FALSE(
+      best_offset_in(measured(line_of_runs(2), kSigma_um, [](const Reading& r) { return r.run == 2 ? 5.0 : 0.0; })));
 }
 
 TEST_CASE("runs that differ by noise alone score nothing in nineteen sets of twenty") {
   unsigned above = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
-    const auto found = best_offset_in(measured(line_of_runs(3, 15), kSigma_um, nothing, seed));
-    REQUIRE(found);
-    if (found->score > 0.0) ++above;
+    const auto found = must(best_offset_in(measured(line_of_runs(3, 15), kSigma_um, nothing, seed)));
+    if (found.score > 0.0) ++above;
   }
   CHECK(above <= 10);
 }
@@ -185,16 +177,15 @@ std::optional<OddPass> odd_pass_in(const laser::MeasurementSet& set) {
 }  // namespace
 
 TEST_CASE("an axis that stuck in one direction of one run of five makes that pass odd, by what it stuck") {
-  const auto found = odd_pass_in(measured(line_of_runs(5, 14), kSigma_um, [](const laser::Reading& r) {
+  const auto found = must(odd_pass_in(measured(line_of_runs(5, 14), kSigma_um, [](const Reading& r) {
     return r.run == 2 && r.approach == Approach::forward ? -10.0 * kSigma_um : 0.0;
-  }));
-  REQUIRE(found);
-  CHECK(found->run == 2);
-  CHECK(found->off_um == Approx(-10.0 * kSigma_um).epsilon(0.1));
+  })));
+  CHECK(found.run == 2);
+  CHECK(found.off_um == Approx(-10.0 * kSigma_um).epsilon(0.1));
 }
 
 TEST_CASE("of passes that differ from each other by far none is odd") {
-  CHECK_FALSE(odd_pass_in(measured(line_of_runs(6, 14), kSigma_um, [](const laser::Reading& r) {
+  CHECK_FALSE(odd_pass_in(measured(line_of_runs(6, 14), kSigma_um, [](const Reading& r) {
     return 10.0 * kSigma_um * static_cast<double>(r.run * r.run % 7);
   })));
 }
@@ -210,7 +201,7 @@ namespace {
 std::optional<StepOfRuns> step_in(const std::vector<double>& means_um, double noise_um = 0.4) {
   Plan plan = line_of_runs(static_cast<int>(means_um.size()), 25);
   const auto set =
-      measured(plan, noise_um, [&](const laser::Reading& r) { return means_um[static_cast<std::size_t>(r.run) - 1]; });
+      measured(plan, noise_um, [&](const Reading& r) { return means_um[static_cast<std::size_t>(r.run) - 1]; });
   const Observations data = observations_of(set, straight(), mill());
   const VectorXd residual = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
   return step_of_runs(data, residual, std::vector<bool>(data.size()));
@@ -220,11 +211,10 @@ std::optional<StepOfRuns> step_in(const std::vector<double>& means_um, double no
 
 TEST_CASE("a jump of all readings between two runs beside a drift is a step, not a bad run") {
   // 1.8 um from run to run, and a fall of 7.7 um from run 4 to 5: 9.5 um beside the drift
-  const auto step = step_in({-1.55, 0.25, 2.05, 3.85, -3.85, -2.05, -0.25, 1.55});
-  REQUIRE(step);
-  CHECK(step->before == 4);
-  CHECK(step->after == 5);
-  CHECK(step->height_um == Approx(-7.7 - 1.8).epsilon(0.02));
+  const auto step = must(step_in({-1.55, 0.25, 2.05, 3.85, -3.85, -2.05, -0.25, 1.55}));
+  CHECK(step.before == 4);
+  CHECK(step.after == 5);
+  CHECK(step.height_um == Approx(-7.7 - 1.8).epsilon(0.02));
 }
 
 TEST_CASE("one run apart from the others is no step, and neither is noise") {
@@ -242,9 +232,8 @@ TEST_CASE("a bad run is said in the ratio of what the sentence says in um") {
     made.residual(static_cast<Index>(k)) += 4.0;
     whitened(static_cast<Index>(k)) = 3.0 * made.residual(static_cast<Index>(k));
   }
-  const auto run = noisy_run(made.data, whitened, made.residual, made.left_out);
-  REQUIRE(run);
-  CHECK(run->run == 3);
-  CHECK(run->shifted);
-  CHECK(run->ratio == Approx(4.0 / 0.8).epsilon(0.1));  // mean |N(0, 1)| is 0.80
+  const auto run = must(noisy_run(made.data, whitened, made.residual, made.left_out));
+  CHECK(run.run == 3);
+  CHECK(run.shifted);
+  CHECK(run.ratio == Approx(4.0 / 0.8).epsilon(0.1));  // mean |N(0, 1)| is 0.80
 }

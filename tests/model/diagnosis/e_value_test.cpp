@@ -2,27 +2,23 @@
 
 #include <numbers>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "tests/model/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
-Plan of_targets(int targets, int runs = 3) {
-  Plan plan{.step_mm = 1000.0 / targets, .targets = targets, .runs = runs};
-  return plan;
-}
+Plan of_targets(int targets, int runs = 3) { return {.step_mm = 1000.0 / targets, .targets = targets, .runs = runs}; }
 
 /// Readings against offset and scale.
 struct Weighed {
@@ -58,15 +54,14 @@ OnNoise on_noise(const EffectInstance& effect, const Plan& plan, unsigned sets) 
   const Weighed of(measured(plan, kSigma_um, nothing));
   OnNoise seen;
   for (unsigned seed = 1; seed <= sets; ++seed) {
-    const auto e = of.e_value(effect, kSigma_um * normal_matrix(of.target.size(), 1, seed).col(0));
-    REQUIRE(e);
-    seen.mean += *e / sets;
-    if (*e >= 100.0) ++seen.beyond_hundred;
+    const auto e = must(of.e_value(effect, kSigma_um * normal_matrix(of.target.size(), 1, seed).col(0)));
+    seen.mean += e / sets;
+    if (e >= 100.0) ++seen.beyond_hundred;
   }
   return seen;
 }
 
-double lost_motion_of_two_um(const laser::Reading& r) { return d(r); }
+double lost_motion_of_two_um(const Reading& r) { return d(r); }
 
 }  // namespace
 
@@ -90,10 +85,10 @@ TEST_CASE("on noise a wave whose period is sought, or a step whose place is, has
 
 TEST_CASE("a true effect has overwhelming evidence, sought parameters or not") {
   CHECK(Weighed(measured_line(lost_motion_of_two_um)).e_value(candidate("backlash:X:EX")).value() > 1e50);
-  CHECK(Weighed(measured_line([](const laser::Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }))
+  CHECK(Weighed(measured_line([](const Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }))
             .e_value(candidate("cyclic:X:EX"))
             .value() > 1e50);
-  CHECK(Weighed(measured_line([](const laser::Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }))
+  CHECK(Weighed(measured_line([](const Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }))
             .e_value(candidate("step:X:EX"))
             .value() > 1e30);
 }
@@ -107,7 +102,7 @@ TEST_CASE("evidence for a false cause stays below that for the true one") {
 }
 
 TEST_CASE("e depends neither on the unit of the readings nor on what the model itself can take") {
-  const Weighed of(measured_line([](const laser::Reading& r) { return 0.1 * d(r); }));
+  const Weighed of(measured_line([](const Reading& r) { return 0.1 * d(r); }));
   const EffectInstance backlash_of_x = candidate("backlash:X:EX");
   const double e = of.e_value(backlash_of_x).value();
   REQUIRE(e > 1.0);
@@ -181,11 +176,10 @@ TEST_CASE("against a zero that moves slowly the mean of e is at most one, though
         zero = 0.95 * zero + std::sqrt(1.0 - 0.95 * 0.95) * steps(k);
         y(k) += kSigma_um * zero;
       }
-      const auto e = e_value_of({of.regressors, once, of.left_out}, of.columns, y, candidate(text),
-                                NullHypothesis::noise_or_wander);
-      REQUIRE(e);
-      mean += *e / kSets;
-      if (*e >= 100.0) ++beyond_hundred;
+      const auto e = must(e_value_of({of.regressors, once, of.left_out}, of.columns, y, candidate(text),
+                                     NullHypothesis::noise_or_wander));
+      mean += e / kSets;
+      if (e >= 100.0) ++beyond_hundred;
     }
     CHECK(mean < 1.5);
     CHECK(beyond_hundred <= 1);
@@ -193,23 +187,12 @@ TEST_CASE("against a zero that moves slowly the mean of e is at most one, though
 }
 
 TEST_CASE("a straight drift keeps its evidence against a wander") {
-  const Weighed of(measured(of_targets(41, 3), kSigma_um, [](const laser::Reading& r) { return 0.002 * *r.time_s; }));
+  const Weighed of(measured(of_targets(41, 3), kSigma_um, [](const Reading& r) { return 0.002 * *r.time_s; }));
   NoiseModel noise = of.noise;
   noise.has_time = true;
-  const auto e = e_value_of({of.regressors, noise, of.left_out}, of.columns, of.target, candidate("time_drift:X:EX"),
-                            NullHypothesis::noise_or_wander);
-  REQUIRE(e);
-  CHECK(*e >= 100.0);
+  CHECK(must(e_value_of({of.regressors, noise, of.left_out}, of.columns, of.target, candidate("time_drift:X:EX"),
+                        NullHypothesis::noise_or_wander)) >= 100.0);
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-using namespace ecs::model::test::effects;
-using doctest::Approx;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -293,7 +276,7 @@ TEST_CASE("the causes named for a fleet are those of a whole diagnosis, with p-v
   for (const double backlash_um : {0.0, 2.0}) {
     CAPTURE(backlash_um);
     const Observations data =
-        observations_of(measured_line([&](const laser::Reading& r) { return backlash_um * d(r); }), straight(), mill());
+        observations_of(measured_line([&](const Reading& r) { return backlash_um * d(r); }), straight(), mill());
     const Diagnosis whole = diagnose(straight(), data, options).value();
     const NamedCauses names = named_causes(straight(), data, options).value();
     CHECK(names.verdict == whole.verdict);

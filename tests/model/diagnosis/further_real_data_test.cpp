@@ -1,11 +1,9 @@
 // Real measurements that may not be passed on.
-
 #include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using namespace ecs::model::test::effects;
 using enum Verdict;
 
@@ -25,12 +23,10 @@ Set plate(const std::string& name) {
 }
 
 EffectInstance user_term(const char* name, const char* parameter, const char* in_x, const char* in_y) {
-  EffectInstance one;
-  one.id = user;
-  one.name = name;
-  one.formulas = {{Sense::EX, in_x}, {Sense::EY, in_y}};
-  one.user = {{parameter, "um/m", {}, {}, {}, {}}};
-  return one;
+  return {.id = user,
+          .name = name,
+          .formulas = {{Sense::EX, in_x}, {Sense::EY, in_y}},
+          .user = {{parameter, "um/m", {}, {}, {}, {}}}};
 }
 EffectInstance rotation() { return user_term("rotation", "rot", "-rot*y_mm/1000", "rot*x_mm/1000"); }
 EffectInstance magnification() { return user_term("magnification", "mag", "mag*x_mm/1000", "mag*y_mm/1000"); }
@@ -63,15 +59,14 @@ TEST_CASE("a drilled plate: turned and magnified as its makers' own fit says") {
   Model model = offsets({{Axis::X, Sense::EX}, {Axis::Y, Sense::EY}});
   model.effects.push_back(rotation());
   model.effects.push_back(magnification());
-  const auto fitted = fit(model, observations_of(set, model, std::nullopt), {true});
-  REQUIRE(fitted);
+  const auto fitted = must(fit(model, observations_of(set, model, std::nullopt), {true}));
   // fit_8131_1: offset -0.044 0.079 mm, scale 1.000007, rotation 0.029 deg; root mean square of its 82 distances 8.17
   // um
-  CHECK(fitted->effects[0].parameters[0].value == Approx(-44.0).epsilon(0.03));
-  CHECK(fitted->effects[1].parameters[0].value == Approx(79.0).epsilon(0.03));
-  CHECK(fitted->effects[2].parameters[0].value == Approx(0.029 * std::numbers::pi / 180.0 * 1e6).epsilon(0.02));
-  CHECK(fitted->effects[3].parameters[0].value == Approx(7.0).epsilon(0.1));
-  CHECK(fitted->rms_um * std::numbers::sqrt2 == Approx(8.175).epsilon(0.002));
+  CHECK(fitted.effects[0].parameters[0].value == Approx(-44.0).epsilon(0.03));
+  CHECK(fitted.effects[1].parameters[0].value == Approx(79.0).epsilon(0.03));
+  CHECK(fitted.effects[2].parameters[0].value == Approx(0.029 * std::numbers::pi / 180.0 * 1e6).epsilon(0.02));
+  CHECK(fitted.effects[3].parameters[0].value == Approx(7.0).epsilon(0.1));
+  CHECK(fitted.rms_um * std::numbers::sqrt2 == Approx(8.175).epsilon(0.002));
 }
 
 TEST_CASE("two drilled plates: a rotation among the candidates is named first; one plate has grown or shrunk besides") {

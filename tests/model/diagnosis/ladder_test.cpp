@@ -1,17 +1,14 @@
 // What compensation would leave, in two sums: what the machine keeps, and what belongs to the measurement. A tie that
 // former readings left open: new ones rule alternatives out, speak for one of them, or say nothing.
-
 #include "model/diagnosis/ladder.hpp"
 
-#include <doctest/doctest.h>
-
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 
 TEST_CASE("a drift of the readout belongs to the measurement, a drift with temperature to the machine") {
   Model model = straight();
@@ -19,39 +16,32 @@ TEST_CASE("a drift of the readout belongs to the measurement, a drift with tempe
   EffectInstance growth = effect(thermal_drift, Axis::X, Sense::EX);
   growth.sensor = "t_material_degC";
   model.effects.push_back(growth);
-  const auto set = measured({}, 0.0, [](const laser::Reading& r) {
+  const auto set = measured({}, 0.0, [](const Reading& r) {
     return 40.0 * p(r) / 1000.0 + 5.0 * *r.time_s / 3600.0 + 2.0 * (r.sensors_degC.at("t_material_degC") - 20.0);
   });
   const Observations data = observations_of(set, model, mill());
-  const auto what = what_if(model, data);
-  REQUIRE(what);
+  const auto what = must(what_if(model, data));
   double machine = 0.0;
-  for (const WhatIf::Share& share : what->shares) {
+  for (const WhatIf::Share& share : what.shares) {
     const EffectId id = effect_named(share.effect.substr(0, share.effect.find(':')));
     CHECK(share.of_measurement == (id == time_drift));
     CHECK(share.carried == (id == offset || id == scale));
     if (id == thermal_drift) machine = share.rms_um;
-    if (id == time_drift) CHECK(what->measurement_um == Approx(share.rms_um));
+    if (id == time_drift) CHECK(what.measurement_um == Approx(share.rms_um));
   }
-  CHECK(what->machine_um == Approx(machine).epsilon(1e-3));  // no noise in these readings
-  CHECK(what->measurement_um > 0.5);
-  CHECK(what->rms_after_um < what->rms_now_um);
+  CHECK(what.machine_um == Approx(machine).epsilon(1e-3));  // no noise in these readings
+  CHECK(what.measurement_um > 0.5);
+  CHECK(what.rms_after_um < what.rms_now_um);
 }
 
 TEST_CASE("without an effect of the measurement the machine keeps all that is left") {
   const Model model = straight();
-  const auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 40.0 * p(r) / 1000.0; });
-  const auto what = what_if(model, observations_of(set, model, mill()));
-  REQUIRE(what);
-  CHECK(what->measurement_um == 0.0);
-  CHECK(what->machine_um == Approx(what->rms_after_um));
-  CHECK(what->machine_um == Approx(kNoise_um).epsilon(0.2));
+  const auto set = measured({}, kNoise_um, [](const Reading& r) { return 40.0 * p(r) / 1000.0; });
+  const auto what = must(what_if(model, observations_of(set, model, mill())));
+  CHECK(what.measurement_um == 0.0);
+  CHECK(what.machine_um == Approx(what.rms_after_um));
+  CHECK(what.machine_um == Approx(kNoise_um).epsilon(0.2));
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-using namespace ecs::model::test::effects;
 
 namespace {
 
@@ -65,57 +55,49 @@ Model backlash_or_lag() {
 
 /// Readings on the fly; the third run at `last_feed_mm_min`, the others at 2,000 mm/min.
 Observations at_feeds(const Model& model, double last_feed_mm_min, const Truth& truth) {
-  const auto set =
-      session({}, truth, [&](laser::Reading& r) { r.feed_mm_min = r.run == 3 ? last_feed_mm_min : 2000.0; });
+  const auto set = session({}, truth, [&](Reading& r) { r.feed_mm_min = r.run == 3 ? last_feed_mm_min : 2000.0; });
   return observations_of(set, model, mill());
 }
 
-double lost_motion(const laser::Reading& r) { return 2.0 * d(r); }
-double following_error(const laser::Reading& r) { return 1e-3 * *r.feed_mm_min * d(r); }
+double lost_motion(const Reading& r) { return 2.0 * d(r); }
+double following_error(const Reading& r) { return 1e-3 * *r.feed_mm_min * d(r); }
 
 }  // namespace
 
 TEST_CASE("readings at one feed leave backlash and following error tied") {
   const Model model = backlash_or_lag();
-  const auto decided = decided_ties(model, at_feeds(model, 2000.0, lost_motion));
-  REQUIRE(decided);
-  CHECK(decided->notes.empty());
-  CHECK(decided->model.effects.back().tied_with == "servo_lag:X:EX");
+  const auto decided = must(decided_ties(model, at_feeds(model, 2000.0, lost_motion)));
+  CHECK(decided.notes.empty());
+  CHECK(decided.model.effects.back().tied_with == "servo_lag:X:EX");
 }
 
 TEST_CASE("readings at two feeds rule the following error out where the reversal stays the same") {
   const Model model = backlash_or_lag();
-  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
-  REQUIRE(decided);
-  REQUIRE(decided->notes.size() == 1);
-  CHECK(decided->notes[0] == "these readings rule out servo_lag:X:EX: it is backlash:X:EX");
-  CHECK(decided->model.effects.back().tied_with.empty());
+  const auto decided = must(decided_ties(model, at_feeds(model, 500.0, lost_motion)));
+  CHECK(only(decided.notes) == "these readings rule out servo_lag:X:EX: it is backlash:X:EX");
+  CHECK(decided.model.effects.back().tied_with.empty());
 }
 
 TEST_CASE("an alternative that fits better is told, and the model stays as it is") {
   const Model model = backlash_or_lag();
-  const auto decided = decided_ties(model, at_feeds(model, 500.0, following_error));
-  REQUIRE(decided);
-  REQUIRE(decided->notes.size() == 1);
-  CHECK(decided->notes[0] ==
+  const auto decided = must(decided_ties(model, at_feeds(model, 500.0, following_error)));
+  CHECK(only(decided.notes) ==
         "these readings speak for servo_lag:X:EX rather than backlash:X:EX: remove backlash:X:EX, then add it");
-  CHECK(decided->model.effects == model.effects);
+  CHECK(decided.model.effects == model.effects);
 }
 
 TEST_CASE("of several alternatives those that are ruled out go, with approach and sensor in their names") {
   Model model = backlash_or_lag();
   model.effects.back().tied_with =
       "servo_lag:X:EX, sag:X:EX, cyclic:X:EX, reverse, thermal_drift:X:EX with t_no_such_degC";
-  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
-  REQUIRE(decided);
+  const auto decided = must(decided_ties(model, at_feeds(model, 500.0, lost_motion)));
   // a wave of the reverse readings alone, longer than the line, is a backlash; a sensor that is not there shows nothing
-  CHECK(decided->model.effects.back().tied_with == "cyclic:X:EX, reverse, thermal_drift:X:EX with t_no_such_degC");
+  CHECK(decided.model.effects.back().tied_with == "cyclic:X:EX, reverse, thermal_drift:X:EX with t_no_such_degC");
 }
 
 TEST_CASE("a model without ties is returned as it is") {
   const Model model = straight();
-  const auto decided = decided_ties(model, at_feeds(model, 500.0, lost_motion));
-  REQUIRE(decided);
-  CHECK(decided->notes.empty());
-  CHECK(decided->model.effects == model.effects);
+  const auto decided = must(decided_ties(model, at_feeds(model, 500.0, lost_motion)));
+  CHECK(decided.notes.empty());
+  CHECK(decided.model.effects == model.effects);
 }

@@ -1,17 +1,12 @@
 // Sets of tests/data/made_up that show one fault each: what is right of them stands in their README.
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "laser/import/import.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 
 namespace {
 
@@ -22,18 +17,13 @@ struct MadeUpSet {
 
 MadeUpSet made_up(const std::string& name) {
   const std::string path = "tests/data/made_up/" + name;
-  const auto model = read_model(path + ".toml");
-  REQUIRE(model.has_value());
-  const auto readings = laser::read_any(path + ".csv", {});
-  REQUIRE(readings.has_value());
-  return {*model, observations_of(readings->set, *model, std::nullopt)};
+  const auto model = must(read_model(path + ".toml"));
+  return {model, observations_of(must(laser::read_any(path + ".csv", {})).set, model, std::nullopt)};
 }
 
 Diagnosis diagnosis_of(const std::string& name) {
   const MadeUpSet set = made_up(name);
-  const auto found = diagnose(set.model, set.data);
-  REQUIRE(found.has_value());
-  return *found;
+  return must(diagnose(set.model, set.data));
 }
 
 std::vector<Candidate> named_in(const Diagnosis& diagnosis) {
@@ -71,10 +61,9 @@ TEST_CASE("no wave is longer than half a plate, and its turn is reported in its 
 
 TEST_CASE("readings that are wrong together at an edge are outliers, each told, and do not bend the slope") {
   const MadeUpSet set = made_up("edge_outliers");
-  const auto fitted = fit(set.model, set.data);
-  REQUIRE(fitted.has_value());
-  CHECK(fitted->outliers.size() == 13);
-  for (const ParameterEstimate& one : fitted->effects.at(1).parameters) CHECK(std::abs(one.value) < 40.0);
+  const auto fitted = must(fit(set.model, set.data));
+  CHECK(fitted.outliers.size() == 13);
+  for (const ParameterEstimate& one : fitted.effects.at(1).parameters) CHECK(std::abs(one.value) < 40.0);
   CHECK(diagnosis_of("edge_outliers").outliers.size() == 13);
 }
 
@@ -90,8 +79,7 @@ TEST_CASE("an effect is proved at one target too, by blocks of readings") {
   const Diagnosis found = diagnosis_of("one_target");
   CHECK(found.verdict == Verdict::missing_effect);
   const std::vector<Candidate> named = named_in(found);
-  REQUIRE(named.size() == 1);
-  CHECK(to_text(named[0].effect) == "thermal_drift:Z:EZ");
+  CHECK(to_text(only(named).effect) == "thermal_drift:Z:EZ");
   CHECK(parameter(named[0], "um_per_degC") == Approx(6.0).epsilon(0.01));
 }
 
@@ -103,15 +91,15 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
     const Candidate& candidate = found.candidates[i];
     CHECK(candidate.standing == Standing::likely);
     CHECK_FALSE(candidate.named);
-    CHECK(candidate.but.find("nothing was measured twice") != std::string::npos);
-    CHECK(candidate.decide.find("Measure the same lines again") != std::string::npos);
+    CHECK(contains(candidate.but, "nothing was measured twice"));
+    CHECK(contains(candidate.decide, "Measure the same lines again"));
   }
   CHECK(to_text(found.candidates[0].effect) == "offset:Y:EY");
   CHECK(parameter(found.candidates[0], "um") == Approx(-17.0).epsilon(0.05));
   CHECK(to_text(found.candidates[1].effect) == "offset:X:EX");
   CHECK(parameter(found.candidates[1], "um") == Approx(10.0).epsilon(0.05));
   CHECK_MESSAGE(found.headline.starts_with("Probably Y positions"), found.headline);
-  CHECK(found.headline.find("no effects of the library") == std::string::npos);
+  CHECK(!contains(found.headline, "no effects of the library"));
   CHECK(found.rms_after_um == Approx(3.8).epsilon(0.1));  // both together leave the noise
   REQUIRE(found.add);
   CHECK(found.add->effects == std::vector<std::string>{"offset:Y:EY", "offset:X:EX"});
@@ -122,9 +110,8 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
 TEST_CASE("a model whose wave and curve cancel each other beyond the readings is not adequate") {
   const Diagnosis found = diagnosis_of("wave_against_curve");
   CHECK(found.verdict == Verdict::cannot_tell);
-  CHECK_MESSAGE(found.headline.find("progressive:X:EX and cyclic:X:EX, which cancel each other") != std::string::npos,
-                found.headline);
-  CHECK(found.headline.find("adequate") == std::string::npos);
+  CHECK_MESSAGE(contains(found.headline, "progressive:X:EX and cyclic:X:EX, which cancel each other"), found.headline);
+  CHECK(!contains(found.headline, "adequate"));
 }
 
 TEST_CASE("a head that bends is never adequate: repeats show that what is left is no noise") {
@@ -136,20 +123,18 @@ TEST_CASE("a head that bends is never adequate: repeats show that what is left i
   REQUIRE(model);
   REQUIRE(machine);
   REQUIRE(readings);
-  const auto found = diagnose(*model, observations_of(readings->set, *model, machine->machine));
-  REQUIRE(found);
-  CHECK(found->noise.from_repeats);
-  CHECK(found->noise.noise_um == Approx(8.0).epsilon(0.25));  // 27 of 75 readings repeat a pose
-  CHECK(found->verdict != Verdict::adequate);
-  CHECK(found->headline.find("adequate") == std::string::npos);
+  const auto found = must(diagnose(*model, observations_of(readings->set, *model, machine->machine)));
+  CHECK(found.noise.from_repeats);
+  CHECK(found.noise.noise_um == Approx(8.0).epsilon(0.25));  // 27 of 75 readings repeat a pose
+  CHECK(found.verdict != Verdict::adequate);
+  CHECK(!contains(found.headline, "adequate"));
 }
 
 TEST_CASE("five targets are enough for a curve") {
   const Diagnosis found = diagnosis_of("five_targets");
   CHECK(found.verdict == Verdict::missing_effect);
   const std::vector<Candidate> named = named_in(found);
-  REQUIRE(named.size() == 1);
-  CHECK(to_text(named[0].effect) == "progressive:X:EX");
+  CHECK(to_text(only(named).effect) == "progressive:X:EX");
 }
 
 TEST_CASE("a wave that is read at 100 Hz has its name beside noise that lasts for a tenth of a second") {

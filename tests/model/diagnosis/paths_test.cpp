@@ -1,5 +1,4 @@
 // Causes found on circles and diagonals, alone and beside lines.
-
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/candidates.hpp"
@@ -10,7 +9,6 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -145,11 +143,11 @@ TEST_CASE("a line keeps its effect and the circle adds the one that only it show
   const auto lost_um = [](int motion) { return 0.8 * motion; };
   Plan plan;
   laser::MeasurementSet set =
-      measured(plan, 0.2, [&](const laser::Reading& r) { return lost_um(static_cast<int>(r.approach)); });
-  for (laser::Reading& reading : set.readings) reading.time_s.reset();
-  for (laser::Reading& reading : circle_of([&](const PathPlace& at) {
-                                   return Vector3{lost_um(at.motion[0]) - 0.020 * at.position_mm[1], 0.0, 0.0};
-                                 }).readings)
+      measured(plan, 0.2, [&](const Reading& r) { return lost_um(static_cast<int>(r.approach)); });
+  for (Reading& reading : set.readings) reading.time_s.reset();
+  for (Reading& reading : circle_of([&](const PathPlace& at) {
+                            return Vector3{lost_um(at.motion[0]) - 0.020 * at.position_mm[1], 0.0, 0.0};
+                          }).readings)
     set.readings.push_back(reading);
   for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
   Model model;
@@ -187,6 +185,5 @@ TEST_CASE("readings of diagonals alone let no line be planned, and it says so") 
   const Diagnosis diagnosis = diagnose(model, data).value();
   const NextMeasurement next = next_measurement(model, data, diagnosis);
   CHECK(next.proposals.empty());
-  REQUIRE(next.notes.size() == 1);
-  CHECK(contains(next.notes.front(), "measure a line along each axis"));
+  CHECK(contains(only(next.notes), "measure a line along each axis"));
 }

@@ -11,7 +11,6 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -36,12 +35,11 @@ laser::MeasurementSet pointing(const std::string& text) {
     if (n.size() < 4) continue;
     const double turn = std::remainder(n[2] - n[0], 360.0);
     for (const Sense sense : {Sense::EX, Sense::EY}) {
-      laser::Reading r;
-      r.row = static_cast<int>(set.readings.size()) + 1;
-      r.sense = sense;
-      r.run = 1;
-      r.extras = {{"az", n[0]}, {"alt", n[1]}};
-      r.error = 3600.0 * (sense == Sense::EX ? turn * std::cos(n[1] * std::numbers::pi / 180.0) : n[3] - n[1]);
+      Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                .sense = sense,
+                .error = 3600.0 * (sense == Sense::EX ? turn * std::cos(n[1] * std::numbers::pi / 180.0) : n[3] - n[1]),
+                .run = 1,
+                .extras = {{"az", n[0]}, {"alt", n[1]}}};
       set.readings.push_back(r);
     }
   }
@@ -49,9 +47,7 @@ laser::MeasurementSet pointing(const std::string& text) {
 }
 
 EffectInstance term(const std::string& name, const char* ex, const char* ey) {
-  EffectInstance one;
-  one.id = effects::user;
-  one.name = name;
+  EffectInstance one{.id = effects::user, .name = name};
   if (ex != nullptr) one.formulas.push_back({Sense::EX, ex});
   if (ey != nullptr) one.formulas.push_back({Sense::EY, ey});
   one.user = {{name, "arcsec", {}, {}, {}, {}}};
@@ -107,14 +103,13 @@ TEST_CASE("six pointing terms come out as another program published them, where 
     const auto set = pointing(*data_text);
     if (static_cast<int>(set.readings.size()) != 2 * theirs.observations) continue;
     const Model model = six_terms();
-    const auto ours = fit(model, observations_of(set, model, std::nullopt), {true});
-    REQUIRE(ours);
-    for (const EffectFit& effect : ours->effects) {
+    const auto ours = must(fit(model, observations_of(set, model, std::nullopt), {true}));
+    for (const EffectFit& effect : ours.effects) {
       INFO(name, " ", effect.effect.name);
       REQUIRE(theirs.coefficients.contains(effect.effect.name));
       CHECK(std::abs(effect.parameters[0].value - theirs.coefficients.at(effect.effect.name)) < 0.2);
     }
-    CHECK(std::abs(ours->rms_um * std::numbers::sqrt2 - theirs.rms) < 0.01);
+    CHECK(std::abs(ours.rms_um * std::numbers::sqrt2 - theirs.rms) < 0.01);
     ++compared;
   }
   CHECK(compared >= 1);
@@ -123,13 +118,11 @@ TEST_CASE("six pointing terms come out as another program published them, where 
 
 TEST_CASE("a pointing term that is left out is found among the candidates offered") {
   SKIP_UNLESS(!real_data("tpoint-apo35m").empty(), kNoRealData);
-  const auto data_text = read_file(real_data("tpoint-apo35m/ptdata_2015-04-03T07-33-39.5.dat"));
-  REQUIRE(data_text);
+  const auto data_text = must(read_file(real_data("tpoint-apo35m/ptdata_2015-04-03T07-33-39.5.dat")));
   Model model = six_terms();
   model.candidates = {model.effects[2], model.effects[3], model.effects[4]};
   model.effects.erase(model.effects.begin() + 2);
-  const auto found = diagnose(model, observations_of(pointing(*data_text), model, std::nullopt));
-  REQUIRE(found);
-  REQUIRE_FALSE(found->candidates.empty());
-  CHECK(to_text(found->candidates.front().effect) == "user:AN");
+  const auto found = must(diagnose(model, observations_of(pointing(data_text), model, std::nullopt)));
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(to_text(found.candidates.front().effect) == "user:AN");
 }

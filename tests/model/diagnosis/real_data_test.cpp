@@ -1,5 +1,4 @@
 // Real measurements of tests/data/real and samples/real: what their fields say of them, the diagnosis says too.
-
 #include <nlohmann/json.hpp>
 
 #include "tests/model/support/real_sets.hpp"
@@ -7,7 +6,6 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using namespace ecs::model::test::effects;
 using enum Verdict;
 

@@ -1,16 +1,13 @@
 // Readings moved by far less than their last digit: the answer to every sample stays what it is. Rounding of another
 // compiler or processor moves numbers in the same way.
-#include <cmath>
 #include <map>
-#include <optional>
 #include <random>
-
-#include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -32,25 +29,20 @@ struct Sample {
 
 Sample sample(const std::string& model, const std::string& data, const std::string& machine) {
   Sample one;
-  const auto read = read_model(model);
-  REQUIRE(read.has_value());
-  one.model = *read;
-  const auto readings = laser::read_any(data, {});
-  REQUIRE(readings.has_value());
-  one.set = readings->set;
+  const auto read = must(read_model(model));
+  one.model = read;
+  const auto readings = must(laser::read_any(data, {}));
+  one.set = readings.set;
   if (!machine.empty()) {
-    const auto of = params::read_machine(machine);
-    REQUIRE(of.has_value());
-    one.machine = of->machine;
+    const auto of = must(params::read_machine(machine));
+    one.machine = of.machine;
   }
   return one;
 }
 
 Diagnosis answer_to(const Sample& one, const laser::MeasurementSet& set) {
   DiagnoseOptions options{.noise_replicates = kReplicates};
-  const auto found = diagnose(one.model, observations_of(set, one.model, one.machine), options);
-  REQUIRE(found.has_value());
-  return *found;
+  return must(diagnose(one.model, observations_of(set, one.model, one.machine), options));
 }
 
 /// Verdict, headline and names in their order.

@@ -1,13 +1,11 @@
 #include "model/diagnosis/stepwise.hpp"
 
-#include <doctest/doctest.h>
-
 #include "tests/model/support/searching.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -17,7 +15,7 @@ std::vector<EffectInstance> usual_suspects() {
   return candidates_named({"cyclic:X:EX", "backlash:X:EX", "sag:X:EX", "step:X:EX", "time_drift:X:EX"});
 }
 
-double step_and_backlash(const laser::Reading& r) { return (p(r) > 512.0 ? 1.5 : 0.0) + 0.8 * d(r); }
+double step_and_backlash(const Reading& r) { return (p(r) > 512.0 ? 1.5 : 0.0) + 0.8 * d(r); }
 
 }  // namespace
 
@@ -62,7 +60,7 @@ TEST_CASE("no more effects are added than allowed, and none that gains less than
 }
 
 TEST_CASE("an effect with the same columns is a rival, one that explains less is not") {
-  auto set = measured_line([](const laser::Reading& r) { return 3.0 * (r.sensors_degC.at("t_material_degC") - 20.5); });
+  auto set = measured_line([](const Reading& r) { return 3.0 * (r.sensors_degC.at("t_material_degC") - 20.5); });
   for (auto& r : set.readings) r.sensors_degC["t_copy_degC"] = r.sensors_degC.at("t_material_degC");
   const std::vector<EffectInstance> candidates{candidate("thermal_drift:X:EX", "t_material_degC"),
                                                candidate("thermal_drift:X:EX", "t_copy_degC"),
@@ -71,17 +69,14 @@ TEST_CASE("an effect with the same columns is a rival, one that explains less is
   const Solution found = best_solution(of.search, kOptions);
   REQUIRE(found.chosen.size() == 1);
   const std::vector<Group> groups = groups_of(of.search, found, kOptions.entry_score);
-  REQUIRE(groups.size() == 1);
-  CHECK(of.search.families()[groups.front().member.family].effect.sensor == "t_material_degC");  // the first of equals
-  REQUIRE(groups.front().rivals.size() == 1);
-  CHECK(of.search.families()[groups.front().rivals.front().family].effect.sensor == "t_copy_degC");
+  CHECK(of.search.families()[only(groups).member.family].effect.sensor == "t_material_degC");  // the first of equals
+  CHECK(of.search.families()[only(groups.front().rivals).family].effect.sensor == "t_copy_degC");
 }
 
 TEST_CASE("a shape that fits anything is not a rival of a reversal error") {
-  const Searching of(measured_line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um, usual_suspects());
+  const Searching of(measured_line([](const Reading& r) { return 0.8 * d(r); }), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);
   const std::vector<Group> groups = groups_of(of.search, found, kOptions.entry_score);
-  REQUIRE(groups.size() == 1);
-  CHECK(of.name_of(groups.front().member) == "backlash:X:EX");
+  CHECK(of.name_of(only(groups).member) == "backlash:X:EX");
   CHECK(groups.front().rivals.empty());
 }

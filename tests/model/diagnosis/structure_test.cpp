@@ -2,14 +2,12 @@
 
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "tests/model/support/searching.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -43,15 +41,15 @@ TEST_CASE("noise depends on nothing") {
 }
 
 TEST_CASE("a run of its own is found under run, a reversal error under approach, a wave under its position") {
-  CHECK(tests_of([](const laser::Reading& r) { return r.run == 2 ? 0.6 : 0.0; }).front().variable == "run");
-  CHECK(tests_of([](const laser::Reading& r) { return 0.3 * d(r); }).front().variable == "approach");
-  CHECK(tests_of([](const laser::Reading& r) { return 0.5 * std::sin(p(r) / 20.0); }).front().variable == "x_mm");
+  CHECK(tests_of([](const Reading& r) { return r.run == 2 ? 0.6 : 0.0; }).front().variable == "run");
+  CHECK(tests_of([](const Reading& r) { return 0.3 * d(r); }).front().variable == "approach");
+  CHECK(tests_of([](const Reading& r) { return 0.5 * std::sin(p(r) / 20.0); }).front().variable == "x_mm");
 }
 
 TEST_CASE("a variable gains about one for every function on noise, and all of its own shape") {
   for (const StructureTest& test : tests_of(nothing))
     CHECK(std::abs(test.gain - test.freedom) < 4.0 * std::sqrt(2.0 * test.freedom));
-  const StructureTest found = tests_of([](const laser::Reading& r) { return 0.4 * d(r); }).front();
+  const StructureTest found = tests_of([](const Reading& r) { return 0.4 * d(r); }).front();
   CHECK(found.excess == Approx(4.0).epsilon(0.2));  // (0.4/0.2)² per reading
 }
 
@@ -98,9 +96,8 @@ TEST_CASE("the share of a variable is all of its own shape, nothing of another, 
 TEST_CASE("where an axis is parked explains nothing that the position along the measured line explains") {
   laser::MeasurementSet set;
   for (const double parked : {0.0, 300.0}) {
-    measure(set, {.targets = 21, .runs = 1, .parked_mm = {0.0, parked, 0.0}}, 0.1, [&](const laser::Reading& r) {
-      return 5.0 * std::sin(p(r) / 60.0) + (r.position_mm[1] > 0.0 ? 0.18 : 0.0);
-    });
+    measure(set, {.targets = 21, .runs = 1, .parked_mm = {0.0, parked, 0.0}}, 0.1,
+            [&](const Reading& r) { return 5.0 * std::sin(p(r) / 60.0) + (r.position_mm[1] > 0.0 ? 0.18 : 0.0); });
   }
   for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
   const Observations data = observations_of(set, straight(), mill());
@@ -131,13 +128,6 @@ TEST_CASE("the largest of noise replicates is what the tests of each replicate g
     CHECK(largest[static_cast<std::size_t>(b)] == Approx(most).epsilon(1e-3));
   }
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -190,14 +180,14 @@ TEST_CASE("the deviance of independent noise is Student's density of what a mean
   const double ln_sigma = std::log(kNoiseOfOne_um);
   const double expected = freedom * (std::log(std::numbers::pi * squares) - 2.0 * ln_sigma) -
                           2.0 * std::lgamma(0.5 * freedom) + 2.0 * n * ln_sigma + std::log(n) - 2.0 * ln_sigma;
-  CHECK(run.of_noise() == doctest::Approx(expected).epsilon(1e-9));
+  CHECK(run.of_noise() == Approx(expected).epsilon(1e-9));
 }
 
 TEST_CASE("the deviance does not depend on what the model itself can take") {
   const OneRun run([](double t) { return 0.001 * t; });
   const VectorXd moved = run.target + 12.5 * run.mean();
   CHECK(deviance_of(run.data, {run.noise, 0.0}, run.left_out, run.mean(), run.drift(), moved) ==
-        doctest::Approx(deviance_of(run.data, {run.noise, 0.0}, run.left_out, run.mean(), run.drift(), run.target)));
+        Approx(deviance_of(run.data, {run.noise, 0.0}, run.left_out, run.mean(), run.drift(), run.target)));
 }
 
 TEST_CASE("of columns that follow from the others none is kept, nor one that only an outlier shows") {

@@ -1,9 +1,8 @@
 // Verdicts on noise, on structure that nothing explains, and on models with free parameters.
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -13,7 +12,7 @@ namespace {
 
 /// Another value at every target, the same in all runs and both approaches: no effect of the library.
 Truth with_value_of_target(double size_um, const Truth& truth, unsigned seed) {
-  return [=, values = std::map<double, double>{}, random = std::mt19937_64(seed)](const laser::Reading& r) mutable {
+  return [=, values = std::map<double, double>{}, random = std::mt19937_64(seed)](const Reading& r) mutable {
     NormalDraws normal;
     const auto value = values.find(p(r));
     return truth(r) + (value == values.end() ? values[p(r)] = size_um * normal(random) : value->second);
@@ -30,13 +29,13 @@ std::size_t named_causes(const Diagnosis& found) {
 TEST_CASE("where the structure outweighs the cause the verdict is the structure, and the cause is listed as proved") {
   const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um,
                                                          with_value_of_target(
-                                                             3.0, [](const laser::Reading& r) { return d(r); }, 1)));
+                                                             3.0, [](const Reading& r) { return d(r); }, 1)));
   CHECK(found.verdict == Verdict::unexplained_structure);
   const auto backlash = std::find_if(found.candidates.begin(), found.candidates.end(),
                                      [](const Candidate& c) { return to_text(c.effect) == "backlash:X:EX"; });
   REQUIRE(backlash != found.candidates.end());
   CHECK(backlash->standing == Standing::proved);
-  CHECK_MESSAGE(found.headline.find("the lesser part") != std::string::npos, found.headline);
+  CHECK_MESSAGE(contains(found.headline, "the lesser part"), found.headline);
 }
 
 TEST_CASE("a proved cause is named beside structure that nothing explains: partly explained") {
@@ -44,7 +43,7 @@ TEST_CASE("a proved cause is named beside structure that nothing explains: partl
     const Diagnosis found =
         diagnosed(straight(), measured({}, kNoise_um,
                                        with_value_of_target(
-                                           1.0, [](const laser::Reading& r) { return 5.0 * d(r); }, seed)));
+                                           1.0, [](const Reading& r) { return 5.0 * d(r); }, seed)));
     CHECK(found.verdict == Verdict::partly_explained);
     REQUIRE(named_causes(found) == 1);
     const Candidate& first = found.candidates.front();
@@ -58,7 +57,7 @@ TEST_CASE("a proved cause is named beside structure that nothing explains: partl
 
 TEST_CASE("a wave whose size changes a little along the travel is named, one that grows from nothing is not") {
   const auto found_with = [](double change) {
-    return diagnosed(straight(), measured({.step_mm = 10.0, .targets = 101}, kNoise_um, [=](const laser::Reading& r) {
+    return diagnosed(straight(), measured({.step_mm = 10.0, .targets = 101}, kNoise_um, [=](const Reading& r) {
                        const double u = p(r) / 500.0 - 1.0;  // -1 to 1
                        return 8.0 * (1.0 + change * u) * std::sin(2.0 * std::numbers::pi * p(r) / 90.0);
                      }));
@@ -67,28 +66,28 @@ TEST_CASE("a wave whose size changes a little along the travel is named, one tha
   CHECK(steady.verdict == Verdict::partly_explained);
   REQUIRE(named_causes(steady) == 1);
   CHECK(to_text(steady.candidates.front().effect) == "cyclic:X:EX");
-  CHECK(steady.candidates.front().parameters.front().value == doctest::Approx(90.0).epsilon(0.01));
+  CHECK(steady.candidates.front().parameters.front().value == Approx(90.0).epsilon(0.01));
   const Diagnosis growing = found_with(1.0);
   CHECK(growing.verdict == Verdict::unexplained_structure);
   CHECK(named_causes(growing) == 0);
 }
 
 TEST_CASE("readings of unknown approach at the beginning of runs judge no lost motion") {
-  laser::MeasurementSet set = measured({.runs = 5}, kNoise_um, [](const laser::Reading& r) { return 3.0 * d(r); });
+  laser::MeasurementSet set = measured({.runs = 5}, kNoise_um, [](const Reading& r) { return 3.0 * d(r); });
   int run = 0;
-  for (laser::Reading& r : set.readings)
+  for (Reading& r : set.readings)
     if (r.run != std::exchange(run, r.run)) r.approach = Approach::unknown;
   const Diagnosis found = diagnosed(straight(), set);
   CHECK(found.verdict == Verdict::missing_effect);
   REQUIRE(named_causes(found) == 1);
   CHECK(to_text(found.candidates.front().effect) == "backlash:X:EX");
-  CHECK(found.candidates.front().parameters.front().value == doctest::Approx(6.0).epsilon(0.02));
+  CHECK(found.candidates.front().parameters.front().value == Approx(6.0).epsilon(0.02));
   CHECK(found.outliers.empty());
 }
 
 TEST_CASE("a jump of all readings between two of four runs is no drift, and no run is blamed for it") {
-  const Diagnosis found = diagnosed(
-      straight(), measured({.runs = 4}, kNoise_um, [](const laser::Reading& r) { return r.run >= 3 ? 9.0 : 0.0; }));
+  const Diagnosis found =
+      diagnosed(straight(), measured({.runs = 4}, kNoise_um, [](const Reading& r) { return r.run >= 3 ? 9.0 : 0.0; }));
   CHECK(found.verdict == Verdict::unexplained_structure);
   CHECK(named_causes(found) == 0);
   CHECK_MESSAGE(found.headline.starts_with("All readings rise by 9 um between runs 2 and 3"), found.headline);
@@ -115,7 +114,7 @@ TEST_CASE("a slope that is missing beside a wave of free period is reported as t
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Diagnosis found = diagnosed(model, measured(
                                                  {}, kNoise_um,
-                                                 [](const laser::Reading& r) {
+                                                 [](const Reading& r) {
                                                    return 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 87.3) +
                                                           6.0 * (p(r) / 1000.0 - 0.5);
                                                  },
@@ -134,11 +133,11 @@ TEST_CASE("what is shown of any candidate stays inside its limits") {
   Model model = straight();
   model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));
   model.effects.push_back(effect(effects::warm_up, Axis::X, Sense::EX));
-  auto set = measured({}, kNoise_um, [](const laser::Reading& r) {
+  auto set = measured({}, kNoise_um, [](const Reading& r) {
     return 20.0 * std::pow(p(r) / 1000.0 - 0.5, 2) + 4.0 * *r.time_s / 3600.0 + d(r);
   });
   double longest_mm = 0.0, session_s = 0.0;
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     r.travel_since_reversal_mm = d(r) > 0.0 ? p(r) + 6.0 : 1006.0 - p(r);
     longest_mm = std::max(longest_mm, *r.travel_since_reversal_mm);
     session_s = std::max(session_s, *r.time_s);

@@ -26,9 +26,7 @@ struct MetreOfX {
     return list;
   }
   static Choice choice(std::size_t family, double nonlinear = 0.0) {
-    Choice one;
-    one.family = family;
-    one.nonlinear = nonlinear;
+    Choice one{.family = family, .nonlinear = nonlinear};
     return one;
   }
   [[nodiscard]] std::string objection(const std::vector<Choice>& chosen, bool each_proved = false) const {
@@ -55,9 +53,9 @@ std::string objection_to_wave_in(const Truth& truth, unsigned seed = 1, double s
                                  choice, 160.0);
 }
 
-double turns_of_87_mm(const laser::Reading& r) { return 2.0 * std::numbers::pi * p(r) / 87.3; }
+double turns_of_87_mm(const Reading& r) { return 2.0 * std::numbers::pi * p(r) / 87.3; }
 /// −1 … 1 along the metre.
-double along(const laser::Reading& r) { return p(r) / 500.0 - 1.0; }
+double along(const Reading& r) { return p(r) / 500.0 - 1.0; }
 
 }  // namespace
 
@@ -159,24 +157,22 @@ TEST_CASE("a period within a percent of a pitch is the pitch, and what is no wav
 TEST_CASE("nothing is said of a steady wave, weak or strong") {
   for (unsigned seed = 1; seed <= 30; ++seed)
     for (const double size_um : {0.3, 1.0, 20.0})
-      CHECK(objection_to_wave_in([&](const laser::Reading& r) { return size_um * std::sin(turns_of_87_mm(r)); }, seed)
-                .empty());
+      CHECK(
+          objection_to_wave_in([&](const Reading& r) { return size_um * std::sin(turns_of_87_mm(r)); }, seed).empty());
 }
 
 TEST_CASE("an amplitude that grows along the travel is no cause of one size") {
   for (unsigned seed = 1; seed <= 10; ++seed)
-    CHECK(contains(
-        objection_to_wave_in(
-            [](const laser::Reading& r) { return (1.0 + 0.6 * along(r)) * std::sin(turns_of_87_mm(r)); }, seed),
-        "along the travel"));
+    CHECK(contains(objection_to_wave_in(
+                       [](const Reading& r) { return (1.0 + 0.6 * along(r)) * std::sin(turns_of_87_mm(r)); }, seed),
+                   "along the travel"));
 }
 
 TEST_CASE("a chirp is no wave of one period") {
   for (unsigned seed = 1; seed <= 10; ++seed)
-    CHECK(contains(
-        objection_to_wave_in(
-            [](const laser::Reading& r) { return std::sin(turns_of_87_mm(r) + 1.2 * along(r) * along(r)); }, seed),
-        "along the travel"));
+    CHECK(contains(objection_to_wave_in(
+                       [](const Reading& r) { return std::sin(turns_of_87_mm(r) + 1.2 * along(r) * along(r)); }, seed),
+                   "along the travel"));
 }
 
 TEST_CASE("an amplitude that grows with time is reported as such") {
@@ -184,21 +180,16 @@ TEST_CASE("an amplitude that grows with time is reported as such") {
   for (unsigned seed = 1; seed <= 10; ++seed)
     CHECK(contains(
         objection_to_wave_in(
-            [&](const laser::Reading& r) { return (0.4 + 1.2 * *r.time_s / last_s) * std::sin(turns_of_87_mm(r)); },
-            seed),
+            [&](const Reading& r) { return (0.4 + 1.2 * *r.time_s / last_s) * std::sin(turns_of_87_mm(r)); }, seed),
         "in time"));
 }
 
 TEST_CASE("a change of a few percent denies no cause, however small the noise") {
-  CHECK(objection_to_wave_in(
-            [](const laser::Reading& r) { return (1.0 + 0.05 * along(r)) * std::sin(turns_of_87_mm(r)); }, 1, 1e-3)
+  CHECK(objection_to_wave_in([](const Reading& r) { return (1.0 + 0.05 * along(r)) * std::sin(turns_of_87_mm(r)); }, 1,
+                             1e-3)
             .empty());
 }
 
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -213,7 +204,7 @@ laser::MeasurementSet with_free_wave(double period_mm, double amplitude_um, unsi
   std::map<std::pair<int, double>, double> phases;
   return measured(
       plan, kSigma_um,
-      [&](const laser::Reading& r) {
+      [&](const Reading& r) {
         const auto phase = phases.find({r.run, d(r)});
         const double rad = phase == phases.end() ? phases[{r.run, d(r)}] = any(random) : phase->second;
         return amplitude_um * std::sin(2.0 * std::numbers::pi * p(r) / period_mm + rad);
@@ -247,15 +238,13 @@ TEST_CASE("noise shows a free wave in none of four hundred sets") {
 }
 
 TEST_CASE("a stronger free wave is the more certain one, and its size does not depend on the unit") {
-  const auto weak = free_wave_in(with_free_wave(62.5, 0.3, 3)), strong = free_wave_in(with_free_wave(62.5, 0.6, 3));
-  REQUIRE(weak);
-  REQUIRE(strong);
-  CHECK(strong->minus_log_p > 1.5 * weak->minus_log_p);
+  const auto weak = must(free_wave_in(with_free_wave(62.5, 0.3, 3))),
+             strong = must(free_wave_in(with_free_wave(62.5, 0.6, 3)));
+  CHECK(strong.minus_log_p > 1.5 * weak.minus_log_p);
   const Searching of(with_free_wave(62.5, 0.6, 3), kSigma_um, {});
-  const auto scaled = free_wave(of.data, 1e3 * of.search.base().y, std::vector<bool>(of.data.size(), false));
-  REQUIRE(scaled);
-  CHECK(scaled->minus_log_p == Approx(strong->minus_log_p));
-  CHECK(scaled->period_mm == strong->period_mm);
+  const auto scaled = must(free_wave(of.data, 1e3 * of.search.base().y, std::vector<bool>(of.data.size(), false)));
+  CHECK(scaled.minus_log_p == Approx(strong.minus_log_p));
+  CHECK(scaled.period_mm == strong.period_mm);
 }
 
 TEST_CASE("a slow shape of fewer than two turns over the travel is no wave") {
@@ -277,7 +266,5 @@ TEST_CASE("outliers neither make a free wave nor hide one") {
     residual(static_cast<Index>(k)) = 1e4;
     left_out[k] = true;
   }
-  const auto found = free_wave(of.data, residual, left_out);
-  REQUIRE(found);
-  CHECK(found->period_mm == Approx(62.5).epsilon(0.03));
+  CHECK(must(free_wave(of.data, residual, left_out)).period_mm == Approx(62.5).epsilon(0.03));
 }

@@ -1,15 +1,12 @@
 // Square and straight edge: what changes its sign when they are turned over is theirs.
-
-#include <doctest/doctest.h>
-
 #include "model/planning/next_measurement.hpp"
 #include "model/regression/needs.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -21,7 +18,7 @@ laser::MeasurementSet against_square(bool both_sides, double angle_um_per_m, dou
     const std::size_t before = set.readings.size();
     measure(
         set, {.axis = Axis::Y, .sense = Sense::EX, .runs = 2}, kNoise_um,
-        [&](const laser::Reading& r) {
+        [&](const Reading& r) {
           const double u = p(r, Axis::Y) / 1000.0;
           return 3.0 + machine_um_per_m * u + side * (zero_um + angle_um_per_m * u + form_um * 4.0 * u * (1.0 - u));
         },
@@ -75,7 +72,7 @@ TEST_CASE("a bent straight edge is no bent way") {
 
 TEST_CASE("a bent way stays the machine's when the edge was turned over") {
   laser::MeasurementSet set = against_square(true, 0.0, 0.0, 0.0);
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     const double u = p(r, Axis::Y) / 1000.0;
     r.error += 5.0 * 4.0 * u * (1.0 - u);
   }
@@ -89,10 +86,9 @@ TEST_CASE("in one position the artefact cannot be told from the machine; turning
   const auto set = against_square(false, 8.0, 0.0, 20.0);
   const Model model = straight(Axis::Y, Sense::EX);
   const Observations data = observations_of(set, model, mill());
-  auto diagnosis = diagnose(model, data);
-  REQUIRE(diagnosis);
-  CHECK(count_named(*diagnosis) == 0);
-  const NextMeasurement next = planned_next(model, data, *diagnosis);
+  auto diagnosis = must(diagnose(model, data));
+  CHECK(count_named(diagnosis) == 0);
+  const NextMeasurement next = planned_next(model, data, diagnosis);
   CHECK(std::find(next.rivals.begin(), next.rivals.end(), "artefact_angle:Y:EX") != next.rivals.end());
   const auto turned = std::find_if(next.proposals.begin(), next.proposals.end(),
                                    [](const MeasurementProposal& one) { return one.reversed == true; });

@@ -1,17 +1,15 @@
 // Friction at reversals: the shape over time, and where it may be sought.
-#include <doctest/doctest.h>
-
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 #include "tests/model/support/made_paths.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 
 namespace {
 
@@ -19,7 +17,7 @@ namespace {
 Observations at_times(const std::vector<double>& since_s) {
   laser::MeasurementSet set;
   for (std::size_t i = 0; i < since_s.size(); ++i) {
-    laser::Reading reading;
+    Reading reading;
     reading.row = static_cast<int>(i) + 1;
     reading.position_mm[0] = 10.0 * static_cast<double>(i);
     reading.approach = Approach::forward;
@@ -31,8 +29,7 @@ Observations at_times(const std::vector<double>& since_s) {
 
 bool has_note_of_friction(const Observations& data) {
   const auto notes = untried_effects(data);
-  return std::any_of(notes.begin(), notes.end(),
-                     [](const std::string& note) { return note.find("friction") != std::string::npos; });
+  return std::any_of(notes.begin(), notes.end(), [](const std::string& note) { return contains(note, "friction"); });
 }
 
 laser::CircleTest still_circle() {

@@ -1,18 +1,16 @@
 // What every effect of the library must have, whoever adds one: the tests walk the library.
 #include <set>
 
-#include <doctest/doctest.h>
-
 #include "model/effects/quantities.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -37,7 +35,7 @@ Observations everything_varies() {
   }
   std::mt19937_64 random(3);
   const auto uniform = [&](double least, double greatest) { return UniformDraws(least, greatest)(random); };
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     r.position_mm[1] = uniform(100.0, 900.0);
     r.position_mm[2] = uniform(100.0, 900.0);
     r.feed_mm_min = uniform(100.0, 5000.0);
@@ -63,14 +61,13 @@ Observations ball_everywhere() {
   UniformDraws uniform(0.0, 1.0);
   laser::MeasurementSet set;
   for (int k = 0; k < 90; ++k) {
-    laser::Reading r;
-    r.axis = k % 2 == 0 ? Axis::Y : Axis::Z;
-    r.rotary = true;
-    r.sense = static_cast<Sense>(k % 3);
-    r.position_mm = {900.0 * uniform(random), 900.0 * uniform(random), 900.0 * uniform(random)};
-    r.angle_deg = {0.0, 180.0 * uniform(random) - 90.0, 360.0 * uniform(random)};
-    r.approach = k % 4 < 2 ? Approach::forward : Approach::reverse;
-    r.row = k + 1;
+    Reading r{.row = k + 1,
+              .axis = k % 2 == 0 ? Axis::Y : Axis::Z,
+              .rotary = true,
+              .position_mm = {900.0 * uniform(random), 900.0 * uniform(random), 900.0 * uniform(random)},
+              .angle_deg = {0.0, 180.0 * uniform(random) - 90.0, 360.0 * uniform(random)},
+              .sense = static_cast<Sense>(k % 3),
+              .approach = k % 4 < 2 ? Approach::forward : Approach::reverse};
     set.readings.push_back(r);
   }
   return observations_of(set, Model{}, machine);
@@ -203,25 +200,22 @@ TEST_CASE("search, fit and name keep every size inside its physical range, whate
 
     Model model;
     model.effects = {one};
-    const auto fitted = fit(model, data);
-    REQUIRE(fitted);
-    const ParameterEstimate& size = fitted->effects.front().parameters.front();
+    const auto fitted = must(fit(model, data));
+    const ParameterEstimate& size = fitted.effects.front().parameters.front();
     if (definition.parameters.front().limits) {
       CHECK(size.value == definition.parameters.front().limits->greatest);
     } else {
       CHECK(size.value == 0.0);
     }
     CHECK_FALSE(size.sigma);
-    CHECK_MESSAGE(fitted->notes.front().find("is at the limit of its physical range") != std::string::npos,
-                  fitted->notes.front());
+    CHECK_MESSAGE(contains(fitted.notes.front(), "is at the limit of its physical range"), fitted.notes.front());
 
     Model offset_alone;
     offset_alone.effects = {effect(effects::offset, Axis::X, Sense::EX)};
     for (const Model& base : {offset_alone, model}) {
-      const auto found = diagnose(base, data, {.noise_replicates = 20});
-      REQUIRE(found);
-      CHECK(found->verdict != Verdict::adequate);
-      for (const Candidate& candidate : found->candidates) CHECK_FALSE(same_candidate(candidate.effect, one));
+      const auto found = must(diagnose(base, data, {.noise_replicates = 20}));
+      CHECK(found.verdict != Verdict::adequate);
+      for (const Candidate& candidate : found.candidates) CHECK_FALSE(same_candidate(candidate.effect, one));
     }
   }
   CHECK(ranges == 3);  // air_refraction, dead_path, cosine
@@ -246,9 +240,7 @@ TEST_CASE("a fit keeps every searched parameter inside the limits that these dat
     one.fitted[name] = 5.0 * greatest;
     Model model;
     model.effects = {one};
-    const auto fitted = fit(model, data);
-    REQUIRE(fitted);
-    CHECK(fitted->effects.front().effect.fitted.at(name) <= 1.001 * greatest);
+    CHECK(must(fit(model, data)).effects.front().effect.fitted.at(name) <= 1.001 * greatest);
   }
 }
 
@@ -306,26 +298,21 @@ TEST_CASE("every effect survives a model file") {
     Model model;
     model.effects = {with_values(first_candidate(data, definition))};
     if (definition.traits.is_curve) model.effects.front().curve = {{0.0, 10.0}, {1.0, -1.0}};
-    const auto read = parse_model(to_toml(model), "model.toml", {});
-    REQUIRE_MESSAGE(read, (read ? "" : read.error().message));
-    CHECK(read->effects == model.effects);
+    CHECK(must(parse_model(to_toml(model), "model.toml", {})).effects == model.effects);
   }
 }
 
 TEST_CASE("a model file holds two sensors, and a column of another kind is refused by its line") {
-  const auto wrong = parse_model(
-      "[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsensor = \"t_a_degC\"\n"
-      "sensor2 = \"time_s\"\n",
-      "model.toml", {});
-  REQUIRE(!wrong);
-  CHECK(wrong.error().message.find("sensor2: expected a column") != std::string::npos);
+  const auto wrong =
+      must_fail(parse_model("[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsensor = \"t_a_degC\"\n"
+                            "sensor2 = \"time_s\"\n",
+                            "model.toml", {}));
+  CHECK(contains(wrong.message, "sensor2: expected a column"));
   EffectInstance drift = effect(effects::thermal_drift, Axis::X, Sense::EX);
   drift.sensor = "t_a_degC";
   drift.sensor2 = "t_b_degC";
   Model model;
   model.effects = {drift};
-  const auto read = parse_model(to_toml(model), "model.toml", {});
-  REQUIRE(read);
-  CHECK(read->effects == model.effects);
+  CHECK(must(parse_model(to_toml(model), "model.toml", {})).effects == model.effects);
   CHECK(sensors_text(drift) == "t_a_degC and t_b_degC");
 }

@@ -1,17 +1,14 @@
 // Location errors of rotary axes and error motions in readings of a ball: what the model says of them against exact
 // matrices (tests/support/exact_joints.hpp), and what it finds in such readings.
-
-#include <doctest/doctest.h>
-
 #include "model/diagnosis/ladder.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/exact_joints.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -83,17 +80,16 @@ laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ball, std
     const Eigen::Vector3d error = Eigen::Vector3d(e[0], e[1], e[2]) - ball.off_um;
     const Eigen::Vector3d read = ball.on_workpiece ? error : Eigen::Vector3d(bed.transpose() * error);
     for (int d = 0; d < 3; ++d) {
-      laser::Reading r;
-      r.axis = moving;
-      r.rotary = true;
-      r.sense = static_cast<Sense>(d);
-      r.position_mm = position;
-      r.angle_deg = angles;
-      r.error = read[d] + ball.noise_um * normal(random);
-      r.approach = approach;
-      r.run = run;
-      r.time_s = time_s;
-      r.row = static_cast<int>(set.readings.size()) + 1;
+      Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                .axis = moving,
+                .rotary = true,
+                .position_mm = position,
+                .angle_deg = angles,
+                .sense = static_cast<Sense>(d),
+                .error = read[d] + ball.noise_um * normal(random),
+                .approach = approach,
+                .run = run,
+                .time_s = time_s};
       if (ball.on_workpiece) r.extras["on_workpiece"] = 1.0;
       set.readings.push_back(r);
     }
@@ -124,9 +120,7 @@ Model without_locations(Model model) {
 }
 
 Diagnosis found_in(const laser::MeasurementSet& set, const TurningMachine& made, const Model& model) {
-  const auto found = diagnose(model, observations_of(set, model, made.machine));
-  REQUIRE(found);
-  return *found;
+  return must(diagnose(model, observations_of(set, model, made.machine)));
 }
 
 const Candidate* named_candidate(const Diagnosis& found) {
@@ -164,10 +158,9 @@ TEST_CASE("a ball off its place turns with the workpiece") {
   const TurningMachine made = trunnion();
   const laser::MeasurementSet set = ball_set(made, {{12.0, -7.0, 5.0}});
   const Model model = begun(set, made);
-  const auto fitted = fit(model, observations_of(set, model, made.machine));
-  REQUIRE(fitted);
-  CHECK(fitted->rms_um < 1e-6);
-  const auto& place = fitted->effects.front().parameters;
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
+  CHECK(fitted.rms_um < 1e-6);
+  const auto& place = fitted.effects.front().parameters;
   REQUIRE(place.size() == 3);
   CHECK(place[0].value == Approx(12.0));
   CHECK(place[1].value == Approx(-7.0));
@@ -200,7 +193,7 @@ TEST_CASE("at one angle of the other axis, places of both axis lines and the zer
   TurningMachine made = trunnion();
   made.exact.location[2][1] = 7.0;  // YOC
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 12);
-  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
   const Diagnosis found = found_in(set, made, without_locations(begun(set, made)));
   const Candidate* named = named_candidate(found);
   REQUIRE(named != nullptr);
@@ -228,15 +221,14 @@ TEST_CASE("a model begins with the location errors that the readings show, and f
   const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 15);
   const Model model = begun(set, made);
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
-  const auto fitted = fit(model, observations_of(set, model, made.machine));
-  REQUIRE(fitted);
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
   for (const auto& true_error : true_errors) {
     const std::string& name = true_error.first;
     const double size = true_error.second;
     CAPTURE(name);
-    const auto one = std::find_if(fitted->effects.begin(), fitted->effects.end(),
+    const auto one = std::find_if(fitted.effects.begin(), fitted.effects.end(),
                                   [&](const EffectFit& effect) { return to_text(effect.effect) == name; });
-    REQUIRE(one != fitted->effects.end());
+    REQUIRE(one != fitted.effects.end());
     const ParameterEstimate& value = one->parameters.front();
     REQUIRE(value.sigma);
     CHECK(std::abs(value.value - size) < 3.0 * *value.sigma);
@@ -256,8 +248,8 @@ TEST_CASE("what does the same as a location error of the model is kept as its al
   CHECK(alternatives_of(set, "location:C:XOC").starts_with("offset:"));
   CHECK(alternatives_of(set, "location:C:YOC") == "");
   CHECK(alternatives_of(set, "location:C:COC") == "not in the model");  // another place of the ball does the same
-  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
-  CHECK(alternatives_of(set, "location:C:YOC").find("location:A:YOA") != std::string::npos);
+  std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  CHECK(contains(alternatives_of(set, "location:C:YOC"), "location:A:YOA"));
 }
 
 TEST_CASE("each of two balls has a place of its own, and the errors of the axes are those of both") {
@@ -266,7 +258,7 @@ TEST_CASE("each of two balls has a place of its own, and the errors of the axes 
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.4}, 17);
   const laser::MeasurementSet second = ball_set(made, {{-20.0, 6.0, 11.0}, 0.4, false, {655.0, 380.0, -380.0}}, 18);
   const double later_s = *set.readings.back().time_s;
-  for (laser::Reading r : second.readings) {
+  for (Reading r : second.readings) {
     r.time_s = *r.time_s + later_s;
     r.row += static_cast<int>(set.readings.size());
     set.readings.push_back(r);
@@ -275,12 +267,11 @@ TEST_CASE("each of two balls has a place of its own, and the errors of the axes 
   CHECK(to_text(model.effects[0]) == "ball_on_table");
   CHECK(to_text(model.effects[1]) == "ball_on_table:2");
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
-  const auto fitted = fit(model, observations_of(set, model, made.machine));
-  REQUIRE(fitted);
-  CHECK(fitted->effects[0].parameters[0].value == Approx(14.0).epsilon(0.05));
-  CHECK(fitted->effects[1].parameters[0].value == Approx(-20.0).epsilon(0.05));
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
+  CHECK(fitted.effects[0].parameters[0].value == Approx(14.0).epsilon(0.05));
+  CHECK(fitted.effects[1].parameters[0].value == Approx(-20.0).epsilon(0.05));
   const std::string text = to_toml(model);
-  CHECK(text.find("ball = 2") != std::string::npos);
+  CHECK(contains(text, "ball = 2"));
   CHECK(parse_model(text, "model.toml", {})->effects == model.effects);
   CHECK(!parse_model("[[effect]]\nid = \"ball_on_table\"\nball = 0\n", "m.toml", {}));
   CHECK(!parse_model("[[effect]]\nid = \"scale\"\naxis = \"X\"\nball = 2\n", "m.toml", {}));
@@ -295,10 +286,9 @@ TEST_CASE("readings that do not follow a ball with the pivots given are not take
   CHECK(observations_of(set, Model{}, made.machine).not_followed == "");
   CHECK(observations_of(set, Model{}, made.machine).balls_mm.size() == 1);
   const std::string why = observations_of(set, Model{}, other.machine).not_followed;
-  CHECK(why.find("the linear axes did not follow a ball") != std::string::npos);
-  CHECK(why.find("pivot_mm") != std::string::npos);
+  check_holds(why, {"the linear axes did not follow a ball", "pivot_mm"});
   laser::MeasurementSet other_sign = set;
-  for (laser::Reading& r : other_sign.readings) r.angle_deg[2] = r.angle_deg[2] == 0.0 ? 0.0 : 360.0 - r.angle_deg[2];
+  for (Reading& r : other_sign.readings) r.angle_deg[2] = r.angle_deg[2] == 0.0 ? 0.0 : 360.0 - r.angle_deg[2];
   CHECK(!observations_of(other_sign, Model{}, made.machine).not_followed.empty());
 }
 
@@ -307,13 +297,12 @@ TEST_CASE("of a location error that the readings do not tell from another, the s
   made.exact.location[2][1] = 7.0;  // YOC
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 20);
   CHECK(exchangeable_locations(observations_of(set, Model{}, made.machine), begun(set, made).effects).empty());
-  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
+  std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
   const Model model = begun(set, made);
   const Observations data = observations_of(set, model, made.machine);
-  const auto fitted = fit(model, data);
-  REQUIRE(fitted);
+  const auto fitted = must(fit(model, data));
   double stands_for_um = 0.0;
-  for (const Exchangeable& one : exchangeable_locations(data, with_values(model, *fitted).effects))
+  for (const Exchangeable& one : exchangeable_locations(data, with_values(model, fitted).effects))
     if (to_text(one.effect) == "location:A:YOA") stands_for_um = one.stands_for;
   CHECK(stands_for_um == Approx(7.0).epsilon(0.1));
   CHECK(exchangeable_locations(data, model.effects).size() >= 2);  // YOA and BOA, of which BOA acts as BOC
@@ -322,7 +311,7 @@ TEST_CASE("of a location error that the readings do not tell from another, the s
 TEST_CASE("an axis that stands at several angles has lost motion in the model too") {
   const TurningMachine made = trunnion();
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 21);
-  std::erase_if(set.readings, [](const laser::Reading& r) { return r.axis != Axis::Z; });
+  std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z; });
   const Model model = begun(set, made);
   CHECK(std::any_of(model.effects.begin(), model.effects.end(),
                     [](const EffectInstance& one) { return to_text(one) == "backlash:A:EA"; }));
@@ -369,10 +358,9 @@ TEST_CASE("a standing axis keeps the lost motion with which it came to its angle
         20.0 / 2.0 * data.approach_of(k, Axis::X) * data.share_of(k, Axis::X, Sense::EA);
   const Model model = begun(set, made);
   data = observations_of(set, model, made.machine);
-  const auto fitted = fit(model, data);
-  REQUIRE(fitted);
-  CHECK(fitted->rms_um == Approx(0.3).epsilon(0.15));
-  for (const EffectFit& one : fitted->effects)
+  const auto fitted = must(fit(model, data));
+  CHECK(fitted.rms_um == Approx(0.3).epsilon(0.15));
+  for (const EffectFit& one : fitted.effects)
     if (to_text(one.effect) == "backlash:A:EA") CHECK(one.parameters.front().value == Approx(20.0).epsilon(0.05));
 }
 
@@ -392,20 +380,19 @@ TEST_CASE("an eccentric encoder is a wave of one turn in the positioning, seen t
 }
 
 TEST_CASE("a model file holds location errors by their code, directions in um/m") {
-  const auto read = parse_model(
-      "[[effect]]\nid = \"location\"\naxis = \"C\"\ncode = \"XOC\"\nparameters = { um = 3.5 }\n\n"
-      "[[effect]]\nid = \"location\"\ncode = \"BOC\"\nfitted = { um_per_m = -12 }\n\n"
-      "[[effect]]\nid = \"ball_on_table\"\n",
-      "model.toml", {});
-  REQUIRE_MESSAGE(read, (read ? "" : read.error().message));
-  CHECK(to_text(read->effects[0]) == "location:C:XOC");
-  CHECK(to_text(read->effects[1]) == "location:C:BOC");
-  const std::string text = to_toml(*read);
-  CHECK(text.find("um_per_m = -12") != std::string::npos);
-  CHECK(parse_model(text, "model.toml", {})->effects == read->effects);
+  const auto read =
+      must(parse_model("[[effect]]\nid = \"location\"\naxis = \"C\"\ncode = \"XOC\"\nparameters = { um = 3.5 }\n\n"
+                       "[[effect]]\nid = \"location\"\ncode = \"BOC\"\nfitted = { um_per_m = -12 }\n\n"
+                       "[[effect]]\nid = \"ball_on_table\"\n",
+                       "model.toml", {}));
+  CHECK(to_text(read.effects[0]) == "location:C:XOC");
+  CHECK(to_text(read.effects[1]) == "location:C:BOC");
+  const std::string text = to_toml(read);
+  CHECK(contains(text, "um_per_m = -12"));
+  CHECK(parse_model(text, "model.toml", {})->effects == read.effects);
   for (const char* wrong : {"code = \"XXC\"", "axis = \"A\"\ncode = \"XOC\"", "code = \"ECX\""}) {
-    const auto refused = parse_model(std::string("[[effect]]\nid = \"location\"\n") + wrong + "\n", "m.toml", {});
-    REQUIRE(!refused);
-    CHECK(refused.error().message.find("such as XOC") != std::string::npos);
+    const auto refused =
+        must_fail(parse_model(std::string("[[effect]]\nid = \"location\"\n") + wrong + "\n", "m.toml", {}));
+    CHECK(contains(refused.message, "such as XOC"));
   }
 }

@@ -1,16 +1,13 @@
 // A plate set up turned: one angle for both senses, found with its size; beside the machine's own effects where one
 // sense alone was measured.
-
-#include <doctest/doctest.h>
-
 #include "model/diagnosis/ladder.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -24,11 +21,11 @@ laser::MeasurementSet turned_plate(double noise_um) {
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 10; ++j)
       for (const Axis axis : {Axis::X, Axis::Y}) {
-        laser::Reading r;
-        r.row = static_cast<int>(set.readings.size()) + 1;
-        r.axis = axis;
-        r.sense = static_cast<Sense>(axis);
-        r.position_mm = {-300.0 + 53.0 * i + 2.0 * std::sin(7.0 * j), -280.0 + 61.0 * j + 2.0 * std::sin(5.0 * i), 0.0};
+        Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                  .axis = axis,
+                  .position_mm = {-300.0 + 53.0 * i + 2.0 * std::sin(7.0 * j),
+                                  -280.0 + 61.0 * j + 2.0 * std::sin(5.0 * i), 0.0},
+                  .sense = static_cast<Sense>(axis)};
         const double turned = axis == Axis::X ? -r.position_mm[1] : r.position_mm[0];
         r.error = 1.0 + kTurn_um_per_m * turned / 1000.0 + noise(random);
         set.readings.push_back(r);
@@ -42,12 +39,7 @@ Model base_of_both() {
   return model;
 }
 
-EffectInstance rotation(Sense about) {
-  EffectInstance effect;
-  effect.id = effect_named("set_up_rotation");
-  effect.sense = about;
-  return effect;
-}
+EffectInstance rotation(Sense about) { return {.id = effect_named("set_up_rotation"), .sense = about}; }
 
 std::vector<std::string> rotations_of(const laser::MeasurementSet& set) {
   std::vector<std::string> names;
@@ -64,33 +56,28 @@ TEST_CASE("a rotation acts across its axis, right-handed, in the translations of
   model.effects[0].parameters["um_per_m"] = 10.0;
   laser::MeasurementSet set;
   for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA}) {
-    laser::Reading r;
-    r.row = static_cast<int>(set.readings.size()) + 1;
-    r.sense = sense;
-    r.position_mm = {100.0, 200.0, 300.0};
+    Reading r{.row = static_cast<int>(set.readings.size()) + 1, .position_mm = {100.0, 200.0, 300.0}, .sense = sense};
     set.readings.push_back(r);
   }
   const Observations data = observations_of(set, model, std::nullopt);
-  const auto values = predicted(model, data);
-  REQUIRE(values);
+  const auto values = must(predicted(model, data));
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double expected = data.sense[k] == Sense::EY ? -3.0 : data.sense[k] == Sense::EZ ? 2.0 : 0.0;
-    CHECK((*values)[k] == Approx(expected));
+    CHECK(values[k] == Approx(expected));
   }
 }
 
 TEST_CASE("adding it to the model of a plate finds the angle by which the plate is turned") {
   const Model model = base_of_both();
-  const auto request = parse_add_request("set_up_rotation");
-  REQUIRE(request);
-  const auto added = add_effect(model, observations_of(turned_plate(1.0), model, std::nullopt), *request, "plate.csv");
-  REQUIRE(added);
-  CHECK(to_text(added->effect.effect) == "set_up_rotation:EC");
-  const ParameterEstimate& angle = added->effect.parameters.at(0);
+  const auto request = must(parse_add_request("set_up_rotation"));
+  const auto added =
+      must(add_effect(model, observations_of(turned_plate(1.0), model, std::nullopt), request, "plate.csv"));
+  CHECK(to_text(added.effect.effect) == "set_up_rotation:EC");
+  const ParameterEstimate& angle = added.effect.parameters.at(0);
   REQUIRE(angle.sigma);
   CHECK(*angle.sigma < 1.0);
   CHECK(std::abs(angle.value - kTurn_um_per_m) < 4.0 * *angle.sigma);
-  CHECK(added->rms_after_um < 1.2);
+  CHECK(added.rms_after_um < 1.2);
 }
 
 TEST_CASE("one rotation is named for a turned plate, not a slope in each sense") {
@@ -105,7 +92,7 @@ TEST_CASE("one rotation is named for a turned plate, not a slope in each sense")
 
 TEST_CASE("with one sense alone the machine's effect comes first and the rotation beside it") {
   laser::MeasurementSet one_sense = turned_plate(1.0);
-  std::erase_if(one_sense.readings, [](const laser::Reading& r) { return r.sense != Sense::EX; });
+  std::erase_if(one_sense.readings, [](const Reading& r) { return r.sense != Sense::EX; });
   const Diagnosis diagnosis = diagnosed(straight(Axis::X, Sense::EX), one_sense);
   REQUIRE(!diagnosis.candidates.empty());
   const Candidate& first = diagnosis.candidates[0];
@@ -125,22 +112,19 @@ TEST_CASE("a rotation is sought once for both senses, where a cross coordinate v
 }
 
 TEST_CASE("a model file names the rotation by its code, and refuses another") {
-  const auto model = parse_model("[[effect]]\nid = \"set_up_rotation\"\ncode = \"EB\"\n", "model.toml", ".");
-  REQUIRE(model);
-  CHECK(model->effects.at(0) == rotation(Sense::EB));
-  const auto again = parse_model(to_toml(*model), "model.toml", ".");
-  REQUIRE(again);
-  CHECK(again->effects == model->effects);
+  const auto model = must(parse_model("[[effect]]\nid = \"set_up_rotation\"\ncode = \"EB\"\n", "model.toml", "."));
+  CHECK(model.effects.at(0) == rotation(Sense::EB));
+  CHECK(must(parse_model(to_toml(model), "model.toml", ".")).effects == model.effects);
   for (const char* code : {"", "code = \"EX\"\n", "code = \"ECX\"\n"}) {
-    const auto bad = parse_model(std::string("[[effect]]\nid = \"set_up_rotation\"\n") + code, "model.toml", ".");
-    REQUIRE(!bad);
-    CHECK(to_text(bad.error()).find("EA, EB or EC") != std::string::npos);
+    const auto bad =
+        must_fail(parse_model(std::string("[[effect]]\nid = \"set_up_rotation\"\n") + code, "model.toml", "."));
+    CHECK(contains(to_text(bad), "EA, EB or EC"));
   }
 }
 
 TEST_CASE("a turned plate is one cause beside a free wave of the model, no slope in either sense") {
   laser::MeasurementSet set = turned_plate(1.0);
-  for (laser::Reading& r : set.readings)
+  for (Reading& r : set.readings)
     if (r.sense == Sense::EX) r.error += 4.0 * std::sin(r.position_mm[0] / 97.0 * 6.2831853);
   Model model = base_of_both();
   model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));

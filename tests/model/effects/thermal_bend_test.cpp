@@ -1,15 +1,12 @@
 // Bending by the difference of two sensors: found with its size where the difference varies, not named where it does
 // not.
-
-#include <doctest/doctest.h>
-
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -21,7 +18,7 @@ laser::MeasurementSet bent(bool difference_varies, double bend) {
   measure(set, {.sense = Sense::EY, .runs = 4}, 0.0, nothing);
   std::mt19937_64 random(5);
   NormalDraws noise(0.0, 0.4);
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     const double back = 21.0 + 0.3 * std::sin(*r.time_s / 900.0);
     const double difference = difference_varies ? 1.5 + 1.2 * std::sin(*r.time_s / 500.0) : 1.5;
     r.sensors_degC = {{"t_back_degC", back}, {"t_front_degC", back + difference}};
@@ -50,14 +47,13 @@ const Candidate* first_named(const Diagnosis& diagnosis) {
 TEST_CASE("a fit recovers the bending per degree of difference") {
   Model model = straight(Axis::X, Sense::EY);
   model.effects.push_back(thermal_bend());
-  const auto result = fit(model, observations_of(bent(true, kBend_um_per_m2_degC), model, mill()));
-  REQUIRE(result);
-  const ParameterEstimate& estimate = result->effects.back().parameters.at(0);
+  const auto result = must(fit(model, observations_of(bent(true, kBend_um_per_m2_degC), model, mill())));
+  const ParameterEstimate& estimate = result.effects.back().parameters.at(0);
   CHECK(estimate.name == "um_per_m2_degC");
   CHECK(estimate.value == Approx(kBend_um_per_m2_degC).epsilon(0.05));
   REQUIRE(estimate.sigma);
   CHECK(std::abs(estimate.value - kBend_um_per_m2_degC) < 4.0 * *estimate.sigma);
-  CHECK(result->rms_um < 0.5);
+  CHECK(result.rms_um < 0.5);
 }
 
 TEST_CASE("a diagnosis names the bending and its two sensors where their difference varies") {
@@ -81,8 +77,7 @@ TEST_CASE("a constant difference is no bending by temperature") {
 TEST_CASE("bending is sought across the moving axis only") {
   Plan along;
   auto set = measured(along, 0.5, nothing);
-  for (laser::Reading& r : set.readings)
-    r.sensors_degC = {{"t_back_degC", 20.0}, {"t_front_degC", 20.0 + *r.time_s / 1000.0}};
+  for (Reading& r : set.readings) r.sensors_degC = {{"t_back_degC", 20.0}, {"t_front_degC", 20.0 + *r.time_s / 1000.0}};
   for (const EffectInstance& one : candidate_instances(observations_of(set, Model{}, mill())))
     if (one.id == effect_named("thermal_bend")) CHECK(one.axis != Axis::X);
 }

@@ -33,15 +33,14 @@ double searched_value(EffectId id, const laser::MeasurementSet& set, std::option
   model.effects.push_back(effect(id, Axis::X, Sense::EX));
   const std::string name(model.effects.back().definition().searched_parameter());
   if (start) model.effects.back().fitted[name] = *start;
-  const auto found = fit(model, observations_of(set, model, mill()));
-  REQUIRE(found);
-  for (const ParameterEstimate& one : found->effects.back().parameters)
+  const auto found = must(fit(model, observations_of(set, model, mill())));
+  for (const ParameterEstimate& one : found.effects.back().parameters)
     if (one.name == name) return one.value;
   return kNotMeasured;
 }
 
 laser::MeasurementSet with_travel_since_reversal(laser::MeasurementSet set) {
-  for (laser::Reading& r : set.readings) r.travel_since_reversal_mm = d(r) > 0.0 ? p(r) + 6.0 : 1006.0 - p(r);
+  for (Reading& r : set.readings) r.travel_since_reversal_mm = d(r) > 0.0 ? p(r) + 6.0 : 1006.0 - p(r);
   return set;
 }
 
@@ -64,35 +63,31 @@ TEST_CASE("the terms of which the smallest sizes are taken are undetermined, eac
   const Model model = with_long_wave(40'000.0);
   const Observations data = observations_of(measured({}, kNoise_um, nothing), model, mill());
   const Regressors regressors(data);
-  auto assembly = Assembly::of(model, regressors);
-  REQUIRE(assembly);
-  const CoreFit core = fitted(*assembly, regressors, {});
+  auto assembly = must(Assembly::of(model, regressors));
+  const CoreFit core = fitted(assembly, regressors, {});
   CHECK(std::count(core.undetermined.begin(), core.undetermined.end(), true) >= 2);
   for (std::size_t j = 0; j < core.undetermined.size(); ++j) CHECK(core.undetermined[j] == !core.collides[j].empty());
-  const auto told = fit(model, data);
-  REQUIRE(told);
-  REQUIRE_FALSE(told->undetermined.empty());
-  CHECK(contains(told->undetermined.front(), "cannot be told from"));
+  const auto told = must(fit(model, data));
+  REQUIRE_FALSE(told.undetermined.empty());
+  CHECK(contains(told.undetermined.front(), "cannot be told from"));
 }
 
 TEST_CASE("terms that share little are fitted as they are, however large they are together") {
   Model model = straight();
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
-  const auto found = fit(
-      model,
-      observations_of(
-          measured({}, kNoise_um, [](const laser::Reading& r) { return 1e3 + 500.0 * p(r) / 1000.0 + 200.0 * d(r); }),
-          model, mill()));
-  REQUIRE(found);
-  CHECK(found->undetermined.empty());
+  const auto found = must(fit(
+      model, observations_of(
+                 measured({}, kNoise_um, [](const Reading& r) { return 1e3 + 500.0 * p(r) / 1000.0 + 200.0 * d(r); }),
+                 model, mill())));
+  CHECK(found.undetermined.empty());
 }
 
 TEST_CASE("a free period never passes half of the travel, whatever the readings and the former fit say") {
-  const auto parabola = [](const laser::Reading& r) { return 20.0 * std::pow(p(r) / 1000.0 - 0.5, 2); };
-  const auto half_turn = [](const laser::Reading& r) { return 5.0 * std::sin(std::numbers::pi * p(r) / 1000.0); };
+  const auto parabola = [](const Reading& r) { return 20.0 * std::pow(p(r) / 1000.0 - 0.5, 2); };
+  const auto half_turn = [](const Reading& r) { return 5.0 * std::sin(std::numbers::pi * p(r) / 1000.0); };
   const auto set = measured({}, kNoise_um, parabola);
   double least = 1e9, greatest = -1e9;
-  for (const laser::Reading& r : set.readings) {
+  for (const Reading& r : set.readings) {
     least = std::min(least, p(r));
     greatest = std::max(greatest, p(r));
   }
@@ -104,8 +99,8 @@ TEST_CASE("a free period never passes half of the travel, whatever the readings 
 TEST_CASE("a time constant lies between a fiftieth of the session and the session") {
   const auto set = measured({}, kNoise_um, nothing);
   const double session_s = *set.readings.back().time_s - *set.readings.front().time_s;
-  const auto creep = [](const laser::Reading& r) { return 5.0 * *r.time_s / 3600.0; };
-  const auto at_once = [&](const laser::Reading& r) { return 4.0 * -std::expm1(-*r.time_s / (session_s / 500.0)); };
+  const auto creep = [](const Reading& r) { return 5.0 * *r.time_s / 3600.0; };
+  const auto at_once = [&](const Reading& r) { return 4.0 * -std::expm1(-*r.time_s / (session_s / 500.0)); };
   for (const Truth& truth : {Truth(creep), Truth(at_once), Truth(nothing)})
     for (const std::optional<double> start : {std::optional<double>(), std::optional(1.0), std::optional(1e7)}) {
       const double tau_s = searched_value(warm_up, measured({}, kNoise_um, truth), start);
@@ -115,10 +110,10 @@ TEST_CASE("a time constant lies between a fiftieth of the session and the sessio
 }
 
 TEST_CASE("a decay length lies between a third of the shortest travel since reversal and half of the longest") {
-  const auto lost_at_once = [](const laser::Reading& r) { return 2.0 * d(r); };
+  const auto lost_at_once = [](const Reading& r) { return 2.0 * d(r); };
   const auto set = with_travel_since_reversal(measured({}, kNoise_um, lost_at_once));
   double shortest = 1e9, longest = 0.0;
-  for (const laser::Reading& r : set.readings) {
+  for (const Reading& r : set.readings) {
     shortest = std::min(shortest, *r.travel_since_reversal_mm);
     longest = std::max(longest, *r.travel_since_reversal_mm);
   }
@@ -133,26 +128,25 @@ TEST_CASE("a decay length lies between a third of the shortest travel since reve
 
 TEST_CASE("of periods that even targets cannot tell apart a fit keeps the one that it has") {
   auto set = measured({}, kNoise_um, nothing);
-  for (laser::Reading& r : set.readings) {  // every 25 mm: 8 and 200 mm are the same there
+  for (Reading& r : set.readings) {  // every 25 mm: 8 and 200 mm are the same there
     r.position_mm[0] = 25.0 * std::round(p(r) / 25.0);
     r.error += 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 8.0);
   }
-  CHECK(searched_value(cyclic, set, 8.0) == doctest::Approx(8.0).epsilon(0.001));
-  CHECK(searched_value(cyclic, set, 200.0) == doctest::Approx(200.0).epsilon(0.01));
+  CHECK(searched_value(cyclic, set, 8.0) == Approx(8.0).epsilon(0.001));
+  CHECK(searched_value(cyclic, set, 200.0) == Approx(200.0).epsilon(0.01));
 }
 
 TEST_CASE("terms that cancel each other keep sizes that the readings determine") {
   Model model = straight();
   model.effects.push_back(effect(sag, Axis::X, Sense::EX));
   model.effects.back().parameters["k3"] = 0.0;
-  const auto set = measured({.from_mm = 2000.0, .step_mm = 15.0}, 0.05, [](const laser::Reading& r) {
+  const auto set = measured({.from_mm = 2000.0, .step_mm = 15.0}, 0.05, [](const Reading& r) {
     const double p_m = p(r) / 1000.0;
     return 10.0 * p_m * p_m - 46.0 * p_m + 53.0;  // a bow of about 1 um of terms of 27 um
   });
-  const auto found = fit(model, observations_of(set, model, mill()));
-  REQUIRE(found);
-  const ParameterEstimate& square = found->effects.back().parameters.front();
+  const auto found = must(fit(model, observations_of(set, model, mill())));
+  const ParameterEstimate& square = found.effects.back().parameters.front();
   REQUIRE(square.sigma);
   CHECK(std::abs(square.value - 10.0) < 3.0 * *square.sigma);
-  CHECK(found->rms_um < 0.06);
+  CHECK(found.rms_um < 0.06);
 }

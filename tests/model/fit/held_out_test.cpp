@@ -1,14 +1,12 @@
 #include "model/fit/held_out.hpp"
 
-#include <doctest/doctest.h>
-
 #include "tests/model/normal_matrix.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

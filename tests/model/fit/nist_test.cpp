@@ -1,6 +1,5 @@
 // The fit of the project against certified values of NIST StRD (tests/data/real/nist-strd): parameters and their
 // sigmas.
-#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -14,7 +13,6 @@
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 
 namespace {
 
@@ -60,13 +58,9 @@ NistProblem nist(const std::string& name) {
 }
 
 Fit plain_fit(const std::string& model_text, const std::string& csv) {
-  const auto model = parse_model(model_text, "nist.toml", "");
-  if (!model) FAIL(to_text(model.error()));
-  const auto set = laser::parse_measurement_set(csv, "nist.csv");
-  if (!set) FAIL(to_text(set.error()));
-  const auto fitted = fit(*model, observations_of(*set, *model, {}), {.plain = true});
-  if (!fitted) FAIL(to_text(fitted.error()));
-  return *fitted;
+  const auto model = must(parse_model(model_text, "nist.toml", ""));
+  const auto set = must(laser::parse_measurement_set(csv, "nist.csv"));
+  return must(fit(model, observations_of(set, model, {}), {.plain = true}));
 }
 
 /// Differences from the certified numbers: of a parameter in its certified sigma, of a sigma relative.

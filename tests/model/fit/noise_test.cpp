@@ -2,15 +2,14 @@
 
 #include <set>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -68,9 +67,8 @@ TEST_CASE("repeats have as many degrees of freedom as there are readings less pl
 }
 
 TEST_CASE("without repeats the noise is what smooth columns leave, and says so") {
-  const NoiseModel noise =
-      noise_in(readings_of(measured({.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, kWhite_um,
-                                    [](const laser::Reading&) { return 7.0; })));
+  const NoiseModel noise = noise_in(readings_of(measured(
+      {.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, kWhite_um, [](const Reading&) { return 7.0; })));
   CHECK_FALSE(noise.pure.from_repeats);
   CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
 }
@@ -79,16 +77,15 @@ TEST_CASE("noise that lasts over several readings is recognised as correlated") 
   std::mt19937_64 random(4);
   NormalDraws normal;
   double state = normal(random), last_s = 0.0;
-  const auto turbulence = [&](const laser::Reading& r) {  // correlation time 30 s, readings every 10 s
+  const auto turbulence = [&](const Reading& r) {  // correlation time 30 s, readings every 10 s
     const double memory = std::exp(-(*r.time_s - last_s) / 30.0);
     last_s = *r.time_s;
     state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
     return state;
   };
   const NoiseModel noise = noise_in(readings_of(measured({.runs = 5}, 0.2, turbulence)));
-  REQUIRE(noise.groups.size() == 1);
   CHECK(share_of_white(noise) < 0.01);
-  CHECK(noise.groups.front().correlated > 2.0 * noise.groups.front().white);
+  CHECK(only(noise.groups).correlated > 2.0 * noise.groups.front().white);
   CHECK(noise.groups.front().sigma() == Approx(std::hypot(1.0, 0.2)).epsilon(0.3));
 }
 
@@ -101,7 +98,7 @@ Measured scan(int readings, double interval_s, double sigma_um, unsigned seed) {
   const double memory = std::exp(-interval_s / 0.1);
   double state = normal(random);
   Measured m = readings_of(
-      measured({.step_mm = 0.25, .targets = readings, .runs = 1, .both_ways = false}, 0.0, [&](const laser::Reading&) {
+      measured({.step_mm = 0.25, .targets = readings, .runs = 1, .both_ways = false}, 0.0, [&](const Reading&) {
         state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
         return sigma_um * state;
       }));
@@ -233,7 +230,7 @@ Measured walk(unsigned seed, double memory = 1e9) {
   double state = 0.0;
   return readings_of(
       measured({.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, 0.0,
-               [&](const laser::Reading&) { return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random); }));
+               [&](const Reading&) { return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random); }));
 }
 
 /// Takes everything for noise of the size that it has.
@@ -250,7 +247,7 @@ NoiseModel all_as_noise(const Measured& m, double correlated_share, double time_
 TEST_CASE("readings at one place under other angles of the rotary axes are no repeats") {
   auto set = measured({}, kWhite_um, nothing);
   const std::size_t places = repeats_of(observations_of(set, straight(), mill())).nodes;
-  for (laser::Reading& r : set.readings) r.angle_deg = {0.0, r.run == 2 ? 90.0 : 0.0, 0.0};
+  for (Reading& r : set.readings) r.angle_deg = {0.0, r.run == 2 ? 90.0 : 0.0, 0.0};
   CHECK(repeats_of(observations_of(set, straight(), mill())).nodes == 2 * places);
 }
 
@@ -287,12 +284,6 @@ TEST_CASE("a shape of which the noise has taken nothing does not make the noise 
   const Measured m = walk(2);
   CHECK_FALSE(wanders(m.data, plain_noise(m.data, 0.3), m.residual, m.left_out));
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-using Eigen::Index;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -409,10 +400,6 @@ TEST_CASE("the first reading after a reversal is no outlier where every run is o
   set.raise(82, -40.0);  // one run only
   CHECK(set.outliers() == std::vector<std::size_t>{0});
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
 
 TEST_CASE("the transposed whitener is the transpose of the whitener, rows left out and all") {
   const auto set = measured({}, 0.3, nothing);

@@ -1,21 +1,18 @@
 // From where a fitted model counts time and temperatures on other readings.
-
-#include <doctest/doctest.h>
-
 #include "laser/import/import.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 
 namespace {
 
 /// A drift of 4 um/h and a growth of 2 um/degC, exactly; time begins at 10 s.
 laser::MeasurementSet drifting() {
-  return measured({}, 0.0, [](const laser::Reading& r) {
+  return measured({}, 0.0, [](const Reading& r) {
     return 4.0 * (*r.time_s - 10.0) / 3600.0 + 2.0 * (r.sensors_degC.at("t_material_degC") - 21.0);
   });
 }
@@ -29,18 +26,15 @@ Model drift_and_growth() {
 }
 
 Model fitted_to(const Model& model, const laser::MeasurementSet& set) {
-  const auto found = fit(model, observations_of(set, model, mill()));
-  REQUIRE(found);
-  return with_values(model, *found);
+  return with_values(model, must(fit(model, observations_of(set, model, mill()))));
 }
 
 /// By row of the set.
 std::vector<double> predictions(const Model& model, const laser::MeasurementSet& set) {
   const Observations at = all_observations_of(set, model, mill());
-  const auto values = predicted(model, at);
-  REQUIRE(values);
+  const auto values = must(predicted(model, at));
   std::vector<double> by_row(set.readings.size());
-  for (std::size_t k = 0; k < at.size(); ++k) by_row[at.file_order[k]] = (*values)[k];
+  for (std::size_t k = 0; k < at.size(); ++k) by_row[at.file_order[k]] = values[k];
   return by_row;
 }
 
@@ -80,9 +74,8 @@ TEST_CASE("the set next_day is predicted alike from the whole file and from its 
   REQUIRE(model);
   REQUIRE(all);
   REQUIRE(half);
-  const auto found = fit(*model, observations_of(all->set, *model, std::nullopt));
-  REQUIRE(found);
-  const Model fitted = with_values(*model, *found);
+  const auto found = must(fit(*model, observations_of(all->set, *model, std::nullopt)));
+  const Model fitted = with_values(*model, found);
   REQUIRE(fitted.origin);
   CHECK(fitted.origin->time_s == 0.0);
   CHECK(fitted.origin->sensors_degC.at("t_bed_degC") == 20.0);
@@ -94,13 +87,12 @@ TEST_CASE("the set next_day is predicted alike from the whole file and from its 
 
 TEST_CASE("a model keeps its origin in its file, and through a fit to other readings") {
   const Model model = fitted_to(drift_and_growth(), drifting());
-  const auto again = parse_model(to_toml(model), "m.toml", "");
-  if (!again) FAIL(to_text(again.error()));
-  CHECK(again->origin == model.origin);
-  const Model of_half = fitted_to(*again, last_half(drifting()));
+  const auto again = must(parse_model(to_toml(model), "m.toml", ""));
+  CHECK(again.origin == model.origin);
+  const Model of_half = fitted_to(again, last_half(drifting()));
   CHECK(of_half.origin == model.origin);
   for (const EffectInstance& one : of_half.effects)
-    if (one.id == offset) CHECK(one.fitted.at("um") == Approx(again->effects.front().fitted.at("um")).epsilon(1e-6));
+    if (one.id == offset) CHECK(one.fitted.at("um") == Approx(again.effects.front().fitted.at("um")).epsilon(1e-6));
 }
 
 TEST_CASE("a model of which nothing counts from the origin takes that of its last readings") {
@@ -117,7 +109,7 @@ TEST_CASE("formulas of the user count time from the origin too") {
   creep.formulas = {{Sense::EX, "k * time_s"}};
   creep.user = {{"k", "um/s", {}, {}, {}, {}}};
   model.effects.push_back(creep);
-  const laser::MeasurementSet all = measured({}, 0.0, [](const laser::Reading& r) { return 0.002 * *r.time_s; });
+  const laser::MeasurementSet all = measured({}, 0.0, [](const Reading& r) { return 0.002 * *r.time_s; });
   const Model fitted = fitted_to(model, all);
   const std::vector<double> of_half = predictions(fitted, last_half(all));
   CHECK(of_half.back() == Approx(all.readings.back().error));
@@ -153,14 +145,12 @@ TEST_CASE("readings without a common clock say so") {
 
 TEST_CASE("faults of an origin are refused with file and line") {
   const auto refused = [](const std::string& origin) {
-    const auto model = parse_model("[origin]\n" + origin + "\n", "m.toml", "");
-    REQUIRE_FALSE(model);
-    return to_text(model.error());
+    return to_text(must_fail(parse_model("[origin]\n" + origin + "\n", "m.toml", "")));
   };
   CHECK(refused("seconds = 3").find("m.toml:2:") == 0);
   CHECK(refused("time_s = 3\ndate = \"yesterday\"").find("m.toml:3:8: date: expected a date and time such as") == 0);
   CHECK(refused("time_s = 3\ndate = \"08:00:00\"").find("m.toml:3:8: date: expected a date and time such as") == 0);
-  CHECK(refused("date = \"2026-01-31 08:00:00\"").find("expected time_s beside date") != std::string::npos);
-  CHECK(refused("temperatures = { bed = 20.0 }").find("expected a column t_…_degC, got \"bed\"") != std::string::npos);
-  CHECK(refused("air = { t_air_degC = 20.0 }").find("air: expected pressure_hPa") != std::string::npos);
+  CHECK(contains(refused("date = \"2026-01-31 08:00:00\""), "expected time_s beside date"));
+  CHECK(contains(refused("temperatures = { bed = 20.0 }"), "expected a column t_…_degC, got \"bed\""));
+  CHECK(contains(refused("air = { t_air_degC = 20.0 }"), "air: expected pressure_hPa"));
 }

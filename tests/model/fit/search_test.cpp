@@ -1,21 +1,19 @@
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "tests/model/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
-double wave(const laser::Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }
+double wave(const Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }
 
 }  // namespace
 
@@ -38,16 +36,14 @@ TEST_CASE("what is absorbed is orthonormal, and what is left has nothing of it")
 TEST_CASE("a period between two that were tried is found, and gains what its size promises") {
   const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   const std::vector<Choice> found = of.search.expand(of.search.base());
-  REQUIRE(found.size() == 1);
-  CHECK(found.front().nonlinear == Approx(87.3).epsilon(0.005));
+  CHECK(only(found).nonlinear == Approx(87.3).epsilon(0.005));
   const double promised = 0.5 * 246.0 / (kSigma_um * kSigma_um);  // mean square ½ of 246 readings
   CHECK(found.front().gain == Approx(promised).epsilon(0.1));
 }
 
 TEST_CASE("of several causes the true one comes first") {
   const auto candidates = candidates_named({"cyclic:X:EX", "backlash:X:EX", "sag:X:EX", "step:X:EX"});
-  const Searching of(measured_line([](const laser::Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }), kSigma_um,
-                     candidates);
+  const Searching of(measured_line([](const Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }), kSigma_um, candidates);
   const std::vector<Choice> found = of.search.expand(of.search.base());
   REQUIRE_FALSE(found.empty());
   CHECK(of.name_of(found.front()) == "step:X:EX");
@@ -61,7 +57,7 @@ TEST_CASE("an effect that the model has already gains nothing more") {
 }
 
 TEST_CASE("the gain of a choice is the fall of the sum of squares of a least squares fit") {
-  const Searching of(measured_line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um,
+  const Searching of(measured_line([](const Reading& r) { return 0.8 * d(r); }), kSigma_um,
                      candidates_named({"backlash:X:EX"}));
   const Solution solution = of.search.solution({of.search.choice_at(of.search.base(), 0, 0.0)});
   const auto chi2_with = [&](const MatrixXd& columns) {
@@ -82,8 +78,8 @@ TEST_CASE("every free coefficient costs the logarithm of the readings that it ac
 }
 
 TEST_CASE("functions that two curves share are paid for once, whichever comes first") {
-  auto set = measured_line([](const laser::Reading& r) { return 4.0 * std::sin(std::numbers::pi * p(r) / 1000.0); });
-  for (laser::Reading& r : set.readings) r.position_mm[index_of(Axis::Z)] = 300.0;  // one lever
+  auto set = measured_line([](const Reading& r) { return 4.0 * std::sin(std::numbers::pi * p(r) / 1000.0); });
+  for (Reading& r : set.readings) r.position_mm[index_of(Axis::Z)] = 300.0;  // one lever
   const Searching of(set, kSigma_um, candidates_named({"progressive:X:EX", "angular:X:EBX"}));
   REQUIRE(of.search.families().size() == 2);
   const Choice curve = of.search.choice_at(of.search.base(), 0, 0.0);
@@ -119,8 +115,7 @@ TEST_CASE("the score of noise on one effect is the square of one normal deviate 
 
 TEST_CASE("periods are tried at the pitch of the screw, its parts and its multiples") {
   const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
-  REQUIRE(of.search.families().size() == 1);
-  const std::vector<double>& facts = of.search.families().front().facts;
+  const std::vector<double>& facts = only(of.search.families()).facts;
   for (const double period_mm : {10.0, 5.0, 20.0})
     CHECK(std::any_of(facts.begin(), facts.end(), [&](double f) { return std::abs(f - period_mm) < 1e-9; }));
 }
@@ -154,16 +149,15 @@ TEST_CASE("a search that is cancelled stops") {
 
 TEST_CASE("a free wave of the model itself keeps its period beside a slope that is missing from it") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const Searching of(measured_line([](const laser::Reading& r) { return wave(r) + 12.0 * p(r) / 1000.0; }, seed),
-                       kSigma_um, {});
+    const Searching of(measured_line([](const Reading& r) { return wave(r) + 12.0 * p(r) / 1000.0; }, seed), kSigma_um,
+                       {});
     const MatrixXd offset_alone = of.base.leftCols(1);
     const Search search(of.regressors, of.whitener, offset_alone, of.target,
                         candidates_named({"scale:X:EX", "step:X:EX"}), candidates_named({"cyclic:X:EX"}));
     CHECK(search.candidates() == 2);
     REQUIRE(search.families().size() == 3);
     const Solution solution = search.refined({search.choice_at(search.alone().space, 0, 0.0)});
-    REQUIRE(solution.own.size() == 1);
-    CHECK(solution.own.front().nonlinear == Approx(87.3).epsilon(0.005));
+    CHECK(only(solution.own).nonlinear == Approx(87.3).epsilon(0.005));
     CHECK(solution.space.chi2() == Approx(246.0).epsilon(0.3));  // noise alone is left
     CHECK(search.alone().space.chi2() > 10.0 * solution.space.chi2());
   }
@@ -173,14 +167,13 @@ TEST_CASE("a model whose own wave has all there is needs nothing more") {
   const Searching of(measured_line(wave), kSigma_um, {});
   const Search search(of.regressors, of.whitener, of.base, of.target, candidates_named({"backlash:X:EX"}),
                       candidates_named({"cyclic:X:EX"}));
-  REQUIRE(search.alone().own.size() == 1);
-  CHECK(search.alone().own.front().nonlinear == Approx(87.3).epsilon(0.005));
+  CHECK(only(search.alone().own).nonlinear == Approx(87.3).epsilon(0.005));
   for (const Choice& choice : search.expand(search.alone().space)) CHECK(choice.score() < 8.0);
 }
 
 TEST_CASE("an effect pays for the choice of which of its sizes it uses") {
-  const Searching of(measured_line([](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }),
-                     kSigma_um, candidates_named({"sag:X:EX"}));
+  const Searching of(measured_line([](const Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }), kSigma_um,
+                     candidates_named({"sag:X:EX"}));
   const Choice cube = of.search.choice_at(of.search.base(), 0, 0.0);
   REQUIRE(cube.columns == std::vector<Index>{1});
   CHECK(cube.cost == Approx(std::log(246.0) + 2.0 * std::log(3.0)));  // one of: square, cube, both
@@ -199,8 +192,8 @@ TEST_CASE("a wave begun at twice its period, as a second harmonic, is refined to
 }
 
 TEST_CASE("all sizes of an effect are free again for its final fit") {
-  const Searching of(measured_line([](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }),
-                     kSigma_um, candidates_named({"sag:X:EX"}));
+  const Searching of(measured_line([](const Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }), kSigma_um,
+                     candidates_named({"sag:X:EX"}));
   const Choice cube = of.search.choice_at(of.search.base(), 0, 0.0);
   const EffectInstance held = effect_of(of.search.families()[0].effect, cube);
   CHECK(held.parameters.contains("k2"));
@@ -209,7 +202,7 @@ TEST_CASE("all sizes of an effect are free again for its final fit") {
 
 TEST_CASE("a time constant far off is sought anew beside the effects found with it") {
   const auto set = measured_line(
-      [](const laser::Reading& r) { return 12.0 * -std::expm1(-*r.time_s / 150.0) + 10.0 * *r.time_s / 3600.0; });
+      [](const Reading& r) { return 12.0 * -std::expm1(-*r.time_s / 150.0) + 10.0 * *r.time_s / 3600.0; });
   const Searching of(set, kSigma_um, candidates_named({"warm_up:X:EX", "time_drift:X:EX"}));
   const Choice slow = of.search.choice_at(of.search.base(), 0, 2500.0);
   const Choice drift = of.search.choice_at(of.search.base(), 1, 0.0);
@@ -219,13 +212,6 @@ TEST_CASE("a time constant far off is sought anew beside the effects found with 
   CHECK(found.space.chi2() <= of.search.solution({quick, drift}).space.chi2());
   CHECK(found.chosen.front().nonlinear < 300.0);
 }
-
-using namespace ecs;
-using namespace ecs::model;
-using doctest::Approx;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 

@@ -1,15 +1,9 @@
 #include "model/fit/statistics.hpp"
 
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 
 TEST_CASE("tails agree with printed tables") {
   CHECK(std::exp(ln_chi2_tail(3.841459, 1.0)) == Approx(0.05).epsilon(1e-5));

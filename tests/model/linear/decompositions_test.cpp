@@ -1,11 +1,8 @@
 // Decompositions: what they promise, and where there is nothing to decompose.
 #include "model/linear/decompositions.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "tests/model/normal_matrix.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::model {
 namespace {
@@ -103,7 +100,7 @@ TEST_CASE("a Cholesky factor solves, inverts and whitens what it was made of; a 
   CHECK((gram * factor.inverse()).isIdentity(1e-12));
   CHECK((gram * factor.solve(Eigen::VectorXd::Ones(4))).isApprox(Eigen::VectorXd::Ones(4), 1e-12));
   CHECK(factor.by_l_transposed(factor.by_l(gram)).isIdentity(1e-12));
-  CHECK(factor.half_ln_determinant() == doctest::Approx(0.5 * std::log(gram.determinant())));
+  CHECK(factor.half_ln_determinant() == Approx(0.5 * std::log(gram.determinant())));
   add_gram(gram, columns, -2.0);
   CHECK(!Cholesky(gram).is_positive());
 }

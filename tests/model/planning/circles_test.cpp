@@ -1,5 +1,4 @@
 // Circles among the proposals.
-
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
@@ -11,14 +10,10 @@ using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 
 namespace {
 
-MeasuringTimes with_ball_bar() {
-  MeasuringTimes times{.ball_bar = true};
-  return times;
-}
+MeasuringTimes with_ball_bar() { return {.ball_bar = true}; }
 
 /// A line of X at one feed whose lost motion may also be its following error.
 struct Tied {
@@ -27,7 +22,7 @@ struct Tied {
 };
 Tied lost_or_lagging() {
   const auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
   Observations data = observations_of(set, straight(), mill());
   Diagnosis diagnosis = diagnose(straight(), data).value();
   return {std::move(data), std::move(diagnosis)};
@@ -96,7 +91,7 @@ TEST_CASE("after a coarse circle that leaves a spike or friction a circle that t
   REQUIRE_FALSE(next.proposals.empty());
   const MeasurementProposal& first = next.proposals.front();
   REQUIRE(first.circle);
-  CHECK(first.circle->name.find('Y') != std::string::npos);
+  CHECK(contains(first.circle->name, 'Y'));
   CHECK(first.separation_sigma > 3.0);
   CHECK(first.first_run == 3);
 }
@@ -114,14 +109,11 @@ TEST_CASE(
   const double turns_min = 2.0 * 2.0 * 450.0 / 360.0 * 2.0 * std::numbers::pi * 100.0 / 2000.0;
   CHECK(minutes_of(one, {}) == Approx(5.0 + turns_min).epsilon(0.02));
   const std::string program = part_program(one, mill());
-  CHECK(contains(program, "> G90G17\n"));
-  CHECK(contains(program, "$REP 2"));
-  CHECK(contains(program, "> G03X500.0Y300.0I-100.0J0.0F2000;"));
-  CHECK(contains(program, "> G02X500.0Y300.0I-100.0J0.0F2000;"));
-  const auto plan = laser::parse_measurement_set(target_list(one), "targets.csv");
-  REQUIRE(plan);
-  CHECK(plan->readings.size() == 2 * 2 * 271);
-  const Observations rows = observations_of(*plan, Model{}, mill());
+  check_holds(program,
+              {"> G90G17\n", "$REP 2", "> G03X500.0Y300.0I-100.0J0.0F2000;", "> G02X500.0Y300.0I-100.0J0.0F2000;"});
+  const auto plan = must(laser::parse_measurement_set(target_list(one), "targets.csv"));
+  CHECK(plan.readings.size() == 2 * 2 * 271);
+  const Observations rows = observations_of(plan, Model{}, mill());
   CHECK(has_circles(rows));
   CHECK(rows.path_of(0) == *one.circle);
 }

@@ -1,10 +1,9 @@
 #include "model/planning/next_measurement.hpp"
 
-#include <doctest/doctest.h>
-
 #include "base/moved_targets.hpp"
 #include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -20,13 +19,12 @@ struct AfterBacklash {
 };
 AfterBacklash after_backlash(bool even_targets) {
   auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
   if (even_targets)
-    for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+    for (Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
   Observations data = observations_of(set, straight(), mill());
-  const auto found = diagnose(straight(), data);
-  REQUIRE(found);
-  NextMeasurement next = next_measurement(straight(), data, *found);
+  const auto found = must(diagnose(straight(), data));
+  NextMeasurement next = next_measurement(straight(), data, found);
   REQUIRE_FALSE(next.proposals.empty());
   return {std::move(data), std::move(next)};
 }
@@ -42,30 +40,27 @@ TEST_CASE("a polarity of the map and a gain of minus one are the same: reported,
     map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
   }
   model.map = map;
-  auto set = measured({}, kNoise_um,
-                      [&](const laser::Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+  auto set =
+      measured({}, kNoise_um, [&](const Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
   const Observations data = observations_of(set, model, mill());
-  auto found = diagnose(model, data);
-  REQUIRE(found);
-  std::erase_if(found->candidates,
+  auto found = must(diagnose(model, data));
+  std::erase_if(found.candidates,
                 [](const Candidate& c) { return c.effect.id != map_polarity && c.effect.id != map_gain; });
-  const NextMeasurement next = next_measurement(model, data, *found);
+  const NextMeasurement next = next_measurement(model, data, found);
   CHECK(next.rivals.size() >= 2);
   CHECK(next.proposals.empty());
-  REQUIRE(next.notes.size() == 1);
-  CAPTURE(next.notes[0]);
-  CHECK(next.notes[0].find("contribute alike") != std::string::npos);
+  CAPTURE(only(next.notes));
+  CHECK(contains(next.notes[0], "contribute alike"));
 }
 
 TEST_CASE("proposals stay inside the travel with their overrun, or inside what was measured") {
   auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
   const Model model = straight();
   for (const bool with_machine : {true, false}) {
     const Observations data = observations_of(set, model, with_machine ? std::optional(mill()) : std::nullopt);
-    const auto found = diagnose(model, data);
-    REQUIRE(found);
-    const NextMeasurement next = next_measurement(model, data, *found);
+    const auto found = must(diagnose(model, data));
+    const NextMeasurement next = next_measurement(model, data, found);
     REQUIRE_FALSE(next.proposals.empty());
     double least = 0.0, greatest = 1000.0;
     if (!with_machine) {
@@ -91,9 +86,8 @@ TEST_CASE("three readings, no machine, no times, no approach: an answer without 
   }
   const Model model = straight();
   const Observations data = observations_of(set, model, std::nullopt);
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  const NextMeasurement next = next_measurement(model, data, *found);
+  const auto found = must(diagnose(model, data));
+  const NextMeasurement next = next_measurement(model, data, found);
   CHECK_FALSE(next.notes.empty());
   for (const MeasurementProposal& proposal : next.proposals)
     for (const double target : proposal.targets_mm) {
@@ -106,21 +100,19 @@ TEST_CASE("three readings, no machine, no times, no approach: an answer without 
 TEST_CASE("a model with too few readings says what it could not have seen, and what would show it") {
   const Plan plan{.step_mm = 190.0, .targets = 6, .runs = 1, .both_ways = false};
   auto set = session(
-      plan, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; },
-      [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+      plan, [](const Reading& r) { return 9.0 * p(r) / 1000.0; }, [](Reading& r) { r.feed_mm_min = 2000.0; });
   const Model model = straight();
   const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  REQUIRE(found->verdict == Verdict::cannot_tell);
-  const NextMeasurement next = next_measurement(model, data, *found);
+  const auto found = must(diagnose(model, data));
+  REQUIRE(found.verdict == Verdict::cannot_tell);
+  const NextMeasurement next = next_measurement(model, data, found);
   CHECK(next.rivals.size() >= 2);
   REQUIRE_FALSE(next.proposals.empty());
   CHECK(next.proposals.front().separation_sigma >= 3.0);
 }
 
 TEST_CASE("an adequate model with many readings asks for nothing") {
-  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; });
+  auto set = measured({}, kNoise_um, [](const Reading& r) { return 9.0 * p(r) / 1000.0; });
   for (auto& r : set.readings) {
     r.time_s.reset();
     r.sensors_degC.clear();
@@ -130,10 +122,9 @@ TEST_CASE("an adequate model with many readings asks for nothing") {
   one.axes[2].reset();
   const Model model = straight();
   const Observations data = observations_of(set, model, one);
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  REQUIRE(found->verdict == Verdict::adequate);
-  const NextMeasurement next = next_measurement(model, data, *found);
+  const auto found = must(diagnose(model, data));
+  REQUIRE(found.verdict == Verdict::adequate);
+  const NextMeasurement next = next_measurement(model, data, found);
   REQUIRE_FALSE(next.notes.empty());
   CAPTURE(next.notes.front());
   const auto names = [&](const char* name) {
@@ -148,12 +139,12 @@ TEST_CASE("a proposal says what it tells, how surely and how long it takes, then
   for (const MeasurementProposal& one : next.proposals) {
     CAPTURE(one.tells);
     CAPTURE(one.sentence);
-    CHECK(one.tells.find(" sigma, ") != std::string::npos);
-    CHECK(one.tells.find(std::to_string(std::lround(one.minutes)) + " min") != std::string::npos);
+    CHECK(contains(one.tells, " sigma, "));
+    CHECK(contains(one.tells, std::to_string(std::lround(one.minutes)) + " min"));
     CHECK(one.sentence.starts_with("Measure X positions "));
-    CHECK(one.sentence.find("off equal steps") != std::string::npos);
+    CHECK(contains(one.sentence, "off equal steps"));
     for (std::size_t i = 1; i + 1 < one.targets_mm.size(); ++i)
-      CHECK(10.0 * one.targets_mm[i] == doctest::Approx(std::round(10.0 * one.targets_mm[i])));
+      CHECK(10.0 * one.targets_mm[i] == Approx(std::round(10.0 * one.targets_mm[i])));
   }
 }
 
@@ -181,23 +172,21 @@ TEST_CASE("where one cause is proved and nothing else fits, nothing is in doubt;
 
 TEST_CASE("what an answer says of the next measurement is what is proposed first, or that nothing is in doubt") {
   auto set = session(
-      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
   const Model model = straight();
   const Observations data = observations_of(set, model, mill());
-  auto found = diagnose(model, data);
-  REQUIRE(found);
-  REQUIRE_FALSE(found->candidates.front().rivals.empty());
-  const NextMeasurement next = planned_next(model, data, *found);
+  auto found = must(diagnose(model, data));
+  REQUIRE_FALSE(found.candidates.front().rivals.empty());
+  const NextMeasurement next = planned_next(model, data, found);
   REQUIRE_FALSE(next.proposals.empty());
-  CHECK(found->candidates.front().next_measurement == next.proposals.front().sentence);
-  Candidate& proved = found->candidates.front();
+  CHECK(found.candidates.front().next_measurement == next.proposals.front().sentence);
+  Candidate& proved = found.candidates.front();
   proved.rivals.clear();
   proved.parameters_set.clear();
   proved.e_value = 1e6;
-  const NextMeasurement settled = planned_next(model, data, *found);
+  const NextMeasurement settled = planned_next(model, data, found);
   CHECK(settled.proposals.empty());
-  REQUIRE(settled.notes.size() == 1);
-  CHECK(found->candidates.front().next_measurement == settled.notes.front());
+  CHECK(found.candidates.front().next_measurement == only(settled.notes));
 }
 
 TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
@@ -210,17 +199,16 @@ TEST_CASE("proposed targets lie off equal steps where the present ones do not") 
 }
 
 TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
-  const auto set = measured({.runs = 5}, kNoise_um, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const auto set = measured({.runs = 5}, kNoise_um, [](const Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
   const Model model = straight();
   const Observations data = observations_of(set, model, mill());
-  const auto found = diagnose(model, data);
-  REQUIRE(found);
-  REQUIRE(found->verdict == Verdict::unexplained_structure);
-  const NextMeasurement next = next_measurement(model, data, *found);
+  const auto found = must(diagnose(model, data));
+  REQUIRE(found.verdict == Verdict::unexplained_structure);
+  const NextMeasurement next = next_measurement(model, data, found);
   CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
   CHECK_FALSE(next.notes.empty());
   REQUIRE(next.proposals.size() == 1);  // what a bad run does next time nothing foretells: once more as it is
-  CHECK(next.proposals.front().tells.find("comes back") != std::string::npos);
+  CHECK(contains(next.proposals.front().tells, "comes back"));
   CHECK(next.proposals.front().bidirectional);
   CHECK(next.proposals.front().targets_mm.size() == 41);
 }
@@ -231,17 +219,12 @@ TEST_CASE("a target list is a plan to check") {
                                       [](const auto& each) { return each.second_feed_mm_min.has_value(); });
   REQUIRE(two_feeds != next.proposals.end());
   two_feeds->bidirectional = true;
-  const auto plan = laser::parse_measurement_set(target_list(*two_feeds), "targets.csv");
-  REQUIRE(plan);
+  const auto plan = must(laser::parse_measurement_set(target_list(*two_feeds), "targets.csv"));
   Model both = straight();
   both.effects.push_back(effect(backlash, Axis::X, Sense::EX));
   both.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
-  const auto alone = check_plan(both, observations_of(*plan, both, mill()), kNoise_um);
-  REQUIRE(alone);
-  CHECK(alone->determines);
-  const auto at_one_feed = check_plan(both, data, kNoise_um);
-  REQUIRE(at_one_feed);
-  CHECK_FALSE(at_one_feed->determines);
+  CHECK(must(check_plan(both, observations_of(plan, both, mill()), kNoise_um)).determines);
+  CHECK_FALSE(must(check_plan(both, data, kNoise_um)).determines);
 }
 
 namespace {
@@ -250,15 +233,14 @@ namespace {
 NextMeasurement next_of_two_formulas(const std::function<double(double p_mm)>& column) {
   Model model = straight();
   for (const char* formula : {"a*(x_mm/1000)^2", "a*u^2"}) {
-    EffectInstance one;
-    one.id = effect_named("user");
-    one.name = formula;
-    one.formulas = {{Sense::EX, formula}};
-    one.user = {{"a", "", {}, {}, {}, {}}};
+    EffectInstance one{.id = effect_named("user"),
+                       .name = formula,
+                       .formulas = {{Sense::EX, formula}},
+                       .user = {{"a", "", {}, {}, {}, {}}}};
     model.candidates.push_back(one);
   }
-  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 2); });
-  for (laser::Reading& r : set.readings) r.extras["u"] = column(p(r));
+  auto set = measured({}, kNoise_um, [](const Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 2); });
+  for (Reading& r : set.readings) r.extras["u"] = column(p(r));
   const Observations data = observations_of(set, model, mill());
   Diagnosis found;
   found.verdict = Verdict::missing_effect;
@@ -279,8 +261,8 @@ TEST_CASE("two formulas that are the same function are not separated by a column
   const NextMeasurement next = next_of_two_formulas([](double p_mm) { return p_mm / 1000.0; });
   CHECK(next.proposals.empty());
   REQUIRE(next.notes.size() == 2);
-  CHECK(next.notes[0].find("column u, which follows x_mm in these data") != std::string::npos);
-  CHECK(next.notes[1].find("contribute alike") != std::string::npos);
+  CHECK(contains(next.notes[0], "column u, which follows x_mm in these data"));
+  CHECK(contains(next.notes[1], "contribute alike"));
 }
 
 TEST_CASE("a formula with a column of which a new run says nothing is not weighed, and named") {
@@ -288,14 +270,12 @@ TEST_CASE("a formula with a column of which a new run says nothing is not weighe
       next_of_two_formulas([](double p_mm) { return p_mm / 1000.0 + 0.01 * std::sin(p_mm / 90.0); });
   CHECK(next.rivals.size() == 2);
   CHECK(next.proposals.empty());
-  REQUIRE(next.notes.size() == 1);
-  CHECK(next.notes[0].find("user:a*u^2 reads column u: what a new run would have in it is not known") !=
-        std::string::npos);
+  CHECK(contains(only(next.notes), "user:a*u^2 reads column u: what a new run would have in it is not known"));
 }
 
 TEST_CASE("formulas with a free period are weighed at the period that was found") {
   Model model = straight();
-  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 2.0 * std::sin(p(r) / 11.0); });
+  auto set = measured({}, kNoise_um, [](const Reading& r) { return 2.0 * std::sin(p(r) / 11.0); });
   Diagnosis found;
   found.verdict = Verdict::missing_effect;
   for (const double start : {60.0, 80.0}) {  // two names and two starts for one function
@@ -311,6 +291,5 @@ TEST_CASE("formulas with a free period are weighed at the period that was found"
   found.candidates[0].indistinguishable_from = {to_text(found.candidates[1].effect)};
   const NextMeasurement next = next_measurement(model, observations_of(set, model, mill()), found);
   CHECK(next.proposals.empty());
-  REQUIRE(next.notes.size() == 1);
-  CHECK(next.notes[0].find("contribute alike") != std::string::npos);
+  CHECK(contains(only(next.notes), "contribute alike"));
 }

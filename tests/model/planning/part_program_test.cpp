@@ -1,13 +1,11 @@
-#include <doctest/doctest.h>
-
 #include "base/text.hpp"
 #include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 
 namespace {
 
@@ -44,14 +42,13 @@ class Control {
         block(lines[i]);
         continue;
       }
-      const auto times = integer_in(lines[i].substr(4));
-      REQUIRE(times);
+      const auto times = must(integer_in(lines[i].substr(4)));
       std::size_t end = i + 1;
       for (int depth = 1; depth > 0; ++end) {
         REQUIRE(end < to);
         depth += lines[end].rfind("$REP", 0) == 0 ? 1 : lines[end] == "$END" ? -1 : 0;
       }
-      for (long long n = 0; n < *times; ++n) run(lines, i + 1, end - 1);
+      for (long long n = 0; n < times; ++n) run(lines, i + 1, end - 1);
       i = end - 1;
     }
   }
@@ -74,10 +71,9 @@ class Control {
       while (end < line.size() &&
              (std::isdigit(static_cast<unsigned char>(line[end])) != 0 || line[end] == '.' || line[end] == '-'))
         ++end;
-      const auto number = number_in(line.substr(i + 1, end - i - 1));
-      REQUIRE(number);
+      const auto number = must(number_in(line.substr(i + 1, end - i - 1)));
       i = end;
-      const int code = static_cast<int>(*number);
+      const int code = static_cast<int>(number);
       if (letter == 'G' && (code == 90 || code == 91))
         incremental_ = code == 91;
       else if (letter == 'G' && (code == 0 || code == 1))
@@ -85,13 +81,13 @@ class Control {
       else if (letter == 'G' && code == 4)
         dwell = true;
       else if (letter == 'H')
-        dwell_s = *number;
+        dwell_s = number;
       else if (letter == 'F')
-        feed_ = *number;
+        feed_ = number;
       else if (letter == 'M' && (code == 8 || code == 9))
         trigger = code == 8;
       else if (letter >= 'X' && letter <= 'Z')
-        coordinate[letter] = *number;
+        coordinate[letter] = number;
       else
         ++unknown;
     }
@@ -118,13 +114,11 @@ class Control {
 };
 
 MeasurementProposal a_line(std::vector<double> targets) {
-  MeasurementProposal plan;
-  plan.condition = "as now";
-  plan.targets_mm = std::move(targets);
-  plan.parked_mm = {0.0, 300.0, 120.5};
-  plan.runs = 3;
-  plan.minutes = 20.0;
-  return plan;
+  return {.condition = "as now",
+          .targets_mm = std::move(targets),
+          .parked_mm = {0.0, 300.0, 120.5},
+          .runs = 3,
+          .minutes = 20.0};
 }
 
 std::vector<double> even(double from, double step, int count) {
@@ -143,11 +137,10 @@ void check_program(const MeasurementProposal& plan, const params::Machine& machi
   Control control(plan.axis, middle);
   control.run(part_program(plan, machine));
   CHECK(control.unknown == 0);
-  const auto list = laser::parse_measurement_set(target_list(plan), "targets.csv");
-  REQUIRE(list);
-  REQUIRE(control.readings.size() == list->readings.size());
+  const auto list = must(laser::parse_measurement_set(target_list(plan), "targets.csv"));
+  REQUIRE(control.readings.size() == list.readings.size());
   for (std::size_t i = 0; i < control.readings.size(); ++i) {
-    const laser::Reading& wanted = list->readings[i];
+    const Reading& wanted = list.readings[i];
     CAPTURE(i);
     for (const Axis a : kAllAxes)
       CHECK(std::abs(control.readings[i].position_mm[index_of(a)] - wanted.position_mm[index_of(a)]) < 6e-4);
@@ -167,10 +160,7 @@ void check_program(const MeasurementProposal& plan, const params::Machine& machi
 TEST_CASE("equal steps become loops and are visited as the target list says") {
   const auto plan = a_line(even(25.0, 50.0, 19));
   const std::string program = part_program(plan, mill());
-  CHECK(program.find("$REP 3") != std::string::npos);
-  CHECK(program.find("$REP 18") != std::string::npos);
-  CHECK(program.find("> X50.0G91") != std::string::npos);
-  CHECK(program.find("> X-50.0G91") != std::string::npos);
+  check_holds(program, {"$REP 3", "$REP 18", "> X50.0G91", "> X-50.0G91"});
   check_program(plan, mill());
 }
 
@@ -183,14 +173,13 @@ TEST_CASE("the printed example of the thesis: X from 0 to -4150 in steps of 50, 
   plan.parked_mm = {0.0, -1400.0, 0.0};
   check_program(plan, machine);
   const std::string program = part_program(plan, machine);
-  for (const char* line : {"$REP 3", "> G90G00X5.0", "> G90G01X0.0F2000", "> G04H2", "> M08", "> G04H1", "> M09",
-                           "$REP 83", "> X-50.0G91", "$END", "> G90G00X-4155.0", "> G90G01X-4150.0F2000", "> X50.0G91"})
-    CHECK(program.find(line) != std::string::npos);
+  check_holds(program, {"$REP 3", "> G90G00X5.0", "> G90G01X0.0F2000", "> G04H2", "> M08", "> G04H1", "> M09",
+                        "$REP 83", "> X-50.0G91", "$END", "> G90G00X-4155.0", "> G90G01X-4150.0F2000", "> X50.0G91"});
 }
 
 TEST_CASE("uneven targets become a line each") {
   const auto plan = a_line({12.3, 47.031, 103.2, 211.987, 400.0, 777.7});
-  CHECK(part_program(plan, mill()).find("X47.031") != std::string::npos);
+  CHECK(contains(part_program(plan, mill()), "X47.031"));
   check_program(plan, mill());
 }
 
@@ -219,12 +208,12 @@ TEST_CASE("an overrun ends at the travel, a target beyond it is left out and rep
   check_program(plan, mill());
   plan.targets_mm.push_back(1200.0);
   const std::string program = part_program(plan, mill());
-  CHECK(program.find("target 1200.0 left out") != std::string::npos);
+  CHECK(contains(program, "target 1200.0 left out"));
   Control control(Axis::X, {});
   control.run(program);
   for (const Vector3& place : control.places) CHECK(place[0] <= 1000.0);
   const std::string at_end = part_program(a_line({0.0, 300.0, 990.0}), mill());
-  CHECK(at_end.find("no room before 0.0") != std::string::npos);
+  CHECK(contains(at_end, "no room before 0.0"));
 }
 
 TEST_CASE("any plan is visited in the order of its target list") {
@@ -256,9 +245,8 @@ TEST_CASE("the operator reads what to set up before the first block") {
   plan.set_up = 2;
   const std::string program = part_program(plan, mill());
   const std::string head = program.substr(0, program.find("\n>"));
-  for (const char* word : {"4 degC warmer", "t_material_degC at about 24.5", "300 kg", "COMPENSATION OFF", "60 min",
-                           "Y 300.0 mm", "Z 120.5 mm", "set_up = 2", "3 runs, both ways"})
-    CHECK_MESSAGE(head.find(word) != std::string::npos, word);
+  check_holds(head, {"4 degC warmer", "t_material_degC at about 24.5", "300 kg", "COMPENSATION OFF", "60 min",
+                     "Y 300.0 mm", "Z 120.5 mm", "set_up = 2", "3 runs, both ways"});
 }
 
 TEST_CASE("the target list is a measurement set with every known condition") {
@@ -268,17 +256,16 @@ TEST_CASE("the target list is a measurement set with every known condition") {
   plan.new_set_up = true;
   plan.set_up = 2;
   plan.first_run = 4;
-  const auto list = laser::parse_measurement_set(target_list(plan), "targets.csv");
-  REQUIRE(list);
-  CHECK(laser::metadata_value(*list, "content")->find("target list") == 0);
-  REQUIRE(list->readings.size() == 30);
-  const laser::Reading& first = list->readings.front();
+  const auto list = must(laser::parse_measurement_set(target_list(plan), "targets.csv"));
+  CHECK(laser::metadata_value(list, "content")->find("target list") == 0);
+  REQUIRE(list.readings.size() == 30);
+  const Reading& first = list.readings.front();
   CHECK(first.run == 4);
   CHECK(first.error == 0.0);
   CHECK(first.sensors_degC.at("t_material_degC") == 24.5);
   CHECK(first.compensated == true);
   CHECK(first.extras.at("set_up") == 2.0);
-  CHECK(list->readings.back().run == 6);
+  CHECK(list.readings.back().run == 6);
   // 3 runs there and back over 200 mm at 2000 mm/min with 3 s a reading: 30 × 3 s + 6 × 6 s and the overruns
-  CHECK(*list->readings.back().time_s == Approx(126.0).epsilon(0.05));
+  CHECK(*list.readings.back().time_s == Approx(126.0).epsilon(0.05));
 }

@@ -15,7 +15,7 @@ namespace {
 /// Runs of ten targets; the spindle is as warm as its run says.
 Observations with_spindle(const std::vector<double>& degC_of_run, double inside_degC = 0.0) {
   auto set = measured({.targets = 10, .runs = static_cast<int>(degC_of_run.size())}, 0.1, nothing);
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     r.sensors_degC.clear();
     r.sensors_degC["t_spindle_degC"] = degC_of_run[static_cast<std::size_t>(r.run - 1)] + inside_degC * p(r) / 225.0;
   }
@@ -58,13 +58,13 @@ TEST_CASE("what varies inside runs, never varies, or has no runs to coincide wit
 
 TEST_CASE("pressure that changes between runs only ties the dead path and the missing correction of air") {
   auto set = measured({}, 0.1, nothing);
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     r.sensors_degC["t_air_degC"] = 20.0;
     r.humidity_pct = 50.0;
     r.pressure_hPa = r.run == 1 ? 980.0 : 1020.0;
   }
   const Observations between = observations_of(set, straight(), mill());
-  for (laser::Reading& r : set.readings) *r.pressure_hPa += 0.02 * p(r);
+  for (Reading& r : set.readings) *r.pressure_hPa += 0.02 * p(r);
   const Observations inside = observations_of(set, straight(), mill());
   for (const EffectId id : {dead_path, air_refraction}) {
     CAPTURE(name_of(id));
@@ -75,7 +75,7 @@ TEST_CASE("pressure that changes between runs only ties the dead path and the mi
 
 TEST_CASE("feed and load are set by people and may coincide with runs") {
   auto set = measured({}, 0.1, nothing);
-  for (laser::Reading& r : set.readings) {
+  for (Reading& r : set.readings) {
     r.feed_mm_min = r.run == 1 ? 500.0 : 4000.0;
     r.load_kg = r.run == 1 ? 0.0 : 200.0;
   }

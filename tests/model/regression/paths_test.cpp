@@ -1,16 +1,14 @@
 // Effects on readings along paths.
-#include <doctest/doctest.h>
-
 #include "model/data/motions.hpp"
 #include "model/regression/regressors.hpp"
 #include "tests/model/support/made_paths.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using namespace ecs::model::test::effects;
-using doctest::Approx;
 
 namespace {
 

@@ -2,14 +2,12 @@
 
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using doctest::Approx;
 using namespace ecs::model::test::effects;
 
 namespace {
@@ -18,17 +16,16 @@ namespace {
 laser::MeasurementSet one_reading() {
   laser::MeasurementSet set;
   for (int i = 0; i < 2; ++i) {  // a first reading sets the zero of time and temperature
-    laser::Reading r;
-    r.row = i + 1;
-    r.position_mm = {i == 0 ? 0.0 : 500.0, 200.0, 300.0};
-    r.approach = i == 0 ? Approach::forward : Approach::reverse;
-    r.time_s = i == 0 ? 0.0 : 1800.0;
-    r.feed_mm_min = 3000.0;
-    r.load_kg = 200.0;
-    r.travel_since_reversal_mm = i == 0 ? 0.0 : 20.0;
-    r.pressure_hPa = 1013.25;
-    r.humidity_pct = 50.0;
-    r.sensors_degC = {{"t_material_degC", i == 0 ? 20.0 : 22.0}, {"t_air_degC", i == 0 ? 20.0 : 21.0}};
+    Reading r{.row = i + 1,
+              .position_mm = {i == 0 ? 0.0 : 500.0, 200.0, 300.0},
+              .approach = i == 0 ? Approach::forward : Approach::reverse,
+              .time_s = i == 0 ? 0.0 : 1800.0,
+              .feed_mm_min = 3000.0,
+              .load_kg = 200.0,
+              .travel_since_reversal_mm = i == 0 ? 0.0 : 20.0,
+              .pressure_hPa = 1013.25,
+              .humidity_pct = 50.0,
+              .sensors_degC = {{"t_material_degC", i == 0 ? 20.0 : 22.0}, {"t_air_degC", i == 0 ? 20.0 : 21.0}}};
     set.readings.push_back(r);
   }
   return set;
@@ -72,17 +69,11 @@ TEST_CASE("the columns of every effect have the values that a hand computes") {
 }
 
 TEST_CASE("a rotation acts with the levers of the chain, squareness with the position of the other axis") {
-  EffectInstance roll;
-  roll.id = angular;
-  roll.axis = Axis::X;
-  roll.code = Component::ECX;
+  EffectInstance roll{.id = angular, .axis = Axis::X, .code = Component::ECX};
   CHECK(row_of(roll)(0) == Approx(-0.2));  // TXYZ: E_X = −ECX·Y
   roll.code = Component::EBX;
   CHECK(row_of(roll)(0) == Approx(0.3));  // TXYZ: E_X = EBX·Z
-  EffectInstance lean;
-  lean.id = squareness;
-  lean.axis = Axis::Y;
-  lean.code = Component::C0Y;
+  EffectInstance lean{.id = squareness, .axis = Axis::Y, .code = Component::C0Y};
   CHECK(row_of(lean)(0) == Approx(-0.2));
 }
 
@@ -147,9 +138,7 @@ TEST_CASE("levers tell an angular error apart only where a target sees it throug
   laser::MeasurementSet set;
   for (const double z_mm : {0.0, 300.0})
     for (int i = 0; i <= 8; ++i) {
-      laser::Reading r;
-      r.row = static_cast<int>(set.readings.size()) + 1;
-      r.position_mm = {125.0 * i, 200.0, z_mm};
+      Reading r{.row = static_cast<int>(set.readings.size()) + 1, .position_mm = {125.0 * i, 200.0, z_mm}};
       set.readings.push_back(r);
     }
   const auto functions_of = [&](bool varies) {

@@ -36,11 +36,8 @@ struct CircleMade {
 inline laser::CircleTest made_circle(const MachineErrors& errors, const CircleMade& made = {}) {
   std::mt19937_64 random(made.seed);
   NormalDraws normal;
-  laser::CircleTest test;
-  test.source = "circle.csv";
-  test.plane = made.plane;
-  test.radius_mm = made.radius_mm;
-  test.feed_mm_min = 2000.0;
+  laser::CircleTest test{
+      .source = "circle.csv", .plane = made.plane, .radius_mm = made.radius_mm, .feed_mm_min = 2000.0};
   const std::size_t u = index_of(made.plane[0]), v = index_of(made.plane[1]);
   test.centre_mm = {made.centre_mm[u], made.centre_mm[v]};
   for (int run = 1; run <= made.runs; ++run)
@@ -67,9 +64,7 @@ inline laser::MeasurementSet made_diagonals(const MachineErrors& errors, double 
   std::mt19937_64 random(seed);
   NormalDraws normal;
   constexpr Vector3 kSpan_mm{800.0, 500.0, 400.0};
-  laser::DiagonalTest test;
-  test.source = "diagonals.csv";
-  test.span_mm = kSpan_mm;
+  laser::DiagonalTest test{.source = "diagonals.csv", .span_mm = kSpan_mm};
   for (const char* key : {"from_x_mm", "from_y_mm", "from_z_mm"}) test.metadata.push_back({key, "0"});
   const double length_mm = std::hypot(kSpan_mm[0], kSpan_mm[1], kSpan_mm[2]);
   for (const laser::DiagonalDirection& direction :

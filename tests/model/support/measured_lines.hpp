@@ -12,6 +12,8 @@
 
 namespace ecs::model::test {
 
+using laser::Reading;
+
 struct Plan {
   Axis axis = Axis::X;
   Sense sense = Sense::EX;
@@ -22,10 +24,10 @@ struct Plan {
   Vector3 parked_mm{};
 };
 
-using Truth = std::function<double(const laser::Reading&)>;
+using Truth = std::function<double(const Reading&)>;
 
 inline constexpr double kNoise_um = 0.3;
-inline double nothing(const laser::Reading&) { return 0.0; }
+inline double nothing(const Reading&) { return 0.0; }
 
 /// Readings every 10 s, runs 200 s apart; normal noise.
 inline void measure(laser::MeasurementSet& set, const Plan& plan, double noise_um, const Truth& truth,
@@ -37,11 +39,10 @@ inline void measure(laser::MeasurementSet& set, const Plan& plan, double noise_u
     for (const int d : plan.both_ways ? std::vector<int>{1, -1} : std::vector<int>{1}) {
       for (int i = 0; i < plan.targets; ++i) {
         const int place = d > 0 ? i : plan.targets - 1 - i;
-        laser::Reading r;
-        r.row = static_cast<int>(set.readings.size()) + 1;
-        r.axis = plan.axis;
-        r.sense = plan.sense;
-        r.position_mm = plan.parked_mm;
+        Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                  .axis = plan.axis,
+                  .position_mm = plan.parked_mm,
+                  .sense = plan.sense};
         // a little uneven, as ISO 230-2 asks
         r.position_mm[index_of(plan.axis)] =
             plan.from_mm + plan.step_mm * place + 0.17 * plan.step_mm * std::sin(3.0 * place);
@@ -65,7 +66,7 @@ inline laser::MeasurementSet measured(const Plan& plan, double noise_um, const T
 
 /// One session; `conditions` changes every reading before the truth is asked.
 inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
-                                     const std::function<void(laser::Reading&)>& conditions) {
+                                     const std::function<void(Reading&)>& conditions) {
   auto set = measured(plan, 0.0, nothing);
   std::mt19937_64 random(11);
   NormalDraws noise(0.0, kNoise_um);
@@ -77,13 +78,7 @@ inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
   return set;
 }
 
-inline EffectInstance effect(EffectId id, Axis axis, Sense sense) {
-  EffectInstance one;
-  one.id = id;
-  one.axis = axis;
-  one.sense = sense;
-  return one;
-}
+inline EffectInstance effect(EffectId id, Axis axis, Sense sense) { return {.id = id, .axis = axis, .sense = sense}; }
 
 /// Offset and scale of one line.
 inline Model straight(Axis axis = Axis::X, Sense sense = Sense::EX) {
@@ -93,13 +88,9 @@ inline Model straight(Axis axis = Axis::X, Sense sense = Sense::EX) {
 }
 
 inline params::Machine mill(const char* configuration = "TXYZ") {
-  params::Machine machine;
-  machine.name = "test mill";
-  machine.configuration = configuration;
+  params::Machine machine{.name = "test mill", .configuration = configuration};
   for (const Axis a : kAllAxes) {
-    params::MachineAxis axis;
-    axis.travel_mm = {0.0, 1000.0};
-    axis.screw_pitch_mm = 10.0;
+    params::MachineAxis axis{.travel_mm = {0.0, 1000.0}, .screw_pitch_mm = 10.0};
     for (const Axis other : kAllAxes)
       if (other != a) axis.measurement_line_mm[index_of(other)] = 0.0;
     machine.axes[index_of(a)] = axis;
@@ -107,8 +98,8 @@ inline params::Machine mill(const char* configuration = "TXYZ") {
   return machine;
 }
 
-inline double p(const laser::Reading& r, Axis a = Axis::X) { return r.position_mm[index_of(a)]; }
-inline double d(const laser::Reading& r) { return static_cast<double>(static_cast<int>(r.approach)); }
+inline double p(const Reading& r, Axis a = Axis::X) { return r.position_mm[index_of(a)]; }
+inline double d(const Reading& r) { return static_cast<double>(static_cast<int>(r.approach)); }
 
 inline Diagnosis diagnosed(const Model& model, const laser::MeasurementSet& set) {
   auto result = diagnose(model, observations_of(set, model, mill()));

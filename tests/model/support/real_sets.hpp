@@ -1,7 +1,6 @@
 // Real measurements as sets of readings, and what the diagnosis says of them.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <sstream>
 
@@ -37,13 +36,12 @@ inline std::vector<double> numbers_in(std::string_view line) {
   return numbers;
 }
 
-inline laser::Reading& added(Set& set, Axis axis, Sense sense, const Vector3& position_mm, double error) {
-  laser::Reading r;
-  r.row = static_cast<int>(set.readings.size()) + 1;
-  r.axis = axis;
-  r.sense = sense;
-  r.position_mm = position_mm;
-  r.error = error;
+inline Reading& added(Set& set, Axis axis, Sense sense, const Vector3& position_mm, double error) {
+  Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+            .axis = axis,
+            .position_mm = position_mm,
+            .sense = sense,
+            .error = error};
   return set.readings.emplace_back(r);
 }
 
@@ -74,11 +72,10 @@ inline std::string summary_of(const Diagnosis& found) {
 
 inline Diagnosis diagnosed_real(const char* what, const Model& model, const Set& set,
                                 const std::optional<params::Machine>& machine = std::nullopt) {
-  const auto result = diagnose(model, observations_of(set, model, machine));
-  REQUIRE(result);
-  const std::string answer = std::string(what) + ": " + summary_of(*result);
+  const auto result = must(diagnose(model, observations_of(set, model, machine)));
+  const std::string answer = std::string(what) + ": " + summary_of(result);
   MESSAGE(answer);
-  return *result;
+  return result;
 }
 
 /// Positioning tests of motion axes, five cycles, absolute positions in mm.
