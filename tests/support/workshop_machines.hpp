@@ -1,13 +1,10 @@
 // Machines that the tests of the virtual workshop measure and compensate.
 #pragma once
 
-#include <string>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "laser/measurement_set.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::emulator::test {
 
@@ -48,22 +45,14 @@ inline std::string ideal_machine(const std::string& configuration = "TXYZ") {
 }
 
 inline WorkshopMachine machine_of(const std::string& text) {
-  auto machine = parse_workshop_machine(text, "machine.toml", ".");
-  REQUIRE_MESSAGE(machine.has_value(), (machine ? "" : to_text(machine.error())));
-  return std::move(*machine);
+  return must(parse_workshop_machine(text, "machine.toml", "."));
 }
 
-inline TrueErrors errors_of(const std::string& text) {
-  auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE_MESSAGE(errors.has_value(), (errors ? "" : to_text(errors.error())));
-  return std::move(*errors);
-}
+inline TrueErrors errors_of(const std::string& text) { return must(TrueErrors::parse(text, "errors.toml", ".")); }
 
 /// Why the errors are refused.
 inline std::string refused_errors(const std::string& text) {
-  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE(!errors.has_value());
-  return to_text(errors.error());
+  return to_text(must_fail(TrueErrors::parse(text, "errors.toml", ".")));
 }
 
 inline Simulation simulation_of(const std::string& errors, const std::string& machine = small_machine(),
@@ -72,9 +61,7 @@ inline Simulation simulation_of(const std::string& errors, const std::string& ma
 }
 
 inline laser::MeasurementSet measured(Simulation& simulation, const MeasurementPlan& plan) {
-  auto set = measure(simulation, plan);
-  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
-  return std::move(*set);
+  return must(measure(simulation, plan));
 }
 
 inline double reading_at(const laser::MeasurementSet& set, double target_mm, Approach approach) {

@@ -1,10 +1,8 @@
-#include <cmath>
 #include <numbers>
-
-#include <doctest/doctest.h>
 
 #include "base/units.hpp"
 #include "ecs_emulator/drive/servo_drive.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -50,11 +48,11 @@ TEST_CASE(
   // First order: offset o: o·P/2π, once a period; imbalance m: m/2·P/2π and quadrature q: q/2·P/2π, twice
   // (Heydemann, Applied Optics 20 (1981) 3382).
   const double unit_mm = 2.0 / kTurn;
-  CHECK(harmonic({.period_mm = 2.0, .offset = 0.01}, 1) == doctest::Approx(0.01 * unit_mm).epsilon(0.001));
+  CHECK(harmonic({.period_mm = 2.0, .offset = 0.01}, 1) == Approx(0.01 * unit_mm).epsilon(0.001));
   CHECK(harmonic({.period_mm = 2.0, .offset = 0.01}, 2) < 0.01 * 0.01 * unit_mm);
-  CHECK(harmonic({.period_mm = 2.0, .imbalance = 0.02}, 2) == doctest::Approx(0.01 * unit_mm).epsilon(0.001));
+  CHECK(harmonic({.period_mm = 2.0, .imbalance = 0.02}, 2) == Approx(0.01 * unit_mm).epsilon(0.001));
   CHECK(harmonic({.period_mm = 2.0, .imbalance = 0.02}, 1) < 1e-9);
-  CHECK(harmonic({.period_mm = 2.0, .quadrature_mrad = 20.0}, 2) == doctest::Approx(0.01 * unit_mm).epsilon(0.001));
+  CHECK(harmonic({.period_mm = 2.0, .quadrature_mrad = 20.0}, 2) == Approx(0.01 * unit_mm).epsilon(0.001));
 }
 
 TEST_CASE("the error of the subdivision never adds up over periods") {
@@ -85,8 +83,8 @@ TEST_CASE("noise has the standard deviation that is asked for, and moves counts 
     sum += off;
     squares += off * off;
   }
-  CHECK(std::abs(sum / kReadings) < 0.25);                                       // three times 5/√4000
-  CHECK(std::sqrt(squares / kReadings) == doctest::Approx(5.0).epsilon(0.034));  // three times 1/√8000
+  CHECK(std::abs(sum / kReadings) < 0.25);                              // three times 5/√4000
+  CHECK(std::sqrt(squares / kReadings) == Approx(5.0).epsilon(0.034));  // three times 1/√8000
 }
 
 TEST_CASE("above its fastest speed the transducer loses what is too fast, until the machine is referenced again") {
@@ -94,8 +92,8 @@ TEST_CASE("above its fastest speed the transducer loses what is too fast, until 
   move(transducer, 0.0, 10.0, 0.1);  // just 6000 mm/min
   CHECK(transducer.counts() == 10'000);
   move(transducer, 10.0, 22.0, 0.1);  // a sixth too fast
-  CHECK(transducer.counts() == doctest::Approx(20'000).epsilon(1e-4));
-  CHECK(transducer.lost() == doctest::Approx(2000).epsilon(1e-3));
+  CHECK(transducer.counts() == Approx(20'000).epsilon(1e-4));
+  CHECK(transducer.lost() == Approx(2000).epsilon(1e-3));
   transducer.referenced();
   transducer.follow(22.0, 1e-4);
   CHECK(transducer.counts() == 22'000);

@@ -1,11 +1,7 @@
 #include "ecs_emulator/errors/kinematics.hpp"
 
-#include <cmath>
-#include <string>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/random/random.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -60,7 +56,7 @@ TEST_CASE("a machine without errors is where it should be") {
   const ChainGeometry geometry{*chain_of("XYTZ"), {}, {1.0, 2.0, 3.0}};
   const ToolPose pose = tool_pose(geometry, {}, {-100.0, 200.0, -300.0});
   for (std::size_t i = 0; i < 3; ++i) {
-    CHECK(pose.error_um[i] == doctest::Approx(0.0).epsilon(1e-9));
+    CHECK(pose.error_um[i] == Approx(0.0).epsilon(1e-9));
     CHECK(pose.rotation_um_per_m[i] == 0.0);
   }
 }
@@ -69,8 +65,8 @@ TEST_CASE("a rotation of the workpiece carriage acts through its own travel, tha
   ComponentValues errors{};
   errors[index_of(Component::ECX)] = 50.0;  // um/m
   const Vector3 at{1000.0, 0.0, 0.0};
-  CHECK(tool_pose({*chain_of("XTYZ"), {}, {}}, errors, at).error_um[1] == doctest::Approx(50.0).epsilon(1e-4));
-  CHECK(tool_pose({*chain_of("TXYZ"), {}, {}}, errors, at).error_um[1] == doctest::Approx(0.0));
+  CHECK(tool_pose({*chain_of("XTYZ"), {}, {}}, errors, at).error_um[1] == Approx(50.0).epsilon(1e-4));
+  CHECK(tool_pose({*chain_of("TXYZ"), {}, {}}, errors, at).error_um[1] == Approx(0.0));
 }
 
 TEST_CASE("the tool turns by the product of all rotations") {
@@ -79,13 +75,12 @@ TEST_CASE("the tool turns by the product of all rotations") {
   errors[index_of(Component::ECY)] = -10.0;
   errors[index_of(Component::EAZ)] = 7.0;
   const ToolPose pose = tool_pose({*chain_of("XYTZ"), {}, {}}, errors, {100.0, 100.0, 100.0});
-  CHECK(pose.rotation_um_per_m[2] == doctest::Approx(20.0).epsilon(1e-3));
-  CHECK(pose.rotation_um_per_m[0] == doctest::Approx(7.0).epsilon(1e-3));
+  CHECK(pose.rotation_um_per_m[2] == Approx(20.0).epsilon(1e-3));
+  CHECK(pose.rotation_um_per_m[0] == Approx(7.0).epsilon(1e-3));
 }
 
 TEST_CASE("equation (19) of the thesis: the pitch of a Y table on X moves the tool in Y by ECY times X") {
   ComponentValues errors{};
   errors[index_of(Component::ECY)] = 20.0;
-  CHECK(tool_pose({*chain_of("XYTZ"), {}, {}}, errors, {500.0, 0.0, 0.0}).error_um[1] ==
-        doctest::Approx(10.0).epsilon(1e-4));
+  CHECK(tool_pose({*chain_of("XYTZ"), {}, {}}, errors, {500.0, 0.0, 0.0}).error_um[1] == Approx(10.0).epsilon(1e-4));
 }

@@ -2,11 +2,9 @@
 // but what the format cannot hold. Plans as requests.
 #include "ecs_emulator/instruments/files.hpp"
 
-#include <cmath>
 #include <filesystem>
 #include <map>
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
@@ -51,20 +49,14 @@ MeasurementSet there_and_back(Sense sense = Sense::EX) {
 
 struct MeasurementFolder : Folder {
   laser::Imported written_and_read(const MeasurementSet& set, const std::string& name, const laser::ImportOptions& o) {
-    const auto written = write_measurement(path / name, set);
-    REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
-    auto read = laser::read_any(path / name, o);
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : to_text(read.error())));
-    return std::move(*read);
+    (void)must(write_measurement(path / name, set));
+    return must(laser::read_any(path / name, o));
   }
   Result<void> write(const MeasurementSet& set, const std::string& name) { return write_measurement(path / name, set); }
 };
 
 laser::ImportOptions along_x(std::optional<Sense> sense = {}) {
-  laser::ImportOptions options;
-  options.axis = Axis::X;
-  options.sense = sense;
-  options.parked_mm = {0.0, -700.0, 0.0};
+  laser::ImportOptions options{.axis = Axis::X, .sense = sense, .parked_mm = {0.0, -700.0, 0.0}};
   return options;
 }
 
@@ -91,10 +83,9 @@ Result<std::vector<std::string>> requests_in(const std::string& text, const std:
 }
 
 std::string complaint_on(const std::string& text) {
-  const auto requests = requests_in(text);
-  REQUIRE(!requests.has_value());
-  CHECK(requests.error().kind == ProblemKind::bad_input);
-  return to_text(requests.error());
+  const auto requests = must_fail(requests_in(text));
+  CHECK(requests.kind == ProblemKind::bad_input);
+  return to_text(requests);
 }
 
 }  // namespace
@@ -109,10 +100,10 @@ TEST_CASE("runs in .rtl, .rta and .rts come back with errors, targets, runs, app
     const Reading& last = back.set.readings.back();
     CHECK(last.sense == sense);
     CHECK(last.position_mm[1] == -700.0);
-    CHECK(*last.pressure_hPa == doctest::Approx(1011.5));
-    CHECK(*last.humidity_pct == doctest::Approx(43.5));
-    CHECK(last.sensors_degC.at("t_air_degC") == doctest::Approx(20.57));
-    CHECK(last.sensors_degC.at("t_material_degC") == doctest::Approx(21.25));
+    CHECK(*last.pressure_hPa == Approx(1011.5));
+    CHECK(*last.humidity_pct == Approx(43.5));
+    CHECK(last.sensors_degC.at("t_air_degC") == Approx(20.57));
+    CHECK(last.sensors_degC.at("t_material_degC") == Approx(21.25));
     CHECK(*laser::metadata_value(back.set, "Serial No") == "T-1");
   }
 }
@@ -132,8 +123,7 @@ TEST_CASE("an API report comes back with the mean of each direction") {
   CHECK(back.set.readings.size() == 8);
   for (const Reading& r : back.set.readings) {
     const int target = static_cast<int>(std::lround(-laser::target_mm(r) / 100.0));
-    CHECK(r.error ==
-          doctest::Approx(0.5 * (error_of(target, r.approach, 1) + error_of(target, r.approach, 2))).epsilon(1e-5));
+    CHECK(r.error == Approx(0.5 * (error_of(target, r.approach, 1) + error_of(target, r.approach, 2))).epsilon(1e-5));
   }
 }
 
@@ -143,7 +133,7 @@ TEST_CASE("a compensation table comes back as the mean of everything, its sign t
   CHECK(back.format->id == "renishaw_table");
   REQUIRE(back.set.readings.size() == 4);
   for (const Reading& r : back.set.readings)
-    CHECK(r.error == doctest::Approx(-0.37 * laser::target_mm(r) / 100.0 + 0.0165).epsilon(1e-5));
+    CHECK(r.error == Approx(-0.37 * laser::target_mm(r) / 100.0 + 0.0165).epsilon(1e-5));
   CHECK(*laser::metadata_value(back.set, "Compensation spacing") == "100");
 }
 
@@ -152,12 +142,12 @@ TEST_CASE("weather written to an environment log is read back") {
   const auto back = folder.written_and_read(there_and_back(), "a.env.pos", along_x());
   CHECK(back.format->id == "sios_environment");
   REQUIRE(back.environment.rows.size() == 16);
-  CHECK(back.environment.value(3, "x_mm").value() == doctest::Approx(-300.0));
-  CHECK(back.environment.value(3, "y_mm").value() == doctest::Approx(-700.0));
-  CHECK(back.environment.value(3, "t_air_z_degC").value() == doctest::Approx(20.53));
-  CHECK(back.environment.value(3, "pressure_hPa").value() == doctest::Approx(1011.5));
-  CHECK(back.environment.value(3, "humidity_pct").value() == doctest::Approx(43.5));
-  CHECK(back.environment.value(3, "t_material_degC").value() == doctest::Approx(21.25));
+  CHECK(back.environment.value(3, "x_mm").value() == Approx(-300.0));
+  CHECK(back.environment.value(3, "y_mm").value() == Approx(-700.0));
+  CHECK(back.environment.value(3, "t_air_z_degC").value() == Approx(20.53));
+  CHECK(back.environment.value(3, "pressure_hPa").value() == Approx(1011.5));
+  CHECK(back.environment.value(3, "humidity_pct").value() == Approx(43.5));
+  CHECK(back.environment.value(3, "t_material_degC").value() == Approx(21.25));
 }
 
 TEST_CASE("a capture comes back sample by sample") {
@@ -165,10 +155,7 @@ TEST_CASE("a capture comes back sample by sample") {
   MeasurementSet set;
   set.metadata = {{"machine", "test mill"}, {"feed_mm_min", "1500"}};
   for (int i = 0; i < 500; ++i) {
-    Reading reading;
-    reading.position_mm = {-20.0, -700.0, 0.0};
-    reading.time_s = i / 250.0;
-    reading.error = 12'345.678 * std::sin(0.1 * i);
+    Reading reading{.position_mm = {-20.0, -700.0, 0.0}, .error = 12'345.678 * std::sin(0.1 * i), .time_s = i / 250.0};
     set.readings.push_back(reading);
   }
   auto options = along_x();
@@ -177,8 +164,8 @@ TEST_CASE("a capture comes back sample by sample") {
   CHECK(back.format->id == "renishaw_dynamic");
   REQUIRE(back.set.readings.size() == 500);
   for (std::size_t i = 0; i < 500; ++i) {
-    CHECK(back.set.readings[i].error == doctest::Approx(set.readings[i].error).epsilon(1e-14));
-    CHECK(*back.set.readings[i].time_s == doctest::Approx(*set.readings[i].time_s));
+    CHECK(back.set.readings[i].error == Approx(set.readings[i].error).epsilon(1e-14));
+    CHECK(*back.set.readings[i].time_s == Approx(*set.readings[i].time_s));
     CHECK(back.set.readings[i].position_mm == set.readings[i].position_mm);
   }
   CHECK(*laser::metadata_value(back.set, "Machine") == "test mill");
@@ -190,21 +177,20 @@ TEST_CASE("what a format cannot hold is refused with the reason") {
     const auto written = folder.write(set, name);
     return written ? std::string() : to_text(written.error());
   };
-  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
-  CHECK(has(because(there_and_back(Sense::EY), "a.ren"), "positioning only"));
-  CHECK(has(because(there_and_back(Sense::EC), "a.dat"), "positioning only"));
-  CHECK(has(because(there_and_back(), "a.rta"), "ends in .csv, .rtl"));
-  CHECK(has(because(there_and_back(), "a.rtx"), "a time with every sample"));
+  CHECK(contains(because(there_and_back(Sense::EY), "a.ren"), "positioning only"));
+  CHECK(contains(because(there_and_back(Sense::EC), "a.dat"), "positioning only"));
+  CHECK(contains(because(there_and_back(), "a.rta"), "ends in .csv, .rtl"));
+  CHECK(contains(because(there_and_back(), "a.rtx"), "a time with every sample"));
   auto uneven = there_and_back();
   for (Reading& r : uneven.readings)
     if (r.position_mm[0] == -100.0) r.position_mm[0] = -110.0;
-  CHECK(has(because(uneven, "a.ren"), "constant step"));
+  CHECK(contains(because(uneven, "a.ren"), "constant step"));
   auto unfinished = there_and_back();
   unfinished.readings.pop_back();
-  CHECK(has(because(unfinished, "a.dat"), "expected 4 readings in run 2"));
+  CHECK(contains(because(unfinished, "a.dat"), "expected 4 readings in run 2"));
   auto indoors = there_and_back();
   for (Reading& r : indoors.readings) r.pressure_hPa.reset();
-  CHECK(has(because(indoors, "a.env.pos"), "pressure"));
+  CHECK(contains(because(indoors, "a.env.pos"), "pressure"));
 }
 
 TEST_CASE("the mill's plan asks for 19 measurements before compensation and for 14 after") {
@@ -266,8 +252,7 @@ on_the_fly = "yes"
 )");
   CAPTURE(text);
   for (const int line : {1, 2, 4, 5, 8, 9, 10, 11}) CHECK(contains(text, "plan.toml:" + std::to_string(line) + ":"));
-  CHECK(contains(text, "without a slash"));
-  CHECK(contains(text, "phase: expected before, after or both, got \"between\""));
+  check_holds(text, {"without a slash", "phase: expected before, after or both, got \"between\""});
 }
 
 TEST_CASE("a plan that is not TOML, has nothing to measure, or asks for part of a run is refused") {

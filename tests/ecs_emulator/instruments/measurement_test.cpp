@@ -1,41 +1,33 @@
 // Measuring the machine; squares and straight edges with errors of their own: turned over, these change their sign.
 #include "ecs_emulator/instruments/measurement.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "laser/writers/writers.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using doctest::Approx;
 
 namespace {
 
 MeasurementPlan plan_for(Axis axis, Sense sense, double from_mm, double to_mm, double step_mm) {
-  MeasurementPlan plan;
-  plan.axis = axis;
-  plan.sense = sense;
-  plan.targets_mm = targets_between(from_mm, to_mm, step_mm);
-  plan.runs = 1;
-  plan.feed_mm_min = 6000.0;
-  return plan;
+  return {.axis = axis,
+          .sense = sense,
+          .targets_mm = targets_between(from_mm, to_mm, step_mm),
+          .runs = 1,
+          .feed_mm_min = 6000.0};
 }
 
 laser::MeasurementSet across(const std::string& errors, Axis axis, Sense sense, InstrumentKind kind,
                              std::optional<bool> reversed) {
   auto simulation = simulation_of(errors, ideal_machine());
-  MeasurementPlan plan;
-  plan.axis = axis;
-  plan.sense = sense;
-  plan.instrument = kind;
-  plan.targets_mm = targets_between(0.0, -400.0, 100.0);
-  plan.runs = 1;
-  plan.feed_mm_min = 6000.0;
-  plan.dwell_s = 0.5;
+  MeasurementPlan plan{.axis = axis,
+                       .sense = sense,
+                       .instrument = kind,
+                       .targets_mm = targets_between(0.0, -400.0, 100.0),
+                       .runs = 1,
+                       .feed_mm_min = 6000.0,
+                       .dwell_s = 0.5};
   plan.setting.reversed = reversed;
   return measured(simulation, plan);
 }
@@ -70,18 +62,18 @@ TEST_CASE("linear optics see scale error and backlash, zeroed at the first targe
       simulation_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + 1.5*d\"\n", ideal_machine());
   const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 100.0));
   CHECK(set.readings.size() == 12);
-  CHECK(reading_at(set, 0.0, Approach::reverse) == doctest::Approx(0.0));
-  CHECK(reading_at(set, -300.0, Approach::reverse) == doctest::Approx(-6.0).epsilon(1e-3));
-  CHECK(reading_at(set, -300.0, Approach::forward) == doctest::Approx(-3.0).epsilon(1e-3));
+  CHECK(reading_at(set, 0.0, Approach::reverse) == Approx(0.0));
+  CHECK(reading_at(set, -300.0, Approach::reverse) == Approx(-6.0).epsilon(1e-3));
+  CHECK(reading_at(set, -300.0, Approach::forward) == Approx(-3.0).epsilon(1e-3));
 }
 
 TEST_CASE("a parked axis levers an angle into the positioning error, away from the measurement line only") {
   const std::string errors = "[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n";  // um/m
   auto simulation = simulation_of(errors, ideal_machine());
   auto plan = plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0);
-  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == doctest::Approx(0.0).epsilon(1e-3));
+  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == Approx(0.0).epsilon(1e-3));
   plan.parked_mm[1] = -400.0;  // E_X = −ECX·Y = −(−50 um/m)·(−0.4 m)
-  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == doctest::Approx(-20.0).epsilon(1e-3));
+  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == Approx(-20.0).epsilon(1e-3));
 }
 
 TEST_CASE("angular optics and the level see the rotation of the tool against the workpiece") {
@@ -89,9 +81,9 @@ TEST_CASE("angular optics and the level see the rotation of the tool against the
       "[[contribution]]\ncomponent = \"EBX\"\nformula = \"0.1*p\"\n"
       "[[contribution]]\ncomponent = \"EAX\"\nformula = \"-0.2*p\"\n");
   CHECK(reading_at(measured(simulation, plan_for(Axis::X, Sense::EB, 0.0, -400.0, 200.0)), -400.0, Approach::forward) ==
-        doctest::Approx(-40.0).epsilon(1e-3));
+        Approx(-40.0).epsilon(1e-3));
   CHECK(reading_at(measured(simulation, plan_for(Axis::X, Sense::EA, 0.0, -400.0, 200.0)), -400.0, Approach::forward) ==
-        doctest::Approx(80.0).epsilon(1e-3));
+        Approx(80.0).epsilon(1e-3));
 }
 
 TEST_CASE("a straightness reading carries the slope and offset of its set-up, other than that it is the error") {
@@ -105,7 +97,7 @@ straightness_resolution_um = 0
   const double left = reading_at(set, 0.0, Approach::forward);
   const double right = reading_at(set, -500.0, Approach::forward);
   CHECK(std::abs(left - right) > 0.1);
-  CHECK(reading_at(set, -250.0, Approach::forward) - 0.5 * (left + right) == doctest::Approx(-10.0).epsilon(1e-3));
+  CHECK(reading_at(set, -250.0, Approach::forward) - 0.5 * (left + right) == Approx(-10.0).epsilon(1e-3));
 }
 
 TEST_CASE("an indicator against a square reads the squareness, the tilt of the first leg taken out") {
@@ -115,7 +107,7 @@ TEST_CASE("an indicator against a square reads the squareness, the tilt of the f
   auto plan = plan_for(Axis::Y, Sense::EX, 0.0, -400.0, 200.0);
   plan.instrument = InstrumentKind::square;
   // E_X = −C0Y·Y = +12 um at −0.4 m; the square, turned with the X line, stands at −50 um/m: E_X + 50·Y = 12 − 20.
-  CHECK(reading_at(measured(simulation, plan), -400.0, Approach::reverse) == doctest::Approx(-8.0).epsilon(1e-3));
+  CHECK(reading_at(measured(simulation, plan), -400.0, Approach::reverse) == Approx(-8.0).epsilon(1e-3));
 }
 
 TEST_CASE("a reading on the fly is taken where the axis passes, and lags with the feed") {
@@ -126,8 +118,8 @@ TEST_CASE("a reading on the fly is taken where the axis passes, and lags with th
   plan.feed_mm_min = 4000.0;
   const auto set = measured(simulation, plan);
   CHECK(set.readings.size() == 102);
-  CHECK(reading_at(set, -250.0, Approach::reverse) == doctest::Approx(-5.0).epsilon(1e-3));
-  CHECK(reading_at(set, -250.0, Approach::forward) == doctest::Approx(-5.0 + 2.0 + 2.0).epsilon(1e-3));
+  CHECK(reading_at(set, -250.0, Approach::reverse) == Approx(-5.0).epsilon(1e-3));
+  CHECK(reading_at(set, -250.0, Approach::forward) == Approx(-5.0 + 2.0 + 2.0).epsilon(1e-3));
   CHECK(set.readings.front().feed_mm_min == 4000.0);
 }
 
@@ -145,7 +137,7 @@ TEST_CASE("a tool offset levers the angles of the axis that carries it") {
   auto simulation = simulation_of("[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n",
                                   ideal_machine() + "[emulator]\ntool_offset_mm = { y = 200.0 }\n");
   const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0));
-  CHECK(reading_at(set, -500.0, Approach::reverse) == doctest::Approx(10.0).epsilon(1e-3));  // −ECX·Y
+  CHECK(reading_at(set, -500.0, Approach::reverse) == Approx(10.0).epsilon(1e-3));  // −ECX·Y
 }
 
 TEST_CASE("a plan that cannot be followed is refused with the reason") {
@@ -195,12 +187,11 @@ TEST_CASE("the error of the square in the machine file turns over as well") {
   const auto shown = [](bool reversed) {
     Simulation simulation(machine_of(ideal_machine() + kPerfectInstruments + "square_error_um_per_m = 10\n"),
                           errors_of(""), 1);
-    MeasurementPlan plan;
-    plan.axis = Axis::Y;
-    plan.sense = Sense::EX;
-    plan.instrument = InstrumentKind::square;
-    plan.targets_mm = {0.0, -400.0};
-    plan.runs = 1;
+    MeasurementPlan plan{.axis = Axis::Y,
+                         .sense = Sense::EX,
+                         .instrument = InstrumentKind::square,
+                         .targets_mm = {0.0, -400.0},
+                         .runs = 1};
     plan.setting.reversed = reversed;
     return at(measured(simulation, plan), -400.0);
   };
@@ -213,21 +204,17 @@ TEST_CASE("optics without an artefact have nothing to turn over") {
   MeasurementPlan plan;
   plan.targets_mm = {0.0, -100.0};
   plan.setting.reversed = true;
-  const auto set = measure(simulation, plan);
-  REQUIRE_FALSE(set.has_value());
-  CHECK(to_text(set.error()).find("reversed: expected straightness or square") != std::string::npos);
+  CHECK(contains(to_text(must_fail(measure(simulation, plan))), "reversed: expected straightness or square"));
 }
 
 TEST_CASE("an artefact along its axis, without an error or on an axis that is not there is refused with its line") {
   CHECK(refused_errors("[[artefact]]\naxis = \"X\"\nsense = \"EX\"\nangle_um_per_m = 1.0\n")
             .find("artefact: sense: expected EX, EY or EZ other than along X, got \"EX\"") != std::string::npos);
-  CHECK(refused_errors("[[artefact]]\naxis = \"X\"\nsense = \"EY\"\n").find("expected angle_um_per_m, or a form") !=
-        std::string::npos);
-  CHECK(refused_errors("[[artefact]]\naxis = \"X\"\nsense = \"EY\"\nangle = 1.0\n").find("angle") != std::string::npos);
+  CHECK(contains(refused_errors("[[artefact]]\naxis = \"X\"\nsense = \"EY\"\n"), "expected angle_um_per_m, or a form"));
+  CHECK(contains(refused_errors("[[artefact]]\naxis = \"X\"\nsense = \"EY\"\nangle = 1.0\n"), "angle"));
   const auto lathe = machine_of(
       "name = \"lathe\"\nconfiguration = \"XTZ\"\n[axis.X]\ntravel_mm = [0, 100]\n[axis.Z]\ntravel_mm = [0, 100]\n");
-  const auto checked =
-      errors_of("[[artefact]]\naxis = \"Y\"\nsense = \"EX\"\nangle_um_per_m = 1.0\n").checked_for(lathe.machine);
-  REQUIRE_FALSE(checked.has_value());
-  CHECK(to_text(checked.error()).find("artefact: this machine has no Y") != std::string::npos);
+  const auto checked = must_fail(
+      errors_of("[[artefact]]\naxis = \"Y\"\nsense = \"EX\"\nangle_um_per_m = 1.0\n").checked_for(lathe.machine));
+  CHECK(contains(to_text(checked), "artefact: this machine has no Y"));
 }

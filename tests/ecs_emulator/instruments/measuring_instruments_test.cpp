@@ -1,8 +1,4 @@
 // Instruments at the machine: what is set at them reaches the readings, on the fly, point by point and in captures.
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/instruments/interferometer.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
@@ -21,11 +17,8 @@ Simulation workshop(const std::string& settings, const std::string& errors = "")
 }
 
 MeasurementPlan x_plan() {
-  MeasurementPlan plan;
-  plan.targets_mm = targets_between(0.0, -500.0, 100.0);
-  plan.runs = 1;
-  plan.feed_mm_min = 6000.0;
-  plan.dwell_s = 0.5;
+  MeasurementPlan plan{
+      .targets_mm = targets_between(0.0, -500.0, 100.0), .runs = 1, .feed_mm_min = 6000.0, .dwell_s = 0.5};
   return plan;
 }
 
@@ -46,8 +39,8 @@ TEST_CASE("air compensation can be switched off for one measurement: p times the
   plan.setting.air = Compensation::off;
   // 5 °C more and 23.25 hPa less: −4.73e-6 − 6.2e-6 and 10 % less: +0.1e-6; −0.5 m of it
   const double change = refractive_index({25.0, 990.0, 40.0}) - refractive_index(kReferenceAir);
-  CHECK(change == doctest::Approx(-10.75e-6).epsilon(0.02));
-  CHECK(more(measured(off, plan), plain, -500.0) == doctest::Approx(-0.5e6 * change).epsilon(1e-3));
+  CHECK(change == Approx(-10.75e-6).epsilon(0.02));
+  CHECK(more(measured(off, plan), plain, -500.0) == Approx(-0.5e6 * change).epsilon(1e-3));
 }
 
 TEST_CASE("readings carry the weather as the instrument's own sensors see it, where there is weather") {
@@ -56,10 +49,10 @@ TEST_CASE("readings carry the weather as the instrument's own sensors see it, wh
   auto outdoors = workshop(
       "air_sensor_error_degC = 0.5\npressure_sensor_error_hPa = -2\nmaterial_sensor_error_degC = 1\n", kWarmDay);
   const laser::Reading reading = measured(outdoors, x_plan()).readings.back();
-  CHECK(*reading.pressure_hPa == doctest::Approx(988.0));
-  CHECK(*reading.humidity_pct == doctest::Approx(40.0));
-  CHECK(reading.sensors_degC.at("t_air_degC") == doctest::Approx(25.5));
-  CHECK(reading.sensors_degC.at("t_material_degC") == doctest::Approx(26.0));
+  CHECK(*reading.pressure_hPa == Approx(988.0));
+  CHECK(*reading.humidity_pct == Approx(40.0));
+  CHECK(reading.sensors_degC.at("t_air_degC") == Approx(25.5));
+  CHECK(reading.sensors_degC.at("t_material_degC") == Approx(26.0));
 }
 
 TEST_CASE("while the air warms a dead path shows its change, and manual compensation what it was entered for") {
@@ -82,14 +75,14 @@ TEST_CASE("while the air warms a dead path shows its change, and manual compensa
   const Air before{first.sensors_degC.at("t_air_degC"), 1013.25, 50.0};
   const double change = refractive_index(air_at_end) - refractive_index(before);
   CHECK(with_dead_path.readings.back().error - plain.readings.back().error ==
-        doctest::Approx(-1.5e6 * change).epsilon(5e-3));  // the laser stands on the + side
+        Approx(-1.5e6 * change).epsilon(5e-3));  // the laser stands on the + side
   InstrumentSetting manual;
   manual.air = Compensation::manual;
   const auto [held, again] = run("", manual);
   const double far = held.readings[5].error - plain.readings[5].error;  // at −500 mm, an hour and a quarter later
   const double then_degC = plain.readings[5].sensors_degC.at("t_air_degC");
-  CHECK(far == doctest::Approx(-0.5e6 * (refractive_index({then_degC, 1013.25, 50.0}) - refractive_index(before)))
-                   .epsilon(5e-3));
+  CHECK(far ==
+        Approx(-0.5e6 * (refractive_index({then_degC, 1013.25, 50.0}) - refractive_index(before))).epsilon(5e-3));
 }
 
 TEST_CASE("a late trigger reads further along the motion: feed times latency") {
@@ -109,7 +102,7 @@ TEST_CASE("a late trigger reads further along the motion: feed times latency") {
     // The display was set to zero late as well, on the way out: what is left is twice the lag on the way back.
     CHECK(std::abs(more(set, plain, -250.0)) < 0.3);
     CHECK(reading_at(set, -250.0, Approach::forward) - reading_at(plain, -250.0, Approach::forward) ==
-          doctest::Approx(2.0 * expected_um).epsilon(0.01));
+          Approx(2.0 * expected_um).epsilon(0.01));
   }
 }
 
@@ -137,10 +130,9 @@ TEST_CASE("a broken beam ends the measurement and is reported with its place; a 
   auto simulation = workshop("");
   auto plan = x_plan();
   plan.beam_broken_at = 4;
-  const auto set = measure(simulation, plan);
-  REQUIRE(!set.has_value());
-  CHECK(set.error().kind == ProblemKind::refused);
-  CHECK(set.error().message.find("before reading 4 (X -300 mm, run 1, reverse)") != std::string::npos);
+  const auto set = must_fail(measure(simulation, plan));
+  CHECK(set.kind == ProblemKind::refused);
+  CHECK(contains(set.message, "before reading 4 (X -300 mm, run 1, reverse)"));
   plan.on_the_fly = true;
   plan.targets_mm = targets_between(-50.0, -450.0, 50.0);
   CHECK(!measure(simulation, plan).has_value());
@@ -159,26 +151,21 @@ TEST_CASE("a level that settles slowly reads low after a short dwell") {
   plan.dwell_s = 2.0;
   auto slow = workshop("level_settling_s = 2\n", roll);
   CHECK(reading_at(measured(slow, plan), -500.0, Approach::reverse) ==
-        doctest::Approx(100.0 * (1.0 - std::exp(-1.0))).epsilon(1e-3));
+        Approx(100.0 * (1.0 - std::exp(-1.0))).epsilon(1e-3));
 }
 
 TEST_CASE("a capture follows a move sample by sample and begins at zero") {
   auto simulation = workshop("");
   REQUIRE(simulation.move_to({-100.0, 0.0, 0.0}, 0.0));
-  CapturePlan plan;
-  plan.rate_Hz = 500.0;
-  plan.seconds = 2.0;
-  plan.to_mm = -150.0;
-  plan.feed_mm_min = 3000.0;
-  const auto set = capture(simulation, plan);
-  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
-  REQUIRE(set->readings.size() == 1000);
-  CHECK(set->readings.front().error == doctest::Approx(0.0));
-  CHECK(*set->readings[250].time_s == doctest::Approx(0.5));
-  CHECK(set->readings.back().error == doctest::Approx(-50'000.0).epsilon(1e-4));  // arrived after 1 s and a bit
-  const double speed_mm_s = (set->readings[350].error - set->readings[300].error) * 1e-3 / 0.1;
-  CHECK(speed_mm_s == doctest::Approx(-50.0).epsilon(0.01));
-  CHECK(set->readings.back().position_mm[0] == doctest::Approx(-100.0));
+  CapturePlan plan{.rate_Hz = 500.0, .seconds = 2.0, .to_mm = -150.0, .feed_mm_min = 3000.0};
+  const auto set = must(capture(simulation, plan));
+  REQUIRE(set.readings.size() == 1000);
+  CHECK(set.readings.front().error == Approx(0.0));
+  CHECK(*set.readings[250].time_s == Approx(0.5));
+  CHECK(set.readings.back().error == Approx(-50'000.0).epsilon(1e-4));  // arrived after 1 s and a bit
+  const double speed_mm_s = (set.readings[350].error - set.readings[300].error) * 1e-3 / 0.1;
+  CHECK(speed_mm_s == Approx(-50.0).epsilon(0.01));
+  CHECK(set.readings.back().position_mm[0] == Approx(-100.0));
 }
 
 TEST_CASE("a capture of a machine at rest shows turbulence alone, the same for the same seed") {
@@ -186,14 +173,12 @@ TEST_CASE("a capture of a machine at rest shows turbulence alone, the same for t
     auto simulation = workshop("turbulence_um_per_sqrt_m = 0.2\ndead_path_m = 4\nturbulence_time_s = 0.05\n");
     CapturePlan plan;
     plan.seconds = 20.0;
-    auto set = capture(simulation, plan);
-    REQUIRE(set.has_value());
-    return std::move(*set);
+    return must(capture(simulation, plan));
   };
   const auto set = taken();
   double square = 0.0;
   for (const auto& reading : set.readings) square += reading.error * reading.error;
-  CHECK(std::sqrt(square / static_cast<double>(set.readings.size())) == doctest::Approx(0.4).epsilon(0.15));
+  CHECK(std::sqrt(square / static_cast<double>(set.readings.size())) == Approx(0.4).epsilon(0.15));
   CHECK(laser::to_csv(taken()) == laser::to_csv(set));
 }
 
@@ -226,17 +211,15 @@ TEST_CASE("what a person sets at the instrument comes with the request, and is j
     return perform(shop,
                    R"({"action": "measure", "axis": "X", "sense": "EX", "targets": [0, -500], "runs": 1)" + rest + "}");
   };
-  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
-  CHECK(has(answer(R"(, "air": "off", "dead_path": 0.4, "misalignment": -1.2)"), "\"ok\":true"));
+  CHECK(contains(answer(R"(, "air": "off", "dead_path": 0.4, "misalignment": -1.2)"), "\"ok\":true"));
   const std::string wrong = answer(R"(, "air": "damp", "dead_path": -1, "material": "steel")");
-  CHECK(has(wrong, "air: expected off, manual or automatic, got"));
-  CHECK(has(wrong, "dead_path: expected 0 or more, got -1"));
-  CHECK(has(wrong, "material: expected off, manual or automatic"));
-  CHECK(has(answer(R"(, "beam_broken_at": 2)"), "beam interrupted before reading 2"));
+  check_holds(wrong, {"air: expected off, manual or automatic, got", "dead_path: expected 0 or more, got -1",
+                      "material: expected off, manual or automatic"});
+  CHECK(contains(answer(R"(, "beam_broken_at": 2)"), "beam interrupted before reading 2"));
   const std::string captured = perform(
       shop, R"({"action": "capture", "axis": "X", "sense": "EX", "rate": 100, "seconds": 1, "to": -20, "feed": 600})");
-  CHECK(has(captured, "\"readings\":100,"));
-  CHECK(has(captured, "X,-500,0,0,EX,0,0"));  // the first sample: zero, at time zero
+  CHECK(contains(captured, "\"readings\":100,"));
+  CHECK(contains(captured, "X,-500,0,0,EX,0,0"));  // the first sample: zero, at time zero
 }
 
 TEST_CASE("settings of the instruments are read, and every wrong one is reported with its line") {
@@ -267,5 +250,5 @@ dead_path_mm = 400
                                             "machine.toml", ".");
   REQUIRE(!wrong.has_value());
   CHECK(wrong.error().also.size() == 6);
-  CHECK(to_text(wrong.error()).find("machine.toml:11:") != std::string::npos);
+  CHECK(contains(to_text(wrong.error()), "machine.toml:11:"));
 }

@@ -1,11 +1,7 @@
 // The refractive index of air against published numbers: outputs of the NIST Engineering Metrology Toolbox
 // (emtoolbox.nist.gov/Wavelength, Ciddor, 450 ppm CO2) and tables 1 to 3 of Ciddor 1996. Facts, quoted.
-#include <cmath>
-#include <vector>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/instruments/interferometer.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -34,7 +30,7 @@ TEST_CASE("the refractive index is that of the NIST calculator to its last print
     CAPTURE(row.pressure_Pa);
     CAPTURE(row.humidity_pct);
     const Air air{row.air_degC, row.pressure_Pa / 100.0, row.humidity_pct};
-    CHECK(refractive_index(air, row.wavelength_nm) == doctest::Approx(row.index).epsilon(0.5e-9));
+    CHECK(refractive_index(air, row.wavelength_nm) == Approx(row.index).epsilon(0.5e-9));
   }
 }
 
@@ -64,14 +60,14 @@ TEST_CASE("dry and moist air of Ciddor's own tables come out to the tenth of 1e-
 
 TEST_CASE("a degree, a hectopascal and ten percent change the index as every laser manual says") {
   const double base = refractive_index(kReferenceAir);
-  CHECK(refractive_index({21.0, 1013.25, 50.0}) - base == doctest::Approx(-0.95e-6).epsilon(0.02));
-  CHECK(refractive_index({20.0, 1014.25, 50.0}) - base == doctest::Approx(0.268e-6).epsilon(0.01));
-  CHECK(refractive_index({20.0, 1013.25, 60.0}) - base == doctest::Approx(-0.085e-6).epsilon(0.02));
+  CHECK(refractive_index({21.0, 1013.25, 50.0}) - base == Approx(-0.95e-6).epsilon(0.02));
+  CHECK(refractive_index({20.0, 1014.25, 50.0}) - base == Approx(0.268e-6).epsilon(0.01));
+  CHECK(refractive_index({20.0, 1013.25, 60.0}) - base == Approx(-0.085e-6).epsilon(0.02));
 }
 
 TEST_CASE("water vapour saturates at the pressures of the steam tables, over ice below zero") {
-  CHECK(saturation_pressure_Pa(20.0) == doctest::Approx(2339.3).epsilon(1e-4));
-  CHECK(saturation_pressure_Pa(0.01) == doctest::Approx(611.66).epsilon(1e-4));
-  CHECK(saturation_pressure_Pa(100.0) == doctest::Approx(101'418.0).epsilon(1e-4));
-  CHECK(saturation_pressure_Pa(-20.0) == doctest::Approx(103.26).epsilon(1e-3));
+  CHECK(saturation_pressure_Pa(20.0) == Approx(2339.3).epsilon(1e-4));
+  CHECK(saturation_pressure_Pa(0.01) == Approx(611.66).epsilon(1e-4));
+  CHECK(saturation_pressure_Pa(100.0) == Approx(101'418.0).epsilon(1e-4));
+  CHECK(saturation_pressure_Pa(-20.0) == Approx(103.26).epsilon(1e-3));
 }

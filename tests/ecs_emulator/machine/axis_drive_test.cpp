@@ -1,11 +1,6 @@
 // The closed loop of one axis in the machine: what it does to commands, to compensation and to the slide.
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/machine/machine_tool.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -52,13 +47,7 @@ struct OneAxis {
 };
 
 /// A heavy slide: friction that the drive feels.
-AxisSettings heavy() {
-  AxisSettings settings;
-  settings.friction_Nm = 2.0;
-  settings.breakaway_Nm = 4.0;
-  settings.slip_mm_s = 2.0;
-  return settings;
-}
+AxisSettings heavy() { return {.friction_Nm = 2.0, .breakaway_Nm = 4.0, .slip_mm_s = 2.0}; }
 
 }  // namespace
 
@@ -71,7 +60,7 @@ TEST_CASE("the axis lags behind its command by feed over gain") {
       double lag_mm = 0.0;
       one.feed_to(one.command_mm + feed_mm_min / 60.0, feed_mm_min,
                   [&] { lag_mm = std::max(lag_mm, one.command_mm - one.axis.position_mm()); });
-      CHECK(lag_mm == doctest::Approx(feed_mm_min / 60.0 / kv_per_s).epsilon(0.01));
+      CHECK(lag_mm == Approx(feed_mm_min / 60.0 / kv_per_s).epsilon(0.01));
       one.settle();
     }
   }
@@ -121,12 +110,12 @@ TEST_CASE("wind-up reverses exponentially over its length") {
   Slide slide({.wind_up_um = kSize_um, .wind_up_length_mm = kLength_mm}, 0.0);
   double nut_mm = 0.0;
   for (int k = 0; k < 200'000; ++k) slide.follow(nut_mm += 1e-4);
-  CHECK((nut_mm - slide.position_mm()) * 1e3 == doctest::Approx(kSize_um).epsilon(1e-6));
+  CHECK((nut_mm - slide.position_mm()) * 1e3 == Approx(kSize_um).epsilon(1e-6));
   const double turn_mm = nut_mm;
   for (const double u_mm : {0.2, 0.8, 2.0}) {
     while (nut_mm > turn_mm - u_mm + 5e-5) slide.follow(nut_mm -= 1e-4);
     const double expected_um = -kSize_um * (1.0 - 2.0 * std::exp(-u_mm / kLength_mm));
-    CHECK((nut_mm - slide.position_mm()) * 1e3 == doctest::Approx(expected_um).epsilon(0.001));
+    CHECK((nut_mm - slide.position_mm()) * 1e3 == Approx(expected_um).epsilon(0.001));
   }
 }
 
@@ -183,7 +172,7 @@ TEST_CASE("an uneven subdivision of the transducer moves the axis: the loop beli
   one.feed_to(1.0, 1000.0);
   const double half_um = (one.settle() - 1.0) * 1e3;
   // the sine too high by o: the angle shown is wrong by o·cos φ: at half a period +o·P/2π in place
-  CHECK(half_um == doctest::Approx(6.37).epsilon(0.25));
+  CHECK(half_um == Approx(6.37).epsilon(0.25));
   CHECK(std::abs(quarter_um) < 1.6);
 }
 
@@ -208,7 +197,7 @@ TEST_CASE("an approach is that of the carriage: it turns a lag later than its co
   one.feed_to(10.0, 2000.0);
   CHECK(one.axis.approach() == Approach::reverse);
   CHECK(one.axis.pass() == pass + 1);
-  CHECK(one.axis.travel_since_reversal_mm() == doctest::Approx(20.0 - one.axis.servo_mm()).epsilon(0.01));
+  CHECK(one.axis.travel_since_reversal_mm() == Approx(20.0 - one.axis.servo_mm()).epsilon(0.01));
   one.unit = {300, true};
   one.settle();
   CHECK(one.axis.pass() == pass + 1);

@@ -1,11 +1,11 @@
 #include "ecs_emulator/machine/path.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <numbers>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
+
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -15,12 +15,7 @@ namespace {
 constexpr double kTick_s = 0.001;
 const PathLimits kLimits{{150.0, 120.0, 100.0}, {500.0, 400.0, 300.0}};
 
-PathPiece line_to(const Vector3& to_mm, double feed_mm_min) {
-  PathPiece piece;
-  piece.to_mm = to_mm;
-  piece.feed_mm_min = feed_mm_min;
-  return piece;
-}
+PathPiece line_to(const Vector3& to_mm, double feed_mm_min) { return {.to_mm = to_mm, .feed_mm_min = feed_mm_min}; }
 
 PathPiece arc_to(const Vector3& to_mm, double feed_mm_min, const ArcWay& way) {
   PathPiece piece = line_to(to_mm, feed_mm_min);
@@ -70,14 +65,14 @@ TEST_CASE("a straight line takes the time of a trapezium and ends exactly on its
   const Vector3 target{-100.1, 0.0, 0.0};
   const auto drive = driven({0.0, 0.0, 0.0}, {line_to(target, 3000.0)});  // 50 mm/s, 500 mm/s²: 0.1 s up, 0.1 s down
   CHECK(drive.places.back() == target);
-  CHECK(drive.time_s() == doctest::Approx(100.1 / 50.0 + 0.1).epsilon(0.005));
-  CHECK(drive.fastest_mm_s == doctest::Approx(50.0));
+  CHECK(drive.time_s() == Approx(100.1 / 50.0 + 0.1).epsilon(0.005));
+  CHECK(drive.fastest_mm_s == Approx(50.0));
   CHECK(drive.hardest_mm_s2[0] <= 500.0 * 1.000001);
 }
 
 TEST_CASE("the weakest axis on a line sets its rapid and its acceleration") {
   const auto drive = driven({0.0, 0.0, 0.0}, {line_to({300.0, 0.0, 300.0}, 0.0)});
-  CHECK(drive.fastest_mm_s == doctest::Approx(100.0 * std::numbers::sqrt2));
+  CHECK(drive.fastest_mm_s == Approx(100.0 * std::numbers::sqrt2));
   CHECK(drive.hardest_mm_s2[2] <= 300.0 * 1.000001);
   CHECK(drive.hardest_mm_s2[2] >= 290.0);
 }
@@ -87,7 +82,7 @@ TEST_CASE("pieces of one line run through without stopping, and cost no time") {
   for (int i = 1; i <= 100; ++i) pieces.push_back(line_to({i * 1.0, 0.0, 0.0}, 3000.0));
   const auto many = driven({0.0, 0.0, 0.0}, pieces);
   const auto one = driven({0.0, 0.0, 0.0}, {line_to({100.0, 0.0, 0.0}, 3000.0)});
-  CHECK(many.time_s() == doctest::Approx(one.time_s()).epsilon(0.002));
+  CHECK(many.time_s() == Approx(one.time_s()).epsilon(0.002));
   CHECK(many.hardest_mm_s2[0] <= 500.0 * 1.000001);
 }
 
@@ -130,8 +125,8 @@ TEST_CASE("a line tangent to an arc goes on into it without slowing down") {
       driven({0.0, 0.0, 0.0}, {line_to({50.0, 0.0, 0.0}, 1200.0), arc_to({150.0, 100.0, 0.0}, 1200.0, quarter),
                                line_to({150.0, 150.0, 0.0}, 1200.0)});
   const double length = 100.0 + 50.0 * std::numbers::pi;
-  CHECK(drive.time_s() == doctest::Approx(length / 20.0 + 0.05).epsilon(0.01));
-  CHECK(drive.length_mm == doctest::Approx(length).epsilon(1e-5));
+  CHECK(drive.time_s() == Approx(length / 20.0 + 0.05).epsilon(0.01));
+  CHECK(drive.length_mm == Approx(length).epsilon(1e-5));
 }
 
 TEST_CASE("any chain of lines keeps feed, axes and length, and ends where it should") {
@@ -179,7 +174,7 @@ TEST_CASE("ten thousand blocks of a micrometre are all run, none cut, at the fee
     const double off = std::hypot(path.command_mm()[0], path.command_mm()[1] - 1.5915) - 1.5915;
     CHECK(std::abs(off) < 1e-7);  // sagitta of a micrometre on this radius
   }
-  CHECK(ticks * kTick_s == doctest::Approx(1.0 + 0.025).epsilon(0.02));
+  CHECK(ticks * kTick_s == Approx(1.0 + 0.025).epsilon(0.02));
   CHECK(path.command_mm() == pieces.back().to_mm);
 }
 

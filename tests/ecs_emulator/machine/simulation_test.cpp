@@ -2,10 +2,6 @@
 // what is refused.
 #include "ecs_emulator/machine/simulation.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/serve.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
@@ -46,14 +42,8 @@ oil = "30 + t/100"
 )";
 
 std::string measured_csv(Simulation& simulation) {
-  MeasurementPlan plan;
-  plan.targets_mm = {-500.0, -250.0, 0.0};
-  plan.runs = 2;
-  plan.feed_mm_min = 6000.0;
-  plan.dwell_s = 1.0;
-  const auto set = measure(simulation, plan);
-  REQUIRE(set.has_value());
-  return laser::to_csv(*set);
+  MeasurementPlan plan{.targets_mm = {-500.0, -250.0, 0.0}, .runs = 2, .feed_mm_min = 6000.0, .dwell_s = 1.0};
+  return laser::to_csv(must(measure(simulation, plan)));
 }
 
 }  // namespace
@@ -74,7 +64,7 @@ TEST_CASE("a parked axis adds no scatter between the readings of another one") {
   CHECK(parked_um != 0.0);
   for (const double x_mm : {-100.0, -200.0, -300.0, -100.0}) {
     go(simulation, {x_mm, -50.0, 0.0});
-    CHECK(error_x_um(simulation) == doctest::Approx(parked_um).epsilon(1e-9));
+    CHECK(error_x_um(simulation) == Approx(parked_um).epsilon(1e-9));
   }
   go(simulation, {-100.0, -60.0, 0.0});
   CHECK(std::abs(error_x_um(simulation) - parked_um) > 1e-6);
@@ -95,15 +85,14 @@ TEST_CASE("a repeated stop draws anew, with the standard deviation of the errors
     sum_um += error_um;
     square_um2 += error_um * error_um;
   }
-  CHECK(std::abs(sum_um / kStops) < 0.3);                                       // three times 2 / √400
-  CHECK(std::sqrt(square_um2 / kStops) == doctest::Approx(2.0).epsilon(0.12));  // three times 2 / √800
+  CHECK(std::abs(sum_um / kStops) < 0.3);                              // three times 2 / √400
+  CHECK(std::sqrt(square_um2 / kStops) == Approx(2.0).epsilon(0.12));  // three times 2 / √800
 }
 
 TEST_CASE("sensors appear in the readings, those of heat and those of formulas") {
   Simulation simulation = simulation_of(kWarmMachine);
   const std::string csv = measured_csv(simulation);
-  for (const char* column : {"t_screw_degC", "t_far_end_degC", "t_oil_degC"})
-    CHECK_MESSAGE(csv.find(column) != std::string::npos, csv);
+  check_holds(csv, {"t_screw_degC", "t_far_end_degC", "t_oil_degC"});
 }
 
 TEST_CASE("travel at one end of the axis warms the screw there") {
@@ -144,21 +133,21 @@ TEST_CASE("an hour's wait in one go is an hour's wait in pieces") {
   for (Simulation* each : {&one, &many}) REQUIRE(each->move_to({-300.0, 0.0, 0.0}, 10'000.0));
   REQUIRE(one.dwell(3600.0));
   for (int i = 0; i < 60; ++i) REQUIRE(many.dwell(60.0));
-  CHECK(one.machine().time_s() == doctest::Approx(many.machine().time_s()));
+  CHECK(one.machine().time_s() == Approx(many.machine().time_s()));
   const double time_s = one.machine().time_s();
   const ComponentValues a = one.errors().at(one.machine().state(), one.heat());
   const ComponentValues b = many.errors().at(many.machine().state(), many.heat());
-  for (std::size_t c = 0; c < kComponents; ++c) CHECK(a[c] == doctest::Approx(b[c]).epsilon(1e-9));
-  CHECK(one.material_degC() == doctest::Approx(many.material_degC()).epsilon(1e-12));
-  CHECK(one.air().temperature_degC == doctest::Approx(one.heat().air(time_s).temperature_degC));
+  for (std::size_t c = 0; c < kComponents; ++c) CHECK(a[c] == Approx(b[c]).epsilon(1e-9));
+  CHECK(one.material_degC() == Approx(many.material_degC()).epsilon(1e-12));
+  CHECK(one.air().temperature_degC == Approx(one.heat().air(time_s).temperature_degC));
 }
 
 TEST_CASE("air and material of the simulation are those of the file") {
   Simulation simulation = simulation_of("[air]\nmean_degC = 23.5\npressure_hPa = 985.0\nhumidity_pct = 30.0\n");
-  CHECK(simulation.air().temperature_degC == doctest::Approx(23.5));
-  CHECK(simulation.air().pressure_hPa == doctest::Approx(985.0));
-  CHECK(simulation.air().humidity_pct == doctest::Approx(30.0));
-  CHECK(simulation.material_degC() == doctest::Approx(23.5));
+  CHECK(simulation.air().temperature_degC == Approx(23.5));
+  CHECK(simulation.air().pressure_hPa == Approx(985.0));
+  CHECK(simulation.air().humidity_pct == Approx(30.0));
+  CHECK(simulation.material_degC() == Approx(23.5));
 }
 
 TEST_CASE("formulas see the sensors' true temperatures") {
@@ -172,7 +161,7 @@ component = "EZZ"
 formula = "T_hall"
 )");
   CHECK(simulation.errors().at(simulation.machine().state(), simulation.heat())[index_of(Component::EZZ)] ==
-        doctest::Approx(24.0));
+        Approx(24.0));
 }
 
 TEST_CASE("every wrong word about heat is refused with its line") {
@@ -209,33 +198,31 @@ noise_degC = -1
 oil = "20"
 )");
   for (const int line : {3, 4, 6, 7, 9, 10, 11, 13, 16, 18, 20, 24, 25, 27, 29})
-    CHECK_MESSAGE(text.find("errors.toml:" + std::to_string(line) + ":") != std::string::npos, line << " in " << text);
-  CHECK_MESSAGE(text.find("cell_mm: expected at least 6.9") != std::string::npos, text);
+    CHECK_MESSAGE(contains(text, "errors.toml:" + std::to_string(line) + ":"), line << " in " << text);
+  CHECK_MESSAGE(contains(text, "cell_mm: expected at least 6.9"), text);
 }
 
 TEST_CASE("the warm mill of the samples: droop, bed, spindle and day are as its comments say") {
-  auto simulation = simulation_for("samples/warm_mill/machine.toml", {}, std::nullopt, "");
-  REQUIRE_MESSAGE(simulation.has_value(), (simulation ? "" : to_text(simulation.error())));
-  MachineState state = simulation->machine().state();
-  const auto value = [&](Component c) { return simulation->errors().at(state, simulation->heat())[index_of(c)]; };
+  auto simulation = must(simulation_for("samples/warm_mill/machine.toml", {}, std::nullopt, ""));
+  MachineState state = simulation.machine().state();
+  const auto value = [&](Component c) { return simulation.errors().at(state, simulation.heat())[index_of(c)]; };
   state.position_mm = {-750.0, 0.0, -500.0};
   // 2451.66*0.2401/1.92e8 + 784.532*0.343/7.2e7 and 34323.3*4.913/2.88e10
-  CHECK(value(Component::EYZ) == doctest::Approx(-6.803).epsilon(1e-3));
-  CHECK(value(Component::EYX) == doctest::Approx(-5.855).epsilon(1e-3));
-  simulation->spindle(6000.0);
-  REQUIRE(simulation->dwell(4.0 * 1800.0));
-  state.time_s = simulation->machine().time_s();
+  CHECK(value(Component::EYZ) == Approx(-6.803).epsilon(1e-3));
+  CHECK(value(Component::EYX) == Approx(-5.855).epsilon(1e-3));
+  simulation.spindle(6000.0);
+  REQUIRE(simulation.dwell(4.0 * 1800.0));
+  state.time_s = simulation.machine().time_s();
   state.position_mm[2] = 50.0;  // at the bearing of the screw: what the air does to it does not count
-  CHECK(value(Component::EZZ) == doctest::Approx(-2.4 * 21.0 * (1.0 - std::exp(-4.0))).epsilon(1e-3));
+  CHECK(value(Component::EZZ) == Approx(-2.4 * 21.0 * (1.0 - std::exp(-4.0))).epsilon(1e-3));
 }
 
 TEST_CASE("the state of the workshop shows sensors and air where there are any") {
   Simulation warm = simulation_of(kWarmMachine);
   const std::string shown = perform({&warm, nullptr, nullptr}, R"({"action": "state"})");
-  for (const char* part : {"\"sensors_degC\":{\"far_end\":", "\"oil\":30.0", "\"air\":{", "\"hPa\":"})
-    CHECK_MESSAGE(shown.find(part) != std::string::npos, part << " in " << shown);
+  check_holds(shown, {"\"sensors_degC\":{\"far_end\":", "\"oil\":30.0", "\"air\":{", "\"hPa\":"});
   Simulation bare = simulation_of("");
-  CHECK(perform({&bare, nullptr, nullptr}, R"({"action": "state"})").find("degC") == std::string::npos);
+  CHECK(!contains(perform({&bare, nullptr, nullptr}, R"({"action": "state"})"), "degC"));
 }
 
 TEST_CASE("a workpiece put on the table shows in what the tool does") {
@@ -250,6 +237,6 @@ load_at_mm = -250.0
   REQUIRE(simulation.move_to({-250.0, 0.0, 0.0}, 0.0));
   const double before_um = simulation.tool_now(false).error_um[2];
   const std::string answer = perform({&simulation, nullptr, nullptr}, R"({"action": "load", "kg": 400})");
-  CHECK_MESSAGE(answer.find("\"ok\":true") != std::string::npos, answer);
-  CHECK(simulation.tool_now(false).error_um[2] - before_um == doctest::Approx(400.0 * 9.80665 / 400.0));
+  CHECK_MESSAGE(contains(answer, "\"ok\":true"), answer);
+  CHECK(simulation.tool_now(false).error_um[2] - before_um == Approx(400.0 * 9.80665 / 400.0));
 }

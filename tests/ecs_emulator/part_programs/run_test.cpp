@@ -1,10 +1,7 @@
 #include "ecs_emulator/part_programs/run.hpp"
 
-#include <cmath>
 #include <fstream>
 #include <numbers>
-
-#include <doctest/doctest.h>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -28,31 +25,19 @@ std::string ideal_drives(double kv_per_s) {
   return text;
 }
 
-Program program_of(const std::string& text) {
-  auto program = parse_program(text, "p.nc");
-  REQUIRE_MESSAGE(program.has_value(), (program ? "" : to_text(program.error())));
-  return std::move(*program);
-}
+Program program_of(const std::string& text) { return must(parse_program(text, "p.nc")); }
 
 ProgramResult ran(Simulation& simulation, const std::string& text, const ProgramOrder& order = {}) {
-  auto result = run_program(simulation, program_of(text), order);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : to_text(result.error())));
-  return std::move(*result);
+  return must(run_program(simulation, program_of(text), order));
 }
 
-ProgramOrder measuring(Axis axis, Sense sense) {
-  ProgramOrder order;
-  order.axis = axis;
-  order.sense = sense;
-  return order;
-}
+ProgramOrder measuring(Axis axis, Sense sense) { return {.axis = axis, .sense = sense}; }
 
 /// A trace as numbers, row by row.
 std::vector<std::vector<double>> rows_of(const std::string& file) {
-  const auto text = read_file(file);
-  REQUIRE(text.has_value());
+  const auto text = must(read_file(file));
   std::vector<std::vector<double>> rows;
-  const auto lines = lines_of(*text);
+  const auto lines = lines_of(text);
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
     rows.emplace_back();
@@ -78,12 +63,9 @@ WorkshopMachine mill(const std::string& x_travel = "") {
 
 TEST_CASE("the program of the thesis's appendix B is refused on the mill, with the lines that go beyond its travel") {
   Simulation simulation(mill(), TrueErrors(), 1);
-  const auto program = read_program("samples/mill/appendix_b.nc");
-  REQUIRE(program.has_value());
+  const auto program = must(read_program("samples/mill/appendix_b.nc"));
   const Vector3 before_mm = simulation.machine().command_mm();
-  const auto result = run_program(simulation, *program, measuring(Axis::X, Sense::EX));
-  REQUIRE(!result.has_value());
-  const std::string all = to_text(result.error());
+  const std::string all = to_text(must_fail(run_program(simulation, program, measuring(Axis::X, Sense::EX))));
   CHECK(all.find("appendix_b.nc:9: X: goes to -4150 mm") != all.npos);  // the last pass of the loop
   CHECK(all.find("appendix_b.nc:15: X: goes to -4155 mm") != all.npos);
   CHECK(all.find("appendix_b.nc:16: X: goes to -4150 mm") != all.npos);
@@ -93,11 +75,9 @@ TEST_CASE("the program of the thesis's appendix B is refused on the mill, with t
 TEST_CASE("the program of the thesis's appendix B takes six times 84 readings where the axis is long enough") {
   Simulation simulation(mill("[-4200.0, 0.0]"),
                         errors_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"-0.008*p + 1.5*d\"\n"), 1);
-  const auto program = read_program("samples/mill/appendix_b.nc");
-  REQUIRE(program.has_value());
-  const auto result = run_program(simulation, *program, measuring(Axis::X, Sense::EX));
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : to_text(result.error())));
-  const auto& readings = result->readings->readings;
+  const auto program = must(read_program("samples/mill/appendix_b.nc"));
+  const auto result = must(run_program(simulation, program, measuring(Axis::X, Sense::EX)));
+  const auto& readings = result.readings->readings;
   REQUIRE(readings.size() == 6 * 84);
   for (std::size_t i = 0; i < readings.size(); ++i) {
     const std::size_t pass = i / 84;
@@ -106,7 +86,7 @@ TEST_CASE("the program of the thesis's appendix B takes six times 84 readings wh
     CHECK(readings[i].approach == (pass % 2 == 0 ? Approach::reverse : Approach::forward));
     CHECK(readings[i].run == static_cast<int>(pass / 2) + 1);
     const double error_um = -0.008 * laser::target_mm(readings[i]) + (pass % 2 == 0 ? 0.0 : 3.0);
-    CHECK(readings[i].error == doctest::Approx(error_um).epsilon(1e-3).scale(10.0));
+    CHECK(readings[i].error == Approx(error_um).epsilon(1e-3).scale(10.0));
   }
 }
 
@@ -116,40 +96,35 @@ TEST_CASE("a program written for a plan reads what measure reads") {
       "[[contribution]]\ncomponent = \"EYX\"\nformula = \"0.01*p*p/50\"\n";
   for (const bool bidirectional : {true, false}) {
     for (const Sense sense : {Sense::EX, Sense::EY}) {
-      MeasurementPlan plan;
-      plan.sense = sense;
-      plan.targets_mm = targets_between(-10.0, -430.0, 40.0);
+      MeasurementPlan plan{.sense = sense, .targets_mm = targets_between(-10.0, -430.0, 40.0)};
       plan.targets_mm.insert(plan.targets_mm.begin() + 1, -12.3456);
       plan.bidirectional = bidirectional;
       plan.feed_mm_min = 6000.0;
       plan.parked_mm = {std::nullopt, -100.0, -20.0};
       auto one = simulation_of(errors, small_machine() + ideal_drives(30.0));
       auto other = simulation_of(errors, small_machine() + ideal_drives(30.0));
-      const auto by_hand = measure(one, plan);
-      REQUIRE(by_hand.has_value());
+      const auto by_hand = must(measure(one, plan));
       const auto by_program = ran(other, program_for(plan), measuring(Axis::X, sense));
-      REQUIRE(by_program.readings->readings.size() == by_hand->readings.size());
-      for (std::size_t i = 0; i < by_hand->readings.size(); ++i) {
-        const auto& a = by_hand->readings[i];
+      REQUIRE(by_program.readings->readings.size() == by_hand.readings.size());
+      for (std::size_t i = 0; i < by_hand.readings.size(); ++i) {
+        const auto& a = by_hand.readings[i];
         const auto& b = by_program.readings->readings[i];
         CHECK(b.position_mm == a.position_mm);
         CHECK(b.approach == a.approach);
         CHECK(b.run == a.run);
-        CHECK(b.error == doctest::Approx(a.error).epsilon(1e-4).scale(1.0));
+        CHECK(b.error == Approx(a.error).epsilon(1e-4).scale(1.0));
       }
     }
   }
 }
 
 TEST_CASE("every row of the mill's plan becomes a program that the mill can run") {
-  const auto files = programs_of_plan("samples/mill/plan.toml", "samples/mill/machine.toml");
-  REQUIRE_MESSAGE(files.has_value(), (files ? "" : to_text(files.error())));
-  CHECK(files->front().name == "EXX.nc");
-  CHECK(files->front().text.find("$REP 82") == std::string::npos);  // moved off equal steps
-  CHECK(files->size() == 19);
-  const auto even = programs_of_plan("samples/mill/plan.toml", "samples/mill/machine.toml", true);
-  REQUIRE(even.has_value());
-  CHECK(even->front().text.find("$REP 82") != std::string::npos);
+  const auto files = must(programs_of_plan("samples/mill/plan.toml", "samples/mill/machine.toml"));
+  CHECK(files.front().name == "EXX.nc");
+  CHECK(!contains(files.front().text, "$REP 82"));  // moved off equal steps
+  CHECK(files.size() == 19);
+  const auto even = must(programs_of_plan("samples/mill/plan.toml", "samples/mill/machine.toml", true));
+  CHECK(contains(even.front().text, "$REP 82"));
 }
 
 TEST_CASE("programs in the form in which the host proposes a measurement run") {
@@ -182,7 +157,7 @@ TEST_CASE("a square is zeroed before the program that measures against it begins
   auto order = measuring(Axis::Y, Sense::EX);
   order.instrument = InstrumentKind::square;
   const auto result = ran(simulation, "G90G00X0Y5\nY0F6000\nG04H1\nM08\nM09\nY-400\nG04H1\nM08\nM09", order);
-  CHECK(result.readings->readings.back().error == doctest::Approx(-8.0).epsilon(1e-3));  // as measurement_test.cpp
+  CHECK(result.readings->readings.back().error == Approx(-8.0).epsilon(1e-3));  // as measurement_test.cpp
 }
 
 TEST_CASE("a reading without a dwell is taken in position, no later") {
@@ -204,9 +179,8 @@ TEST_CASE("a wrong or cancelled program moves nothing and writes nothing") {
   const Folder folder;
   ProgramOrder order;
   order.trace = folder / "trace.csv";
-  const auto result = run_program(simulation, program_of("$REP 100\nG01F100X-500\nX0\n$END"), order);
-  REQUIRE(!result.has_value());
-  CHECK(result.error().kind == ProblemKind::refused);
+  const auto result = must_fail(run_program(simulation, program_of("$REP 100\nG01F100X-500\nX0\n$END"), order));
+  CHECK(result.kind == ProblemKind::refused);
   CHECK(!std::filesystem::exists(order.trace));
   CHECK(!std::filesystem::exists(folder / "trace.csv.part"));
 }
@@ -230,16 +204,12 @@ TEST_CASE("a program longer than the look-ahead runs through at its feed") {
 TEST_CASE("the circle of thesis 7.4 is commanded as a circle, both ways round, and nothing of it is lost") {
   Simulation simulation(mill(), TrueErrors(), 1);
   const Folder folder;
-  ProgramOrder order;
-  order.trace = folder / "trace.csv";
-  order.trace_period_s = 0.01;
+  ProgramOrder order{.trace = folder / "trace.csv", .trace_period_s = 0.01};
   const Vector3 start_mm = simulation.machine().command_mm();
-  const auto program = read_program("samples/mill/circle_xz.nc");
-  REQUIRE(program.has_value());
-  const auto result = run_program(simulation, *program, order);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : to_text(result.error())));
+  const auto program = must(read_program("samples/mill/circle_xz.nc"));
+  const auto result = must(run_program(simulation, program, order));
   const double to_start_mm = std::hypot(start_mm[0] + 1900.0, start_mm[2] + 475.0);
-  CHECK(result->summary.path_mm == doctest::Approx(to_start_mm + 550.0 * std::numbers::pi).epsilon(1e-9));
+  CHECK(result.summary.path_mm == Approx(to_start_mm + 550.0 * std::numbers::pi).epsilon(1e-9));
   double worst_mm = 0.0;
   double turned_rad[2] = {0.0, 0.0};
   double last_rad = 0.0;
@@ -255,8 +225,8 @@ TEST_CASE("the circle of thesis 7.4 is commanded as a circle, both ways round, a
     last_rad = angle_rad;
   }
   CHECK(worst_mm < 1e-9);
-  CHECK(turned_rad[0] == doctest::Approx(2.0 * std::numbers::pi).epsilon(0.001));
-  CHECK(turned_rad[1] == doctest::Approx(-2.0 * std::numbers::pi).epsilon(0.001));
+  CHECK(turned_rad[0] == Approx(2.0 * std::numbers::pi).epsilon(0.001));
+  CHECK(turned_rad[1] == Approx(-2.0 * std::numbers::pi).epsilon(0.001));
 }
 
 TEST_CASE("a drive of first order cuts a circle smaller by v squared over 2 Kv squared R") {
@@ -277,7 +247,7 @@ TEST_CASE("a drive of first order cuts a circle smaller by v squared over 2 Kv s
     ++count;
   }
   REQUIRE(count > 1000);
-  CHECK(sum_mm / count == doctest::Approx(expected_mm).epsilon(0.01));
+  CHECK(sum_mm / count == Approx(expected_mm).epsilon(0.01));
 }
 
 TEST_CASE("the workshop runs programs and single blocks by request") {
@@ -298,5 +268,5 @@ TEST_CASE("the workshop runs programs and single blocks by request") {
   CHECK(answer.find("\"missed_trigger_lines\":[6]") != answer.npos);
   CHECK(reports.size() > 50);
   CHECK(reports.front().rfind("{\"progress\":0.0", 0) == 0);  // as the socket tells it from an answer
-  CHECK(reports.front().find("\"line\":") != std::string::npos);
+  CHECK(contains(reports.front(), "\"line\":"));
 }

@@ -1,7 +1,6 @@
 // A unit at its machine, as the tests of the unit set it up.
 #pragma once
 
-#include <cmath>
 #include <memory>
 
 #include "base/file.hpp"

@@ -1,12 +1,10 @@
 // Heat against closed forms: first-order lags, the steady screw, waves of the day.
 #include "ecs_emulator/thermal/heat.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numbers>
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -17,12 +15,7 @@ constexpr PerAxis<std::array<double, 2>> kTravel{{{-1000.0, 0.0}, {-400.0, 0.0},
 constexpr double kHour_s = 3600.0;
 
 SensorSettings sensor_of(SensorSettings::Of of, double lag_s = 0.0) {
-  SensorSettings sensor;
-  sensor.name = "one";
-  sensor.of = of;
-  sensor.lag_s = lag_s;
-  sensor.resolution_degC = 0.0;
-  return sensor;
+  return {.name = "one", .of = of, .lag_s = lag_s, .resolution_degC = 0.0};
 }
 
 double shown_degC(const Heat& heat, double time_s) { return heat.readings(time_s).front().second; }
@@ -43,13 +36,7 @@ Swing swing_of(const std::function<double(double)>& degC, double start_h) {
   return swing;
 }
 
-ScrewSettings screw() {
-  ScrewSettings settings;
-  settings.friction_N = 100.0;
-  settings.heat_capacity_J_per_m_degC = 4000.0;
-  settings.loss_s = 1500.0;
-  return settings;
-}
+ScrewSettings screw() { return {.friction_N = 100.0, .heat_capacity_J_per_m_degC = 4000.0, .loss_s = 1500.0}; }
 
 /// To and fro between two places for so long, in periods of 10 ms.
 void shuttle(Heat& heat, double from_mm, double to_mm, double m_min, double seconds, double& time_s) {
@@ -80,16 +67,12 @@ TEST_CASE("without tables air and material stay at 20 degC") {
 }
 
 TEST_CASE("the air is warmest at its hour and swings by what is stated") {
-  DaySettings day;
-  day.mean_degC = 21.0;
-  day.swing_degC = 3.0;
-  day.warmest_h = 15.0;
-  day.start_h = 8.0;
+  DaySettings day{.mean_degC = 21.0, .swing_degC = 3.0, .warmest_h = 15.0, .start_h = 8.0};
   const Day air(day, 1);
   const Swing swing = swing_of([&](double t) { return air.air_degC(t); }, 8.0);
-  CHECK(swing.high == doctest::Approx(24.0));
-  CHECK(swing.low == doctest::Approx(18.0));
-  CHECK(swing.at_h == doctest::Approx(15.0).epsilon(0.002));
+  CHECK(swing.high == Approx(24.0));
+  CHECK(swing.low == Approx(18.0));
+  CHECK(swing.at_h == Approx(15.0).epsilon(0.002));
 }
 
 TEST_CASE("a body of first order follows the day smaller by 1/sqrt(1+(wt)^2) and later by atan(wt)/w") {
@@ -100,27 +83,23 @@ TEST_CASE("a body of first order follows the day smaller by 1/sqrt(1+(wt)^2) and
   const double turn =
       2.0 * std::numbers::pi * 4.0 / 24.0;  // w·tau = pi/3: 1/sqrt(1 + 1.0966) = 0.69063, 3.0877 h later
   const Swing swing = swing_of([&](double t) { return air.following_degC(t, lag_s); }, 8.0);
-  CHECK(swing.high - 20.0 == doctest::Approx(4.0 / std::sqrt(1.0 + turn * turn)).epsilon(1e-4));
-  CHECK(swing.high - 20.0 == doctest::Approx(4.0 * 0.69063).epsilon(1e-4));
-  CHECK(swing.at_h == doctest::Approx(15.0 + 3.0877).epsilon(0.002));
+  CHECK(swing.high - 20.0 == Approx(4.0 / std::sqrt(1.0 + turn * turn)).epsilon(1e-4));
+  CHECK(swing.high - 20.0 == Approx(4.0 * 0.69063).epsilon(1e-4));
+  CHECK(swing.at_h == Approx(15.0 + 3.0877).epsilon(0.002));
 }
 
 TEST_CASE("what follows the air obeys its differential equation, wander included") {
-  DaySettings day;
-  day.swing_degC = 3.0;
-  day.wander_degC = 0.8;
+  DaySettings day{.swing_degC = 3.0, .wander_degC = 0.8};
   const Day air(day, 7);
   for (const double lag_s : {600.0, 7200.0})
     for (double t = 0.0; t < 1e5; t += 3333.0) {
       const double slope = (air.following_degC(t + 1.0, lag_s) - air.following_degC(t - 1.0, lag_s)) / 2.0;
-      CHECK(slope * lag_s == doctest::Approx(air.air_degC(t) - air.following_degC(t, lag_s)).epsilon(1e-4));
+      CHECK(slope * lag_s == Approx(air.air_degC(t) - air.following_degC(t, lag_s)).epsilon(1e-4));
     }
 }
 
 TEST_CASE("slow changes have the stated deviation and differ with the seed") {
-  DaySettings day;
-  day.wander_degC = 0.5;
-  day.pressure_wander_hPa = 4.0;
+  DaySettings day{.wander_degC = 0.5, .pressure_wander_hPa = 4.0};
   double square = 0.0, pressure = 0.0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
@@ -130,8 +109,8 @@ TEST_CASE("slow changes have the stated deviation and differ with the seed") {
       pressure += std::pow(air.air(t).pressure_hPa - 1013.25, 2.0);
     }
   }
-  CHECK(std::sqrt(square / count) == doctest::Approx(0.5).epsilon(0.05));
-  CHECK(std::sqrt(pressure / count) == doctest::Approx(4.0).epsilon(0.05));
+  CHECK(std::sqrt(square / count) == Approx(0.5).epsilon(0.05));
+  CHECK(std::sqrt(pressure / count) == Approx(4.0).epsilon(0.05));
   CHECK(Day(day, 1).air_degC(1000.0) == Day(day, 1).air_degC(1000.0));
   CHECK(Day(day, 1).air_degC(1000.0) != Day(day, 2).air_degC(1000.0));
 }
@@ -142,9 +121,9 @@ TEST_CASE("a workpiece from the yard takes its time constant to come to the air"
   settings.air->mean_degC = 22.0;
   settings.material = {1800.0, 10.0};
   Heat heat(settings, kTravel, 1);
-  CHECK(heat.material_degC(0.0) == doctest::Approx(10.0));
+  CHECK(heat.material_degC(0.0) == Approx(10.0));
   heat.advance(1800.0);
-  CHECK(heat.material_degC(1800.0) == doctest::Approx(22.0 - 12.0 * std::exp(-1.0)));
+  CHECK(heat.material_degC(1800.0) == Approx(22.0 - 12.0 * std::exp(-1.0)));
 }
 
 TEST_CASE("the spindle warms to what its speed asks for, with its time constant, and makes the tool longer") {
@@ -159,22 +138,22 @@ TEST_CASE("the spindle warms to what its speed asks for, with its time constant,
   settings.sensors = {sensor_of(SensorSettings::Of::spindle)};
   Heat heat(settings, kTravel, 1);
   heat.advance(600.0);
-  CHECK(shown_degC(heat, 600.0) == doctest::Approx(20.0));
+  CHECK(shown_degC(heat, 600.0) == Approx(20.0));
   heat.advance(1800.0);
   const double rise = 12.0 * (1.0 - std::exp(-1.0));
-  CHECK(shown_degC(heat, 1800.0) == doctest::Approx(20.0 + rise));
+  CHECK(shown_degC(heat, 1800.0) == Approx(20.0 + rise));
   ComponentValues values{};
   heat.add_errors({}, 1800.0, values);
-  CHECK(values[index_of(Component::EZZ)] == doctest::Approx(-2.5 * rise));
-  CHECK(values[index_of(Component::EAZ)] == doctest::Approx(0.8 * rise));
+  CHECK(values[index_of(Component::EZZ)] == Approx(-2.5 * rise));
+  CHECK(values[index_of(Component::EAZ)] == Approx(0.8 * rise));
   heat.advance(4200.0);
   const double warmest = 12.0 * (1.0 - std::exp(-3.0));
   heat.advance(5400.0);
-  CHECK(shown_degC(heat, 5400.0) == doctest::Approx(20.0 + warmest * std::exp(-1.0)));
+  CHECK(shown_degC(heat, 5400.0) == Approx(20.0 + warmest * std::exp(-1.0)));
   // A command ends the list: 1000 rpm for long gives 4 degC.
   heat.spindle(1000.0);
   heat.advance(50'000.0);
-  CHECK(shown_degC(heat, 50'000.0) == doctest::Approx(24.0));
+  CHECK(shown_degC(heat, 50'000.0) == Approx(24.0));
 }
 
 TEST_CASE("a sensor shows its body late, off by its offset, in steps of its resolution") {
@@ -182,9 +161,9 @@ TEST_CASE("a sensor shows its body late, off by its offset, in steps of its reso
   settings.material = {1e-3, 30.0};  // at 30 in the first moment, at 20 in the next
   settings.sensors = {sensor_of(SensorSettings::Of::material, 100.0)};
   Heat heat(settings, kTravel, 1);
-  CHECK(shown_degC(heat, 0.0) == doctest::Approx(30.0));
+  CHECK(shown_degC(heat, 0.0) == Approx(30.0));
   heat.advance(100.0);
-  CHECK(shown_degC(heat, 100.0) == doctest::Approx(20.0 + 10.0 * std::exp(-1.0)));
+  CHECK(shown_degC(heat, 100.0) == Approx(20.0 + 10.0 * std::exp(-1.0)));
   settings.sensors[0].offset_degC = 0.3;
   settings.sensors[0].resolution_degC = 0.25;
   Heat coarse(settings, kTravel, 1);
@@ -199,8 +178,8 @@ TEST_CASE("a sensor of the air lags like a body of first order") {
   settings.sensors = {sensor_of(SensorSettings::Of::air, 4.0 * kHour_s)};
   const Heat heat(settings, kTravel, 1);
   const Swing swing = swing_of([&](double t) { return shown_degC(heat, t); }, 8.0);
-  CHECK(swing.high - 20.0 == doctest::Approx(3.0 * 0.69063).epsilon(1e-4));
-  CHECK(swing.at_h == doctest::Approx(15.0 + 3.0877).epsilon(0.002));
+  CHECK(swing.high - 20.0 == Approx(3.0 * 0.69063).epsilon(1e-4));
+  CHECK(swing.at_h == Approx(15.0 + 3.0877).epsilon(0.002));
 }
 
 TEST_CASE("noise of a sensor has its deviation and depends on nothing but the time of the reading") {
@@ -214,7 +193,7 @@ TEST_CASE("noise of a sensor has its deviation and depends on nothing but the ti
     sum += off;
     square += off * off;
   }
-  CHECK(std::sqrt(square / 2000) == doctest::Approx(0.05).epsilon(0.06));
+  CHECK(std::sqrt(square / 2000) == Approx(0.05).epsilon(0.06));
   CHECK(std::abs(sum / 2000) < 0.004);
   CHECK(shown_degC(heat, 12.0) == shown_degC(heat, 12.0));
 }
@@ -230,19 +209,19 @@ TEST_CASE("a screw in steady work rises by power times time constant over heat c
   settings.sensors = {sensor};
   Heat watched(settings, kTravel, 1);
   shuttle(watched, -500.0, 0.0, 6.0, 1500.0, time_s);
-  CHECK(shown_degC(watched, time_s) - 20.0 == doctest::Approx(7.5 * (1.0 - std::exp(-1.0))).epsilon(0.01));
+  CHECK(shown_degC(watched, time_s) - 20.0 == Approx(7.5 * (1.0 - std::exp(-1.0))).epsilon(0.01));
   shuttle(watched, -500.0, 0.0, 6.0, 10'500.0, time_s);
-  CHECK(shown_degC(watched, time_s) - 20.0 == doctest::Approx(7.5).epsilon(0.01));
+  CHECK(shown_degC(watched, time_s) - 20.0 == Approx(7.5).epsilon(0.01));
   // 11.5 um/m/degC over 0.5 m of 7.5 degC: 43.1 um at the far end, and no more beyond it.
   ComponentValues values{};
   watched.add_errors({-500.0, 0.0, 0.0}, time_s, values);
-  CHECK(values[index_of(Component::EXX)] == doctest::Approx(-43.125).epsilon(0.01));
+  CHECK(values[index_of(Component::EXX)] == Approx(-43.125).epsilon(0.01));
   values = {};
   watched.add_errors({-1000.0, 0.0, 0.0}, time_s, values);
-  CHECK(values[index_of(Component::EXX)] == doctest::Approx(-43.125).epsilon(0.01));
+  CHECK(values[index_of(Component::EXX)] == Approx(-43.125).epsilon(0.01));
   // Left alone it cools with its time constant.
   watched.advance(time_s + 1500.0);
-  CHECK(shown_degC(watched, time_s + 1500.0) - 20.0 == doctest::Approx(7.5 * std::exp(-1.0)).epsilon(0.01));
+  CHECK(shown_degC(watched, time_s + 1500.0) - 20.0 == Approx(7.5 * std::exp(-1.0)).epsilon(0.01));
 }
 
 TEST_CASE("motion at one end heats there alone, and conduction spreads it without losing any") {
@@ -257,7 +236,7 @@ TEST_CASE("motion at one end heats there alone, and conduction spreads it withou
   CHECK(near_end.rise_degC(-90.0) > 10.0 * near_end.rise_degC(-300.0));
   CHECK(near_end.rise_degC(-900.0) < 1e-6);
   // 1000 * 0.02 m * 100 N = 2000 J in 4000 J/m/degC: 0.5 m degC in all; over the fixed bearing at 0 towards -1000 mm.
-  CHECK(near_end.growth_um(-1000.0, 20.0) == doctest::Approx(-11.5 * 0.5).epsilon(1e-6));
+  CHECK(near_end.growth_um(-1000.0, 20.0) == Approx(-11.5 * 0.5).epsilon(1e-6));
 }
 
 TEST_CASE("conduction spreads a warm place as diffusion does: its variance grows by 2at") {
@@ -277,7 +256,7 @@ TEST_CASE("conduction spreads a warm place as diffusion does: its variance grows
   one.step();
   const double before = variance();
   for (int i = 0; i < 600; ++i) one.step();
-  CHECK(variance() - before == doctest::Approx(2.0 * 12.0 * 600.0).epsilon(1e-3));
+  CHECK(variance() - before == Approx(2.0 * 12.0 * 600.0).epsilon(1e-3));
 }
 
 TEST_CASE("the whole screw follows the air and grows from its fixed bearing") {
@@ -289,8 +268,8 @@ TEST_CASE("the whole screw follows the air and grows from its fixed bearing") {
   const Heat heat(settings, kTravel, 1);
   ComponentValues values{};
   heat.add_errors({-50.0, 0.0, 0.0}, 0.0, values);
-  CHECK(values[index_of(Component::EXX)] == doctest::Approx(11.5 * 5.0 * 1.0));  // 1 m of screw
-  settings.screws[0].positions = false;                                          // a scale beside it
+  CHECK(values[index_of(Component::EXX)] == Approx(11.5 * 5.0 * 1.0));  // 1 m of screw
+  settings.screws[0].positions = false;                                 // a scale beside it
   values = {};
   Heat(settings, kTravel, 1).add_errors({-50.0, 0.0, 0.0}, 0.0, values);
   CHECK(values[index_of(Component::EXX)] == 0.0);
@@ -309,9 +288,9 @@ TEST_CASE("heat from motion does not depend on the cell size, and grows with spe
     one.step();
     return one.rise_degC(-505.0);
   };
-  CHECK(rise(10.0, 0.0, 6.0) == doctest::Approx(4 * 100.0 / 4000.0).epsilon(1e-3));
-  CHECK(rise(40.0, 0.0, 6.0) == doctest::Approx(rise(10.0, 0.0, 6.0)).epsilon(1e-2));
-  CHECK(rise(10.0, 5.0, 20.0) == doctest::Approx(2.0 * rise(10.0, 0.0, 20.0)));
+  CHECK(rise(10.0, 0.0, 6.0) == Approx(4 * 100.0 / 4000.0).epsilon(1e-3));
+  CHECK(rise(40.0, 0.0, 6.0) == Approx(rise(10.0, 0.0, 6.0)).epsilon(1e-2));
+  CHECK(rise(10.0, 5.0, 20.0) == Approx(2.0 * rise(10.0, 0.0, 20.0)));
 }
 
 TEST_CASE("an hour in one go is an hour in pieces, to the last bit") {

@@ -1,11 +1,6 @@
 #include "ecs_emulator/unit/datum_watch.hpp"
 
-#include <algorithm>
 #include <functional>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 

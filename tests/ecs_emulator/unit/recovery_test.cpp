@@ -1,11 +1,6 @@
 // Every fault of the unit is provoked, isolates it, and is recovered from: the machine is compensated again afterwards.
 #include <array>
-#include <cmath>
 #include <functional>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "ecs_emulator/unit/rack.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"

@@ -1,7 +1,3 @@
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/unit/unit.hpp"
 #include "protocol/registers/register_map.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
@@ -73,7 +69,7 @@ TEST_CASE_FIXTURE(Bench, "a commit that cannot be kept in the battery memory fai
   disk_full = true;
   const auto result = stage_and_commit(flat_image(2.0));
   CHECK(result.state == CommandState::failed);
-  CHECK(result.text.find("the map before stays active") != std::string::npos);
+  CHECK(contains(result.text, "the map before stays active"));
   CHECK(result.text.size() <= protocol::kResultTextBytes);
   CHECK(unit.status().commit_sequence == 1);
   CHECK(unit.status().active_bank == protocol::Bank::A);
@@ -182,10 +178,9 @@ TEST_CASE_FIXTURE(Bench, "power lost at any byte of a transfer leaves the comple
     other.unit.memory().power_back();
     other.unit.power(true);
     other.simulation.tick();
-    const auto active = active_image(other.unit.memory());
-    REQUIRE(active.has_value());
+    const auto active = must(active_image(other.unit.memory()));
     const auto& expected = cut >= staged + 24 ? new_image : old_image;
-    const ByteView held = other.unit.memory().view(active->first, static_cast<std::uint32_t>(expected.size()));
+    const ByteView held = other.unit.memory().view(active.first, static_cast<std::uint32_t>(expected.size()));
     CHECK(std::equal(held.begin(), held.end(), expected.begin()));
     CHECK(other.tell(CommandCode::enter_compensation).state == CommandState::done);
   }
@@ -201,11 +196,11 @@ TEST_CASE("an output set by the host moves the axis through the machine's own ga
   command.relay_on = true;
   REQUIRE(bench.tell(command).state == CommandState::done);
   REQUIRE(bench.simulation.run_for(1.0));
-  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() - before == doctest::Approx(0.055).epsilon(1e-6));
+  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() - before == Approx(0.055).epsilon(1e-6));
   CHECK(bench.unit.monitor().axes[0].output_counts == 500);
   REQUIRE(bench.tell(CommandCode::output_off).state == CommandState::done);
   REQUIRE(bench.simulation.run_for(1.0));
-  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() == doctest::Approx(before));
+  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() == Approx(before));
   command.output_um = 501.0;
   CHECK(bench.tell(command).error == UnitError::bad_argument);
 }
@@ -218,7 +213,7 @@ TEST_CASE_FIXTURE(Bench,
   Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 400.0, .relay_on = true};
   REQUIRE(tell(command).state == CommandState::done);
   CHECK(unit.monitor().axes[0].output_counts == -1600);
-  CHECK(unit.monitor().axes[0].compensation_um == doctest::Approx(400.0));
+  CHECK(unit.monitor().axes[0].compensation_um == Approx(400.0));
   CHECK(unit.monitor().axes[1].compensation_um == 0.0);
   REQUIRE(tell(CommandCode::output_off).state == CommandState::done);
   CHECK(unit.monitor().axes[0].compensation_um == 0.0);
@@ -267,7 +262,7 @@ TEST_CASE_FIXTURE(Bench, "a position that no machine has is refused") {
     command.position_mm = impossible;
     CHECK(tell(command).error == UnitError::bad_argument);
   }
-  CHECK(unit.monitor().axes[1].position_mm == doctest::Approx(1e6));
+  CHECK(unit.monitor().axes[1].position_mm == Approx(1e6));
 }
 
 TEST_CASE("the reason why an image or a map is refused fits into the text of a result") {
@@ -291,7 +286,7 @@ TEST_CASE_FIXTURE(Bench, "a position set by the host is shown and follows the ax
   Vector3 target = simulation.machine().command_mm();
   target[1] -= 10.0;
   REQUIRE(simulation.move_to(target, 3000.0));
-  CHECK(unit.monitor().axes[1].position_mm == doctest::Approx(113.0));
+  CHECK(unit.monitor().axes[1].position_mm == Approx(113.0));
 }
 
 TEST_CASE_FIXTURE(Bench, "a recorded datum sequence shows switch, marker and motion") {
@@ -301,23 +296,22 @@ TEST_CASE_FIXTURE(Bench, "a recorded datum sequence shows switch, marker and mot
   const auto result = unit.progress();
   REQUIRE(result.state == CommandState::done);
   CHECK(result.value == kDatumRecordAddress);
-  const auto header = decode_datum_header(unit.memory().view(kDatumRecordAddress, kDatumRecordHeaderBytes));
-  REQUIRE(header.has_value());
-  CHECK(header->samples == 10'000);
-  CHECK(header->sample_period_us == 1000.0);
+  const auto header = must(decode_datum_header(unit.memory().view(kDatumRecordAddress, kDatumRecordHeaderBytes)));
+  CHECK(header.samples == 10'000);
+  CHECK(header.sample_period_us == 1000.0);
   std::int32_t marker_after_switch = 0;
   std::int32_t first_on_switch = 0, last_on_switch = 0;
   int closed = 0;
-  for (std::uint32_t i = 0; i < header->samples; ++i) {
+  for (std::uint32_t i = 0; i < header.samples; ++i) {
     const auto sample = decode_datum_sample(unit.memory().view(datum_sample_address(i), kDatumSampleBytes));
     if (sample.switch_closed && closed++ == 0) first_on_switch = sample.counts;
     if (sample.switch_closed) last_on_switch = sample.counts;
     if (closed > 0 && !sample.switch_closed && sample.marker && marker_after_switch == 0)
       marker_after_switch = sample.counts;
   }
-  CHECK(last_on_switch - first_on_switch == doctest::Approx(10'000.0).epsilon(0.002));  // 10 mm of switch,
-  CHECK(closed == doctest::Approx(2000.0).epsilon(0.06));                               // nearly all at 300 mm/min
-  CHECK(marker_after_switch == doctest::Approx(44'000.0).epsilon(0.001));  // from 44 mm before the datum marker
+  CHECK(last_on_switch - first_on_switch == Approx(10'000.0).epsilon(0.002));  // 10 mm of switch,
+  CHECK(closed == Approx(2000.0).epsilon(0.06));                               // nearly all at 300 mm/min
+  CHECK(marker_after_switch == Approx(44'000.0).epsilon(0.001));               // from 44 mm before the datum marker
 }
 
 TEST_CASE_FIXTURE(Bench, "the datum routine can be tested without compensating") {
@@ -326,7 +320,7 @@ TEST_CASE_FIXTURE(Bench, "the datum routine can be tested without compensating")
   CHECK(unit.progress().state == CommandState::done);
   CHECK(unit.mode() == UnitMode::integration);
   CHECK(unit.status().axes[2].referenced);
-  CHECK(unit.status().axes[2].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+  CHECK(unit.status().axes[2].position_mm == Approx(0.0).epsilon(1e-3));
 }
 
 TEST_CASE_FIXTURE(Bench, "address pointers name the value that was used last") {

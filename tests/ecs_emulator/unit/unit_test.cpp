@@ -1,10 +1,7 @@
 // The unit at its machine.
 #include "ecs_emulator/unit/unit.hpp"
 
-#include <cmath>
 #include <map>
-
-#include <doctest/doctest.h>
 
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
@@ -68,8 +65,7 @@ TEST_CASE_FIXTURE(Bench, "a committed map brings the unit through datuming into 
   reference_all();
   CHECK(unit.mode() == UnitMode::compensating);
   CHECK(all_relays(*this, true));
-  for (const Axis a : kAllAxes)
-    CHECK(unit.status().axes[index_of(a)].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+  for (const Axis a : kAllAxes) CHECK(unit.status().axes[index_of(a)].position_mm == Approx(0.0).epsilon(1e-3));
 }
 
 TEST_CASE("the unit finds the reference position of every kind of controller") {
@@ -210,7 +206,7 @@ TEST_CASE_FIXTURE(Bench, "an output that stays at its limit is a fault after a s
   }
   CHECK(unit.fault() == Fault::compensation_output);
   CHECK(unit.status().fault_axis == Axis::Z);
-  CHECK(periods_at_limit == doctest::Approx(1000).epsilon(0.02));
+  CHECK(periods_at_limit == Approx(1000).epsilon(0.02));
 }
 
 TEST_CASE_FIXTURE(Bench, "the watchdog halts a hung processor, and only a power cycle helps") {
@@ -231,20 +227,16 @@ TEST_CASE_FIXTURE(Bench, "the watchdog halts a hung processor, and only a power 
 TEST_CASE("end to end: measured, mapped and compensated, the error of an axis falls to a fraction") {
   Bench bench("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.05*p + 4*sin(2*pi*p/300) + 3*d\"\n",
               "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n");
-  MeasurementPlan plan;
-  plan.targets_mm = targets_between(0.0, -500.0, 10.0);
-  plan.runs = 1;
-  plan.feed_mm_min = 6000.0;
+  MeasurementPlan plan{.targets_mm = targets_between(0.0, -500.0, 10.0), .runs = 1, .feed_mm_min = 6000.0};
   const auto range = [&] {
-    const auto set = measure(bench.simulation, plan);
-    REQUIRE(set.has_value());
+    const auto set = must(measure(bench.simulation, plan));
     double low = 0.0;
     double high = 0.0;
-    for (const auto& reading : set->readings) {
+    for (const auto& reading : set.readings) {
       low = std::min(low, reading.error);
       high = std::max(high, reading.error);
     }
-    return std::pair(*set, high - low);
+    return std::pair(set, high - low);
   };
   const auto [set, before_um] = range();
   CHECK(before_um > 25.0);
@@ -264,7 +256,7 @@ TEST_CASE("a wrong output scaling factor shows in what is left") {
               "dac_um_per_count = 0.12\n");
   bench.compensate([](Component, double p, Approach) { return -0.1 * p; });
   REQUIRE(bench.simulation.move_to({-500.0, 0.0, 0.0}, 6000.0));
-  CHECK(bench.simulation.tool_now(false).error_um[0] == doctest::Approx(10.0).epsilon(0.01));  // 20 % too much
+  CHECK(bench.simulation.tool_now(false).error_um[0] == Approx(10.0).epsilon(0.01));  // 20 % too much
 }
 
 TEST_CASE("compensated with curves measured along the axes, any machine is accurate in its whole volume") {
@@ -279,16 +271,13 @@ TEST_CASE("compensated with curves measured along the axes, any machine is accur
     for (std::size_t c = 0; c < kCurves; ++c) {
       const auto curve = static_cast<Component>(c);
       if (!needed.contains(curve)) continue;
-      MeasurementPlan plan;
-      plan.axis = moving_axis(curve);
-      plan.sense = sense_of(curve);
+      MeasurementPlan plan{.axis = moving_axis(curve), .sense = sense_of(curve)};
       const auto [low, high] = bench.simulation.machine().axis(plan.axis).facts().travel_mm;
       plan.targets_mm = targets_between(high, low, 10.0);
       plan.runs = 1;
       plan.feed_mm_min = 6000.0;
-      const auto set = measure(bench.simulation, plan);
-      REQUIRE(set.has_value());
-      for (const auto& reading : set->readings)
+      const auto set = must(measure(bench.simulation, plan));
+      for (const auto& reading : set.readings)
         measured[{curve, reading.approach}][std::lround(laser::target_mm(reading))] = reading.error;
     }
     const SurveyPlan plan{.step_mm = 100.0, .approach = Approach::reverse};
@@ -296,9 +285,8 @@ TEST_CASE("compensated with curves measured along the axes, any machine is accur
     bench.compensate([&](Component curve, double p, Approach approach) {
       return squareness_slope(curve) * p * 1e-3 - measured[{curve, approach}][std::lround(p)];
     });
-    const auto after = survey(bench.simulation, plan);
-    REQUIRE(after.has_value());
+    const auto after = must(survey(bench.simulation, plan));
     CHECK(before_um > 30.0);
-    CHECK(worst(after->grid).length_um() < 0.2);
+    CHECK(worst(after.grid).length_um() < 0.2);
   }
 }

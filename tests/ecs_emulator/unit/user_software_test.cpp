@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "tests/ecs_emulator/support/user_program.hpp"
-#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -55,7 +54,7 @@ TEST_CASE_FIXTURE(Bench, "a program cannot write into the bank of the active map
   };
   const auto active = run_in({0x23, 0xC0, 0x00, 0x10, 0x02, 0x00, 0x4E, 0x75});
   CHECK(active.state == CommandState::failed);
-  CHECK(active.text.find("write to 0x100200") != std::string::npos);
+  CHECK(contains(active.text, "write to 0x100200"));
   CHECK(run_in({0x23, 0xC0, 0x00, 0x20, 0x02, 0x00, 0x4E, 0x75}).state == CommandState::done);
 }
 
@@ -79,7 +78,7 @@ TEST_CASE("what a program must not do ends it with the reason and the place") {
     const CommandResult result = run_code(one.code);
     CHECK(result.state == CommandState::failed);
     CHECK(result.error == UnitError::unit_fault);
-    CHECK_MESSAGE(result.text.find(one.reason) != std::string::npos, result.text);
+    CHECK_MESSAGE(contains(result.text, one.reason), result.text);
   }
 }
 
@@ -147,11 +146,11 @@ TEST_CASE_FIXTURE(Bench, "a program follows the axes period by period") {
   }
   REQUIRE(result.state == CommandState::done);
   CHECK(result.value == 1000);
-  CHECK(static_cast<std::int32_t>(long_at(*this, 0x042004)) == doctest::Approx(-10'000).epsilon(0.01));
+  CHECK(static_cast<std::int32_t>(long_at(*this, 0x042004)) == Approx(-10'000).epsilon(0.01));
   const auto at = [&](std::uint32_t k) { return static_cast<std::int32_t>(long_at(*this, 0x042000 + 16 * k + 4)); };
   for (std::uint32_t k = 1; k < 1000; ++k) {
     CHECK(long_at(*this, 0x042000 + 16 * k) == long_at(*this, 0x042000) + k);  // no period is missed
     CHECK(at(k) >= at(k - 1));
   }
-  CHECK(at(999) == doctest::Approx(-5'000).epsilon(0.001));
+  CHECK(at(999) == Approx(-5'000).epsilon(0.001));
 }

@@ -1,21 +1,16 @@
 // Readings of rotary axes in the emulated workshop: the exact chain against another writing of it
 // (tests/support/exact_joints.hpp), and what the errors file may say of them.
-#include <cmath>
 #include <random>
-
-#include <doctest/doctest.h>
 
 #include "base/random.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/exact_joints.hpp"
-#include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using doctest::Approx;
 
 namespace {
 
@@ -67,13 +62,7 @@ Simulation trunnion(const std::string& errors, const char* machine = kTrunnion) 
   return {description, std::move(read), 1};
 }
 
-BallPlan ball_plan() {
-  BallPlan plan;
-  plan.ball_mm = {780.0, 330.0, -500.0};
-  plan.noise_um = 0.0;
-  plan.runs = 1;
-  return plan;
-}
+BallPlan ball_plan() { return {.ball_mm = {780.0, 330.0, -500.0}, .runs = 1, .noise_um = 0.0}; }
 
 std::string refusal(const std::string& errors, const char* machine = kTrunnion) {
   auto read = TrueErrors::parse(errors, "errors.toml", {});
@@ -136,19 +125,18 @@ TEST_CASE("the linear axes follow the ball, and a perfect machine reads nothing 
   BallPlan plan = ball_plan();
   plan.off_um = {10.0, 0.0, -4.0};
   plan.sweeps = {*sweep_in("C=0:270:90")};
-  const auto set = ball_readings(simulation, plan);
-  REQUIRE(set);
-  REQUIRE(set->readings.size() == 4 * 2 * 3);
-  for (const laser::Reading& r : set->readings) {
+  const auto set = must(ball_readings(simulation, plan));
+  REQUIRE(set.readings.size() == 4 * 2 * 3);
+  for (const laser::Reading& r : set.readings) {
     CHECK(r.axis == Axis::Z);
     CHECK(r.rotary);
     CHECK(std::hypot(r.position_mm[0] - 600.0, r.position_mm[1] - 300.0) == Approx(std::hypot(180.0, 30.0)));
   }
-  CHECK(set->readings[0].error == Approx(-10.0));
-  CHECK(set->readings[2].error == Approx(4.0));
+  CHECK(set.readings[0].error == Approx(-10.0));
+  CHECK(set.readings[2].error == Approx(4.0));
   // at C +90 the workpiece has turned by -90: its +X points along the machine's -Y
-  CHECK(set->readings[3].error == Approx(0.0));
-  CHECK(set->readings[4].error == Approx(10.0));
+  CHECK(set.readings[3].error == Approx(0.0));
+  CHECK(set.readings[4].error == Approx(10.0));
 }
 
 TEST_CASE("errors of rotary axes come from the errors file: place, direction, motions, effects by degrees") {
@@ -170,17 +158,13 @@ TEST_CASE("errors of rotary axes come from the errors file: place, direction, mo
 
 TEST_CASE("an error motion by itself counts from its first target, there and back") {
   Simulation simulation = trunnion(kErrors);
-  TurnPlan plan;
-  plan.sweep = *sweep_in("C=0:270:90");
-  plan.noise = 0.0;
-  plan.runs = 1;
-  const auto set = turn_readings(simulation, plan);
-  REQUIRE(set);
-  REQUIRE(set->readings.size() == 8);
-  CHECK(set->readings[0].error == 0.0);
-  CHECK(set->readings[1].error == Approx(30.0));
-  CHECK(set->readings[7].error == Approx(-4.0));
-  CHECK(set->readings[7].approach == Approach::reverse);
+  TurnPlan plan{.sweep = *sweep_in("C=0:270:90"), .runs = 1, .noise = 0.0};
+  const auto set = must(turn_readings(simulation, plan));
+  REQUIRE(set.readings.size() == 8);
+  CHECK(set.readings[0].error == 0.0);
+  CHECK(set.readings[1].error == Approx(30.0));
+  CHECK(set.readings[7].error == Approx(-4.0));
+  CHECK(set.readings[7].approach == Approach::reverse);
 }
 
 TEST_CASE("what no rotary axis can have is refused by its line") {
@@ -205,6 +189,5 @@ TEST_CASE("a ball out of reach, an angle beyond the travel and a three-axis mach
   CHECK(contains(to_text(ball_readings(plain, ball_plan()).error()), "expected a machine file with rotary axes"));
   const std::string answer =
       perform({&simulation, nullptr, nullptr}, R"({"action": "ball", "ball": [780, 330, -500]})");
-  CHECK(contains(answer, "\"ok\":true"));
-  CHECK(contains(answer, "a_deg"));
+  check_holds(answer, {"\"ok\":true", "a_deg"});
 }

@@ -1,18 +1,12 @@
 // A ball bar on machines whose errors are known: what it reads at an angle, in each plane and direction.
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/workshop/procedures.hpp"
-#include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
-using doctest::Approx;
 
 namespace {
 
@@ -20,22 +14,18 @@ constexpr std::array<std::array<Axis, 2>, 4> kPlanes{
     {{Axis::X, Axis::Y}, {Axis::Y, Axis::Z}, {Axis::Z, Axis::X}, {Axis::X, Axis::Z}}};
 
 CirclePlan circle_in(const std::array<Axis, 2>& plane) {
-  CirclePlan plan;
-  plan.plane = plane;
-  plan.centre_mm = {-250.0, -200.0, -150.0};
-  plan.radius_mm = 80.0;
-  plan.feed_mm_min = 600.0;
-  plan.step_deg = 5.0;
-  plan.runs = 1;
-  plan.noise_um = 0.0;
-  return plan;
+  return {.plane = plane,
+          .centre_mm = {-250.0, -200.0, -150.0},
+          .radius_mm = 80.0,
+          .feed_mm_min = 600.0,
+          .step_deg = 5.0,
+          .runs = 1,
+          .noise_um = 0.0};
 }
 
 laser::CircleTest contoured(const std::string& errors, const CirclePlan& plan) {
   Simulation simulation(machine_of(ideal_machine()), errors_of(errors), 1);
-  auto test = contour_circle(simulation, plan);
-  if (!test) FAIL(to_text(test.error()));
-  return std::move(*test);
+  return must(contour_circle(simulation, plan));
 }
 
 std::string effect(const std::string& id, Axis axis, const std::string& parameters) {
@@ -86,10 +76,9 @@ TEST_CASE("a position loop that is slower turns the circle into an ellipse that 
   std::string text = ideal_machine();
   text.replace(text.find("[emulator.axis.Y]"), 17, "[emulator.axis.Y]\nkv_per_s = 29.0");
   Simulation simulation(machine_of(text), errors_of(""), 1);
-  const auto test = contour_circle(simulation, circle_in({Axis::X, Axis::Y}));
-  REQUIRE(test);
+  const auto test = must(contour_circle(simulation, circle_in({Axis::X, Axis::Y})));
   double ccw = 0.0, cw = 0.0;
-  for (const laser::CircleReading& reading : test->readings)
+  for (const laser::CircleReading& reading : test.readings)
     (reading.clockwise ? cw : ccw) +=
         reading.deviation_um * std::sin(reading.angle_deg * std::numbers::pi / 90.0) / 36.0;
   CHECK(ccw == Approx(-cw).epsilon(0.05));
@@ -100,11 +89,7 @@ TEST_CASE("a circle beyond the travel, or none, is refused") {
   Simulation simulation(machine_of(ideal_machine()), errors_of(""), 1);
   CirclePlan plan = circle_in({Axis::X, Axis::Y});
   plan.radius_mm = 400.0;
-  const auto beyond = contour_circle(simulation, plan);
-  REQUIRE(!beyond);
-  CHECK(beyond.error().kind == ProblemKind::usage);
+  CHECK(must_fail(contour_circle(simulation, plan)).kind == ProblemKind::usage);
   plan = circle_in({Axis::X, Axis::X});
-  const auto line = contour_circle(simulation, plan);
-  REQUIRE(!line);
-  CHECK(contains(line.error().message, "plane: expected two axes"));
+  CHECK(contains(must_fail(contour_circle(simulation, plan)).message, "plane: expected two axes"));
 }

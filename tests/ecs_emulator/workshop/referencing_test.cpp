@@ -1,9 +1,3 @@
-#include <cmath>
-#include <optional>
-#include <string>
-
-#include <doctest/doctest.h>
-
 #include "ecs_emulator/workshop/procedures.hpp"
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 
@@ -66,9 +60,9 @@ TEST_CASE("the switch is crossed at reference speed and the marker taken at cree
   };
   simulation.attach(&watch);
   CHECK(alarm_of(simulation) == "");
-  CHECK(onto_switch_mm_s == doctest::Approx(20.0).epsilon(0.02));
+  CHECK(onto_switch_mm_s == Approx(20.0).epsilon(0.02));
   REQUIRE(at_marker_mm_s.has_value());
-  CHECK(*at_marker_mm_s == doctest::Approx(2.0).epsilon(0.05));
+  CHECK(*at_marker_mm_s == Approx(2.0).epsilon(0.05));
 }
 
 TEST_CASE("a failed datum search is an alarm, and the machine stops") {
@@ -81,7 +75,7 @@ TEST_CASE("a failed datum search is an alarm, and the machine stops") {
     CHECK(axis.position_mm() <= 26.0);
     axis.hang_switch(std::nullopt);
     axis.lose_marker(true);
-    CHECK(alarm_of(simulation).find("marker") != std::string::npos);
+    CHECK(contains(alarm_of(simulation), "marker"));
     axis.lose_marker(false);
     CHECK(alarm_of(simulation) == "");
   }

@@ -5,7 +5,6 @@
 #include <future>
 #include <thread>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
@@ -17,7 +16,6 @@
 #include "protocol/client/client.hpp"
 #include "tests/ecs_emulator/support/maps.hpp"
 #include "tests/support/folder.hpp"
-#include "tests/support/test.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
@@ -59,16 +57,10 @@ class Served {
     stop = 1;
     if (thread.joinable()) thread.join();
   }
-  Json ask(const Json& request) const {
-    const auto answer = ask_workshop(options.workshop, request.dump());
-    REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : to_text(answer.error())));
-    return Json::parse(*answer);
-  }
+  Json ask(const Json& request) const { return Json::parse(must(ask_workshop(options.workshop, request.dump()))); }
   protocol::UnitClient client() const {
-    auto connected = protocol::UnitClient::connect(*protocol::link_address_of(about["link"].get<std::string>()), {},
-                                                   {0, "test", about["arm_code"].get<std::string>()});
-    REQUIRE_MESSAGE(connected.has_value(), (connected ? "" : to_text(connected.error())));
-    return std::move(*connected);
+    return must(protocol::UnitClient::connect(*protocol::link_address_of(about["link"].get<std::string>()), {},
+                                              {0, "test", about["arm_code"].get<std::string>()}));
   }
   std::vector<std::uint8_t> image(double exx_um) const {
     const auto machine = load_workshop_machine(options.machine);
@@ -94,15 +86,13 @@ TEST_CASE("a host loads a map over the line, the machine is referenced in the wo
     CHECK(served.about["serial_number"] == "EMULATOR-1");
     auto client = served.client();
     CHECK(client.identity()->serial_number == "EMULATOR-1");
-    const auto sent = client.upload_image(served.image(12.0));
-    REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
+    (void)must(client.upload_image(served.image(12.0)));
     REQUIRE(client.enter_compensation().has_value());
     CHECK(client.status()->mode == UnitMode::datuming);
     CHECK(served.ask({{"action", "reference"}})["unit"]["mode"] == "compensating");
-    const auto sample = client.monitor();
-    REQUIRE(sample.has_value());
-    CHECK(sample->axes[0].compensation_um == doctest::Approx(12.0));
-    CHECK(sample->axes[0].relay_closed);
+    const auto sample = must(client.monitor());
+    CHECK(sample.axes[0].compensation_um == Approx(12.0));
+    CHECK(sample.axes[0].relay_closed);
     const Json survey = served.ask({{"action", "survey"}, {"step", 500}});
     CHECK(survey["ok"] == true);
     CHECK(client.status()->mode == UnitMode::compensating);
@@ -116,9 +106,7 @@ TEST_CASE("a plan is measured as one request, and no file that is there is overw
       "[[measure]]\nname = \"EXX\"\naxis = \"X\"\nsense = \"EX\"\nfrom_mm = 0.0\nto_mm = -100.0\nstep_mm = 50.0\n");
   const Json request{{"action", "plan"}, {"plan", plan}, {"phase", "before"}, {"folder", served.folder / "measured"}};
   CHECK(served.ask(request)["output"][0] == served.folder / "measured/EXX.csv");
-  const auto again = ask_workshop(served.options.workshop, request.dump());
-  REQUIRE(again.has_value());
-  CHECK(contains(*again, "exists already"));
+  CHECK(contains(must(ask_workshop(served.options.workshop, request.dump())), "exists already"));
 }
 
 TEST_CASE("a second host reaches the same unit over TCP, with the token") {
@@ -129,9 +117,8 @@ TEST_CASE("a second host reaches the same unit over TCP, with the token") {
   served.begin();
   auto first = served.client();
   const std::string link = served.about["second_link"];
-  auto second = protocol::UnitClient::connect(*protocol::link_address_of(link), {}, {0, "test", {}});
-  REQUIRE_MESSAGE(second.has_value(), (second ? "" : to_text(second.error())));
-  CHECK(second->identity()->serial_number == first.identity()->serial_number);
+  auto second = must(protocol::UnitClient::connect(*protocol::link_address_of(link), {}, {0, "test", {}}));
+  CHECK(second.identity()->serial_number == first.identity()->serial_number);
   const auto without =
       protocol::UnitClient::connect(*protocol::link_address_of(link.substr(0, link.find('?'))), {}, {0, "test", {}});
   CHECK_FALSE(without.has_value());
@@ -188,9 +175,7 @@ TEST_CASE("a unit whose power fails during a transfer stays silent, whatever the
     Served served("", tcp);
     auto client = served.client();
     REQUIRE(served.ask({{"action", "fault"}, {"name", "power_fails"}, {"count", 1000}})["ok"] == true);
-    const auto sent = client.upload_image(served.image(2.0));
-    REQUIRE(!sent.has_value());
-    CHECK(to_text(sent.error()).find("no power") == std::string::npos);
+    CHECK(!contains(to_text(must_fail(client.upload_image(served.image(2.0)))), "no power"));
     CHECK(served.ask({{"action", "state"}})["unit"]["powered"] == false);
     CHECK(served.ask({{"action", "fault"}, {"name", "clear"}})["ok"] == true);
     CHECK(served.ask({{"action", "fault"}, {"name", "bad_crc"}, {"count", 1}})["ok"] == true);
@@ -219,10 +204,9 @@ TEST_CASE("a second emulator is refused before it changes anything of the first"
     second.workshop.clear();
     why = fmt::format("pid {} (", ::getpid());
   }
-  const auto refused = serve(second, served.stop, [](const std::string& line) { FAIL(line); });
-  REQUIRE(!refused.has_value());
-  CHECK(refused.error().kind == ProblemKind::output);
-  CHECK_MESSAGE(to_text(refused.error()).find(why) != std::string::npos, to_text(refused.error()));
+  const auto refused = must_fail(serve(second, served.stop, [](const std::string& line) { FAIL(line); }));
+  CHECK(refused.kind == ProblemKind::output);
+  CHECK_MESSAGE(contains(to_text(refused), why), to_text(refused));
   CHECK(served.client().status().has_value());
   CHECK(served.ask({{"action", "state"}})["ok"] == true);
   CHECK(!std::filesystem::exists(served.folder / "other_line"));
@@ -237,9 +221,8 @@ TEST_CASE("a dangling link is replaced, a link to a file is not") {
   CHECK(served.client().status().has_value());
   served.end();
   std::filesystem::create_symlink(served.folder / "machine.toml", served.folder / "line");
-  const auto refused = serve(served.options, served.stop, [](const std::string& line) { FAIL(line); });
-  REQUIRE(!refused.has_value());
-  CHECK(to_text(refused.error()).find("machine.toml; remove it, or name another link") != std::string::npos);
+  const auto refused = must_fail(serve(served.options, served.stop, [](const std::string& line) { FAIL(line); }));
+  CHECK(contains(to_text(refused), "machine.toml; remove it, or name another link"));
   CHECK(std::filesystem::read_symlink(served.folder / "line") == served.folder / "machine.toml");
   CHECK(!std::filesystem::exists(served.folder / "battery.in-use"));
   CHECK(!std::filesystem::exists(served.folder / "door"));
@@ -269,8 +252,7 @@ TEST_CASE("a wrong request is answered with what is wrong, and the exit code tha
   CHECK(answer["ok"] == false);
   CHECK(answer["exit"] == 2);
   const auto message = answer["error"]["message"].get<std::string>();
-  CHECK(message.find("X: expected a number") != std::string::npos);
-  CHECK(message.find("did you mean \"feed\"") != std::string::npos);
+  check_holds(message, {"X: expected a number", "did you mean \"feed\""});
   CHECK(served.ask({{"action", "dance"}})["exit"] == 2);
 }
 
