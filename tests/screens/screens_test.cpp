@@ -1,11 +1,7 @@
 // The screens as text: keys in, picture out, no terminal.
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <thread>
-
-#include <doctest/doctest.h>
 
 #include "app/screens/forms/rows.hpp"
 #include "app/screens/model/form.hpp"
@@ -27,8 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Until its work is done; a minute at most.
-void finish(Screen& screen) {
+/// Types the keys, then until the work is done; a minute at most.
+void finish(Screen& screen, const std::string& keys = "") {
+  type(screen, keys);
   for (int k = 0; k < 6000 && screen.advance(); ++k) std::this_thread::sleep_for(10ms);
 }
 
@@ -63,11 +60,7 @@ struct ModelCase : ecs::StateFolder {
     files.model = *this / "model.toml";
     files.data = {*this / "data.csv"};
   }
-  [[nodiscard]] ModelScreen screen() const {
-    auto controller = ModelController::open(files);
-    REQUIRE(controller);
-    return ModelScreen(std::move(*controller));
-  }
+  [[nodiscard]] ModelScreen screen() const { return ModelScreen(must(ModelController::open(files))); }
 };
 
 }  // namespace
@@ -75,11 +68,8 @@ struct ModelCase : ecs::StateFolder {
 TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an action by its name") {
   const auto menu = main_menu(no_link());
   const std::string text = picture(*menu);
-  for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
-    CHECK(contains(text, title));
-  type(*menu, "/datum rec");
-  CHECK(contains(picture(*menu), "> RECORD DATUM SEQUENCE"));
-  CHECK(contains(picture(*menu), "utility datum record"));
+  check_holds(text, {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"});
+  check_holds(after(*menu, "/datum rec"), {"> RECORD DATUM SEQUENCE", "utility datum record"});
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::back);
 }
@@ -98,24 +88,17 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
   const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   Screen& form = *form_made;
-  (void)press(form, Key::Name::enter);
-  CHECK(contains(picture(form), "is needed"));
-  type(form, "samples/laser/x_axis.csv");
-  (void)press(form, Key::Name::enter);
-  finish(form);
+  CHECK(contains(after(form, "\n"), "is needed"));
+  finish(form, "samples/laser/x_axis.csv\n");
   const std::string text = picture(form);
-  CHECK(contains(text, "done"));
-  CHECK(contains(text, "samples/laser/x_axis.csv: EXX"));
+  check_holds(text, {"done", "samples/laser/x_axis.csv: EXX"});
 }
 
 TEST_CASE("a form shows what went wrong, in words in place of an exit code") {
   const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   Screen& form = *form_made;
-  type(form, "no_such_file.csv");
-  (void)press(form, Key::Name::enter);
-  finish(form);
-  CHECK(contains(picture(form), "a file cannot be used: see below"));
-  CHECK(contains(picture(form), "no_such_file.csv"));
+  finish(form, "no_such_file.csv\n");
+  check_holds(picture(form), {"a file cannot be used: see below", "no_such_file.csv"});
 }
 
 TEST_CASE("the finder puts a screen before the verb of its name") {
@@ -135,9 +118,7 @@ TEST_CASE("an answer that says that something does not hold is no failure of the
   Screen& form = *form_made;
   type(form, "samples/mill/parameters.toml");
   (void)press(form, Key::Name::down);
-  type(form, "samples/lathe/parameters.toml");
-  (void)press(form, Key::Name::enter);
-  finish(form);
+  finish(form, "samples/lathe/parameters.toml\n");
   CHECK(contains(picture(form), "something does not hold, see below"));
   CHECK_FALSE(contains(picture(form), "code"));
 }
@@ -148,14 +129,10 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
   SUBCASE("the form of the MODEL screen") {
     const auto form_made = model_form(no_link());
     Screen& form = *form_made;
-    type(form, one.files.model);
-    (void)press(form, Key::Name::enter);
-    CHECK(contains(picture(form, 24, 200), "data.csv"));
-    CHECK(contains(picture(form, 24, 200), "machine.toml"));
+    enter(form, one.files.model);
+    check_holds(picture(form, 24, 200), {"data.csv", "machine.toml"});
     SUBCASE("Enter takes them") {
-      (void)press(form, Key::Name::enter);
-      (void)press(form, Key::Name::enter);
-      finish(form);
+      finish(form, "\n\n");
       CHECK(form.opens_by_itself() != nullptr);
     }
     SUBCASE("the first letter begins anew") {
@@ -175,18 +152,14 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
   }
   SUBCASE("a model named on the command line") {
     const auto form_made = model_form(no_link(), {one.files.model, "", {}});
-    CHECK(contains(picture(*form_made, 24, 200), "data.csv"));
-    CHECK(contains(picture(*form_made, 24, 200), "machine.toml"));
+    check_holds(picture(*form_made, 24, 200), {"data.csv", "machine.toml"});
   }
   SUBCASE("the form of a verb, which Enter runs only once they were seen") {
     const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "model compare"), no_link());
     Screen& form = *form_made;
-    type(form, one.files.model);
-    (void)press(form, Key::Name::enter);
+    enter(form, one.files.model);
     const std::string seen = picture(form, 24, 200);
-    CHECK(contains(seen, "data.csv"));
-    CHECK(contains(seen, "machine.toml"));
-    CHECK(contains(seen, "Filled in from the folder of the model. Enter runs it."));
+    check_holds(seen, {"data.csv", "machine.toml", "Filled in from the folder of the model. Enter runs it."});
     (void)press(form, Key::Name::enter);
     finish(form);
     CHECK(contains(picture(form), "done"));
@@ -196,7 +169,7 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
 TEST_CASE("the form of laser table is filled in with what was measured before and after") {
   commissioning::remember_measured_phases({"mill/plan.toml", "mill/before", "mill/after"});
   const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser table"), no_link());
-  for (const char* text : {"mill/plan.toml", "mill/before", "mill/after"}) CHECK(contains(picture(*form_made), text));
+  check_holds(picture(*form_made), {"mill/plan.toml", "mill/before", "mill/after"});
   commissioning::remember_measured_phases({});
 }
 
@@ -204,39 +177,29 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   const ModelCase one;
   ModelScreen screen = one.screen();
   CHECK(contains(picture(screen), "what the model leaves"));
-  (void)letter(screen, 'd');
-  CHECK(contains(picture(screen), "looking for what is missing"));
+  CHECK(contains(after(screen, "d"), "looking for what is missing"));
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
-  (void)press(screen, Key::Name::enter);
-  CHECK(reads(picture(screen), "pitch of screw, rack, gear or grating"));
-  CHECK(reads(picture(screen), "compare the period with pitches"));
-  (void)press(screen, Key::Name::enter);
-  CHECK(reads(picture(screen), "held out"));
-  CHECK(reads(picture(screen), ": holds"));
+  check_reads(after(screen, "\n"), {"pitch of screw, rack, gear or grating", "compare the period with pitches"});
+  check_reads(after(screen, "\n"), {"held out", ": holds"});
   (void)press(screen, Key::Name::escape);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
-  (void)letter(screen, 'a');
-  finish(screen);
+  finish(screen, "a");
   const std::string ladder = picture(screen);
-  CHECK(contains(ladder, "+ cyclic:X:EX"));
-  CHECK(contains(ladder, "noise of one reading"));
+  check_holds(ladder, {"+ cyclic:X:EX", "noise of one reading"});
   CHECK_FALSE(screen.unsaved().empty());
   (void)letter(screen, 's');
   CHECK(screen.unsaved().empty());
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
-  (void)letter(screen, 'u');
-  finish(screen);
+  finish(screen, "u");
   CHECK(contains(picture(screen), "taken back: cyclic:X:EX"));
 }
 
 TEST_CASE("leaving with unsaved work asks once") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)letter(screen, 'd');
-  finish(screen);
-  (void)letter(screen, 'a');
-  finish(screen);
+  finish(screen, "d");
+  finish(screen, "a");
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(contains(picture(screen), "Leave without saving the model?"));
   CHECK(press(screen, Key::Name::enter).kind == Step::Kind::stay);
@@ -247,10 +210,8 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
   const ModelCase one;
   {
     ModelScreen screen = one.screen();
-    (void)letter(screen, 'd');
-    finish(screen);
-    (void)letter(screen, 'a');
-    finish(screen);
+    finish(screen, "d");
+    finish(screen, "a");
   }
   {
     ModelScreen later = one.screen();
@@ -258,8 +219,7 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
   }
   ModelScreen again = one.screen();
   CHECK(contains(picture(again), "Unsaved work on this model was found"));
-  (void)letter(again, 'y');
-  finish(again);
+  finish(again, "y");
   CHECK_FALSE(again.unsaved().empty());
   (void)letter(again, 's');
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
@@ -272,17 +232,14 @@ TEST_CASE("a cancelled diagnosis ends soon and leaves nothing behind") {
   (void)letter(screen, 'd');
   (void)press(screen, Key::Name::escape);
   finish(screen);
-  CHECK(contains(picture(screen), "given up"));
-  CHECK(contains(picture(screen), "Press d"));
+  check_holds(picture(screen), {"given up", "Press d"});
 }
 
 TEST_CASE("the error left after compensation is given, and one run is shown alone") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)letter(screen, 'r');
-  CHECK(contains(picture(screen), "run 1"));
-  (void)letter(screen, 'w');
-  finish(screen);
+  CHECK(contains(after(screen, "r"), "run 1"));
+  finish(screen, "w");
   CHECK(contains(picture(screen), "would bring the rms of the"));
 }
 
@@ -302,13 +259,8 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
   const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   type(form, one.files.model);
-  (void)press(form, Key::Name::enter);
-  type(form, "no_data.csv");
-  (void)press(form, Key::Name::enter);
-  (void)press(form, Key::Name::enter);
-  finish(form);
-  CHECK(contains(picture(form), "no_data.csv"));
-  CHECK(contains(picture(form), "no such file"));
+  finish(form, "\nno_data.csv\n\n");
+  check_holds(picture(form), {"no_data.csv", "no such file"});
   CHECK(form.opens_by_itself() == nullptr);
 }
 
@@ -317,26 +269,20 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   const std::string fresh = (one.path / "fresh.toml").string();
   const auto form_made = model_form(no_link());
   Screen& form = *form_made;
-  type(form, fresh);
-  (void)press(form, Key::Name::enter);
+  enter(form, fresh);
   type(form, one.files.data.front());
-  (void)press(form, Key::Name::enter);
-  (void)press(form, Key::Name::enter);
-  CHECK(contains(picture(form), "Begin a new model?"));
+  CHECK(contains(after(form, "\n\n"), "Begin a new model?"));
   CHECK_FALSE(fs::exists(fresh));
-  (void)letter(form, 'y');
-  finish(form);
+  finish(form, "y");
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
   CHECK(fs::exists(fresh));
   CHECK(contains(picture(*screen), "with offset and slope"));
-  (void)screen->on_key({Key::Name::letter, U'd'});
-  finish(*screen);
+  finish(*screen, "d");
   CHECK(contains(picture(*screen), "cyclic:X:EX"));
-  (void)screen->on_key({Key::Name::letter, U'a'});
-  finish(*screen);
+  finish(*screen, "a");
   CHECK(contains(picture(*screen), "added cyclic:X:EX"));
-  (void)screen->on_key({Key::Name::letter, U's'});
+  type(*screen, "s");
   CHECK(contains(ecs::read_file(fresh).value(), "cyclic"));
 }
 
@@ -346,11 +292,8 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
   Screen& form = *form_made;
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
-  (void)press(form, Key::Name::enter);
-  (void)press(form, Key::Name::enter);
-  CHECK(contains(picture(form), "data.model.toml"));
-  (void)letter(form, 'n');
-  CHECK_FALSE(contains(picture(form), "Begin a new model?"));
+  CHECK(contains(after(form, "\n\n"), "data.model.toml"));
+  CHECK_FALSE(contains(after(form, "n"), "Begin a new model?"));
   CHECK_FALSE(fs::exists(one.path / "data.model.toml"));
   CHECK(form.typing());
 }
@@ -361,12 +304,7 @@ TEST_CASE("measurements that cannot be read leave no new model file") {
   const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   type(form, fresh);
-  (void)press(form, Key::Name::enter);
-  type(form, "no_data.csv");
-  (void)press(form, Key::Name::enter);
-  (void)press(form, Key::Name::enter);
-  (void)letter(form, 'y');
-  finish(form);
+  finish(form, "\nno_data.csv\n\ny");
   CHECK(contains(picture(form), "no_data.csv"));
   CHECK_FALSE(fs::exists(fresh));
 }
@@ -380,8 +318,7 @@ TEST_CASE("the answer of a verb moves sideways with its headings, and marks wher
     return picture_of(form, form.title(), {}, Canvas(40, columns), false).plain_text();
   };
   const std::string before = at(44);
-  CHECK(contains(before, "PgDn"));
-  CHECK(contains(before, "→"));
+  check_holds(before, {"PgDn", "→"});
   CHECK_FALSE(contains(before, "←"));
   (void)press(form, Key::Name::page_down);
   CHECK(contains(at(44), "Esc: fields"));

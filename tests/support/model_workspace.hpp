@@ -2,14 +2,10 @@
 // ways, normal noise, and whatever error the test adds.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
-#include <string>
-#include <vector>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "base/random.hpp"

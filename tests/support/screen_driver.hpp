@@ -4,7 +4,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <string>
 #include <thread>
 
 #include "app/ui/screen_program.hpp"
@@ -19,13 +18,28 @@ inline std::string picture(const Screen& screen, int rows = 24, int columns = 80
 
 inline Step press(Screen& screen, Key::Name name) { return screen.on_key({name}); }
 inline Step letter(Screen& screen, char c) { return screen.on_key({Key::Name::letter, static_cast<char32_t>(c)}); }
-inline void type(Screen& screen, const std::string& text) {
-  for (const char c : text) (void)letter(screen, c);
+/// Letters are letters; \n Enter, \t Tab, \x1b Esc.
+inline Key key_of(char c) {
+  switch (c) {
+    case '\n':
+      return {Key::Name::enter};
+    case '\t':
+      return {Key::Name::tab};
+    case '\x1b':
+      return {Key::Name::escape};
+    default:
+      return {Key::Name::letter, static_cast<char32_t>(c)};
+  }
 }
-inline void enter(Screen& screen, const std::string& text) {
-  type(screen, text);
-  (void)press(screen, Key::Name::enter);
+inline void type(Screen& screen, const std::string& keys) {
+  for (const char c : keys) (void)screen.on_key(key_of(c));
 }
+/// What is seen when these keys were typed.
+inline std::string after(Screen& screen, const std::string& keys) {
+  type(screen, keys);
+  return picture(screen);
+}
+inline void enter(Screen& screen, const std::string& text) { type(screen, text + "\n"); }
 inline void clear_line(Screen& screen) { (void)screen.on_key({Key::Name::control, U'u'}); }
 /// Another text in a text line, then Enter.
 inline void replace_line(Screen& screen, const std::string& text) {
@@ -47,6 +61,21 @@ inline bool reads(const std::string& text, const std::string& part) {
   return contains(flat(text), flat(part));
 }
 
+inline void check_reads(const std::string& text, std::initializer_list<const char*> parts) {
+  for (const char* part : parts) CHECK_MESSAGE(reads(text, part), part, " in ", text);
+}
+
+/// The screen fits any size, in as many lines as there are; a terminal of ASCII gets nothing else.
+inline void check_fits(const Screen& screen) {
+  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {60, 200}, {12, 40}, {5, 20}, {3, 10}, {1, 1}})
+    for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode}) {
+      const std::string text = picture(screen, rows, columns, glyphs);
+      CHECK_MESSAGE(count_of(text, '\n') == static_cast<std::size_t>(rows), screen.title());
+      if (glyphs == Glyphs::unicode) continue;
+      CHECK_MESSAGE(std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; }), screen.title());
+    }
+}
+
 /// Draws and advances until the condition holds; half a minute at most.
 inline bool until(Screen& screen, const std::function<bool()>& holds) {
   for (int k = 0; k < 3000; ++k) {
@@ -60,6 +89,12 @@ inline bool until(Screen& screen, const std::function<bool()>& holds) {
 }
 inline bool shows(Screen& screen, const std::string& part, int rows = 24, int columns = 80) {
   return until(screen, [&] { return reads(picture(screen, rows, columns), part); });
+}
+
+/// The same when these keys were typed.
+inline bool shows_after(Screen& screen, const std::string& keys, const std::string& part) {
+  type(screen, keys);
+  return shows(screen, part);
 }
 
 /// A connection whose link cannot be opened.

@@ -1,10 +1,10 @@
 // Cells, widgets and curves: what stands where, without a terminal; letters of other scripts keep their columns.
 #include "app/ui/cells.hpp"
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "app/ui/widgets.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,10 +1,6 @@
 // Curves in cells: ticks, zoom, cursor, and what is visible without colour.
 #include "app/ui/chart.hpp"
 
-#include <algorithm>
-
-#include <doctest/doctest.h>
-
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -40,13 +36,12 @@ TEST_CASE("ticks are round numbers and cover the range") {
 
 TEST_CASE("a curve shows its unit, its ticks and its legend") {
   const std::string text = drawn({}, Glyphs::unicode);
-  for (const char* part : {"EXX", "um", "X mm", "1000", "forward", "reverse", "▲", "▼"}) CHECK(contains(text, part));
+  check_holds(text, {"EXX", "um", "X mm", "1000", "forward", "reverse", "▲", "▼"});
 }
 
 TEST_CASE("forward and reverse differ without colour, in ASCII too") {
   const std::string text = drawn({}, Glyphs::ascii);
-  CHECK(contains(text, "^"));
-  CHECK(contains(text, "v"));
+  check_holds(text, {"^", "v"});
   CHECK(std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; }));
 }
 
@@ -63,8 +58,8 @@ TEST_CASE("zoom keeps inside the data and comes back to all of it") {
   ChartView view;
   view.cursor_x = 900.0;
   view = zoomed(panel(), view, 0.5);
-  CHECK(view.x_from == doctest::Approx(500.0));
-  CHECK(view.x_to == doctest::Approx(1000.0));
+  CHECK(view.x_from == Approx(500.0));
+  CHECK(view.x_to == Approx(1000.0));
   view = zoomed(panel(), view, 2.0);
   CHECK_FALSE(view.x_from.has_value());
 }

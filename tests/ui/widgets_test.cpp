@@ -1,10 +1,7 @@
 // Messages, questions, texts and menus as they are drawn; what is copied.
 #include "app/ui/widgets.hpp"
 
-#include <algorithm>
 #include <filesystem>
-
-#include <doctest/doctest.h>
 
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen.hpp"
@@ -106,8 +103,7 @@ TEST_CASE("the answers of a question are never cut, and a question too long for 
   Canvas canvas(8, 36);
   draw_question(canvas, canvas.whole(),
                 {"Take up the work?", kLong, "take up what was found", "leave it for the next time"});
-  CHECK(contains(canvas.plain_text(), "y take up what was found"));
-  CHECK(contains(canvas.plain_text(), "n leave it for the next time"));
+  check_holds(canvas.plain_text(), {"y take up what was found", "n leave it for the next time"});
   CHECK(canvas.whole_texts() == std::vector<std::string>{kLong});
 }
 
@@ -117,8 +113,7 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
   help.show_help(teller);
   Canvas canvas(24, 80);
   help.draw(canvas);
-  CHECK(contains(canvas.plain_text(), "any key goes on"));
-  CHECK(contains(canvas.plain_text(), "up/down        choose"));
+  check_holds(canvas.plain_text(), {"any key goes on", "up/down        choose"});
   Canvas small(8, 30);
   help.draw(small);
   CHECK(contains(small.plain_text(), "It tells one thing."));
@@ -133,8 +128,7 @@ TEST_CASE("a fault is shown completely in the header, however long the name of t
   const StatusLine standing{"rtu:/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0:115200",
                             "compensation, FAULT position jump", true};
   const std::string text = picture_of(teller, "MENU > teller", standing, Canvas(24, 80), false).plain_text();
-  CHECK(contains(text, "compensation, FAULT position jump\n"));
-  CHECK(contains(text, "teller"));
+  check_holds(text, {"compensation, FAULT position jump\n", "teller"});
 }
 
 TEST_CASE("a click on the key line is the key shown there, of several the one that was hit") {
@@ -164,8 +158,7 @@ TEST_CASE("help explains the words of the trade that the screen shows, and only 
   Canvas canvas(40, 80);
   help.draw(canvas);
   const std::string text = canvas.plain_text();
-  CHECK(contains(text, "integration mode"));
-  CHECK(contains(text, "parked"));
+  check_holds(text, {"integration mode", "parked"});
   CHECK_FALSE(contains(text, "squareness"));
 }
 

@@ -1,6 +1,4 @@
 // Plans of many units, echoes and stored links, without a unit.
-#include <doctest/doctest.h>
-
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/doctor.hpp"
@@ -11,13 +9,12 @@ namespace ecs::app {
 namespace {
 
 TEST_CASE("files of a plan count from its folder") {
-  const auto plan = parse_batch_plan(
+  const auto plan = must(parse_batch_plan(
       "[[unit]]\nlink = \"tcp:mill:502\"\nparams = \"p.toml\"\nmap = \"maps/m.csv\"\nserial_number = \"S\"\n",
-      "plan.toml", "/jobs");
-  REQUIRE(plan);
-  CHECK(plan->front().params == "/jobs/p.toml");
-  CHECK(plan->front().map == "/jobs/maps/m.csv");
-  CHECK(plan->front().name == "unit 1");
+      "plan.toml", "/jobs"));
+  CHECK(plan.front().params == "/jobs/p.toml");
+  CHECK(plan.front().map == "/jobs/maps/m.csv");
+  CHECK(plan.front().name == "unit 1");
 }
 
 TEST_CASE("a link that returns what is sent is recognised as an echo") {
@@ -34,9 +31,7 @@ TEST_CASE("a stored link is used where none is given, and --link goes before it"
   ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
   CHECK(chosen_link("").value().origin == "default");
   REQUIRE(store_link("tcp:mill:502"));
-  const auto stored = chosen_link("");
-  REQUIRE(stored);
-  CHECK(to_text(*stored) == "tcp:mill:502:1");
+  CHECK(to_text(must(chosen_link(""))) == "tcp:mill:502:1");
   CHECK(chosen_link("tcp:lathe:502")->origin == "--link");
   static_cast<void>(folder.with("config/ecs/config.toml", "link = 7\n"));
   CHECK(ran({"monitor", "--count", "1"}).code == 3);

@@ -2,8 +2,6 @@
 #include <csignal>
 #include <thread>
 
-#include <doctest/doctest.h>
-
 #include "tests/support/emulator.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -60,7 +58,7 @@ TEST_CASE("a killed monitor leaves its record in FILE.part, and the former file 
   // the next one does not write over it
   const Ran again = ran({"monitor", "--count", "1", "--record", record, "--force"});
   CHECK(again.code == 5);
-  CHECK(again.messages.find("m.csv.part") != std::string::npos);
+  CHECK(contains(again.messages, "m.csv.part"));
   CHECK(content_of(record + ".part") == part);
   std::filesystem::remove(record + ".part");
   CHECK(ran({"monitor", "--count", "2", "--interval", "5", "--record", record, "--force"}).code == 0);

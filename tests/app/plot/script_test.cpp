@@ -1,5 +1,3 @@
-#include <doctest/doctest.h>
-
 #include "app/plot/gnuplot.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/groups.hpp"
@@ -38,40 +36,33 @@ TEST_CASE("panels of different components have axes of their own") {
 TEST_CASE("a title cannot become a command") {
   PlotFigure figure = before_and_after();
   figure.title = "it's\nsystem('rm')";
-  CHECK(plot_script(figure, PlotFormat::png).find("title 'it''s system(''rm'')'") != std::string::npos);
+  CHECK(contains(plot_script(figure, PlotFormat::png), "title 'it''s system(''rm'')'"));
 }
 
 TEST_CASE("forward and reverse differ in mark and dash") {
   const std::string script = plot_script(before_and_after(), PlotFormat::svg);
-  CHECK(script.find("dt 1 pt 9") != std::string::npos);
-  CHECK(script.find("dt (12,6) pt 11") != std::string::npos);
+  check_holds(script, {"dt 1 pt 9", "dt (12,6) pt 11"});
 }
 
 TEST_CASE("a plot is an SVG or a PNG by its extension, and nothing else") {
   const Folder folder;
   REQUIRE(write_plot(folder / "a.svg", before_and_after()));
   REQUIRE(write_plot(folder / "a.PNG", before_and_after()));
-  CHECK(content_of(folder / "a.svg").find("</svg>") != std::string::npos);
+  CHECK(contains(content_of(folder / "a.svg"), "</svg>"));
   CHECK(content_of(folder / "a.PNG").substr(1, 3) == "PNG");
-  const auto wrong = write_plot(folder / "a.pdf", before_and_after());
-  REQUIRE_FALSE(wrong);
-  CHECK(wrong.error().kind == ProblemKind::usage);
+  CHECK(must_fail(write_plot(folder / "a.pdf", before_and_after())).kind == ProblemKind::usage);
 }
 
 TEST_CASE("a plot that cannot be written is an output problem") {
-  const auto result = write_plot("/proc/none/a.svg", before_and_after());
-  REQUIRE_FALSE(result);
-  CHECK(result.error().kind == ProblemKind::output);
+  CHECK(must_fail(write_plot("/proc/none/a.svg", before_and_after())).kind == ProblemKind::output);
 }
 
 TEST_CASE("a measurement shows its means as lines and every reading as a point") {
-  const auto set = laser::read_measurement_set("samples/laser/x_axis.csv");
-  REQUIRE(set);
-  const auto curve = laser::averaged(*set, laser::groups_of(*set).front());
-  REQUIRE(curve);
-  const PlotPanel panel = panel_of(*set, *curve, "t");
+  const auto set = must(laser::read_measurement_set("samples/laser/x_axis.csv"));
+  const auto curve = must(laser::averaged(set, laser::groups_of(set).front()));
+  const PlotPanel panel = panel_of(set, curve, "t");
   REQUIRE(panel.series.size() == 4);
-  CHECK(panel.series[0].points.size() + panel.series[1].points.size() == set->readings.size());
+  CHECK(panel.series[0].points.size() + panel.series[1].points.size() == set.readings.size());
   CHECK(panel.series[2].mark == Mark::forward);
   CHECK(panel.series[3].mark == Mark::reverse);
   CHECK(panel.y_label == "error [µm]");

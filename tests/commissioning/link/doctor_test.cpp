@@ -1,8 +1,7 @@
 // Why a link does not work, against a small unit on a real connection.
 #include "commissioning/link/doctor.hpp"
 
-#include <doctest/doctest.h>
-
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 namespace ecs::commissioning {
@@ -59,7 +58,7 @@ TEST_CASE("answers to another host's requests are reported as such, not as late 
     const DoctorFinding* found = finding(diagnosis, replies == 1 ? "another host" : "link");
     REQUIRE(found);
     CHECK(found->state == FindingState::problem);
-    CHECK((found->message + found->action).find("end the other program") != std::string::npos);
+    CHECK(contains((found->message + found->action), "end the other program"));
   }
 }
 

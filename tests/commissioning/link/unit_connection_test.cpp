@@ -1,8 +1,7 @@
 // The one line to the unit that all screens share.
 #include "commissioning/link/unit_connection.hpp"
 
-#include <doctest/doctest.h>
-
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 namespace ecs::commissioning {
@@ -25,10 +24,9 @@ TEST_CASE("another unit on the same link is reported before anything is done, an
   REQUIRE(work_on(connection, done));
   CHECK(connection.snapshot().identity->serial_number == "ECS-0042");
   shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.serial_number = "OTHER-9"; });
-  const auto refused = work_on(connection, done);
-  REQUIRE(!refused);
-  CHECK(refused.error().kind == ProblemKind::refused);
-  CHECK(refused.error().message.find("OTHER-9 in place of ECS-0042") != std::string::npos);
+  const auto refused = must_fail(work_on(connection, done));
+  CHECK(refused.kind == ProblemKind::refused);
+  CHECK(contains(refused.message, "OTHER-9 in place of ECS-0042"));
   CHECK(done == 1);
   CHECK(connection.snapshot().identity->serial_number == "OTHER-9");
   CHECK(work_on(connection, done));

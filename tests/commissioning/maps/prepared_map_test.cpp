@@ -1,12 +1,9 @@
 // A map with its parameters, judged and made into the bytes for the unit.
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "base/file.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "laser/map/csv.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -47,22 +44,20 @@ std::string reasons(const Result<PreparedMap>& refused) {
   return to_text(refused.error());
 }
 
-bool names(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+bool names(const std::string& text, std::string_view part) { return contains(text, part); }
 
 }  // namespace
 
 TEST_CASE("a map that is complete for its parameters becomes the image of the unit, with both owners") {
   const MapFiles files;
-  const auto prepared = files.prepared();
-  REQUIRE_MESSAGE(prepared, (prepared ? "" : to_text(prepared.error())));
-  CHECK(prepared->identity.serial_number == "MCM-0107");
-  CHECK(prepared->header.machine == "moving column mill");
-  const auto content = laser::content_of(prepared->image.bytes);
-  REQUIRE(content);
-  REQUIRE(content->map.tables.size() == 3);
-  CHECK(content->map.tables[0].component == Component::EXX);
-  CHECK(content->map.tables[0].compensation.front() == doctest::Approx(1.0).epsilon(0.01));
-  CHECK(content->parameters.scope == Scope::linear);
+  const auto prepared = must(files.prepared());
+  CHECK(prepared.identity.serial_number == "MCM-0107");
+  CHECK(prepared.header.machine == "moving column mill");
+  const auto content = must(laser::content_of(prepared.image.bytes));
+  REQUIRE(content.map.tables.size() == 3);
+  CHECK(content.map.tables[0].component == Component::EXX);
+  CHECK(content.map.tables[0].compensation.front() == Approx(1.0).epsilon(0.01));
+  CHECK(content.parameters.scope == Scope::linear);
 }
 
 TEST_CASE("a map that resampling changes by more than its resolution is refused unless that is accepted") {
@@ -70,18 +65,14 @@ TEST_CASE("a map that resampling changes by more than its resolution is refused 
   files.map.tables[0].position_mm = {-4100.0, -4000.0, -3933.0, 0.0};
   files.map.tables[0].compensation = {1.0, 185.0, -20.0, 0.0};
   CHECK(names(reasons(files.prepared()), "--accept-resampling"));
-  const auto accepted = files.prepared({.accept_resampling = true});
-  REQUIRE(accepted);
-  const auto content = laser::content_of(accepted->image.bytes);
-  REQUIRE(content);
-  const auto largest = largest_difference(files.map, content->map);
-  REQUIRE(largest);
-  CHECK(largest->component == Component::EXX);
-  CHECK(largest->difference() > 1.0);
-  const auto beyond = beyond_resolution(files.map, content->map);
-  REQUIRE(beyond.size() == 1);
-  CHECK(beyond[0].component == Component::EXX);
-  CHECK(beyond[0].position_mm == largest->position_mm);
+  const auto accepted = must(files.prepared({.accept_resampling = true}));
+  const auto content = must(laser::content_of(accepted.image.bytes));
+  const auto largest = must(largest_difference(files.map, content.map));
+  CHECK(largest.component == Component::EXX);
+  CHECK(largest.difference() > 1.0);
+  const auto beyond = beyond_resolution(files.map, content.map);
+  CHECK(only(beyond).component == Component::EXX);
+  CHECK(beyond[0].position_mm == largest.position_mm);
 }
 
 TEST_CASE("points that are even within the digits of a map file are not resampled") {
@@ -92,9 +83,8 @@ TEST_CASE("points that are even within the digits of a map file are not resample
     table.position_mm.push_back(std::round((-4100.0 + 4100.0 * k / 1199.0) * 1e4) * 1e-4);
     table.compensation.push_back(k * 7919 % 101);
   }
-  const auto prepared = files.prepared();
-  REQUIRE_MESSAGE(prepared, (prepared ? "" : to_text(prepared.error())));
-  const auto content = laser::content_of(prepared->image.bytes);
+  const auto prepared = must(files.prepared());
+  const auto content = laser::content_of(prepared.image.bytes);
   CHECK(content->map.tables[0].position_mm.size() == 1200);
   CHECK(beyond_resolution(files.map, content->map).empty());
   CHECK(largest_difference(files.map, content->map)->difference() <= 0.01);
@@ -109,11 +99,10 @@ TEST_CASE("a component declared zero with a reason is not missing") {
 
 TEST_CASE("the unit of another serial number is an objection of the map and of its parameters") {
   const MapFiles files;
-  const auto prepared = files.prepared();
-  REQUIRE(prepared);
-  CHECK(other_unit(*prepared, "MCM-0107").empty());
-  CHECK(other_unit(*prepared, "").empty());
-  CHECK(other_unit(*prepared, "MCM-0999").size() == 2);
+  const auto prepared = must(files.prepared());
+  CHECK(other_unit(prepared, "MCM-0107").empty());
+  CHECK(other_unit(prepared, "").empty());
+  CHECK(other_unit(prepared, "MCM-0999").size() == 2);
 }
 
 }  // namespace ecs::commissioning

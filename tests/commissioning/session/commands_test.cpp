@@ -74,10 +74,8 @@ TEST_CASE("link and workshop of a script come from its environment, else they ar
   note_workshop("/tmp/shop", {"reference"});
   note_command({"monitor", "--link", "tcp:other:502"});
   const std::string script = script_of(noted_commands());
-  CHECK(script.find(": \"${LINK:=tcp:a\\}b\\$c:502}\"") != std::string::npos);
-  CHECK(script.find("ecs params send p.toml --link \"$LINK\"\n") != std::string::npos);
-  CHECK(script.find("ecs-emulator workshop \"$WORKSHOP\" reference\n") != std::string::npos);
-  CHECK(script.find("ecs monitor --link tcp:other:502\n") != std::string::npos);
+  check_holds(script, {": \"${LINK:=tcp:a\\}b\\$c:502}\"", "ecs params send p.toml --link \"$LINK\"\n",
+                       "ecs-emulator workshop \"$WORKSHOP\" reference\n", "ecs monitor --link tcp:other:502\n"});
 }
 
 TEST_CASE("a script ends with the first command that fails, takes a comparison as it was, and overwrites no file") {

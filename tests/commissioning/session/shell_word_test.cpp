@@ -1,8 +1,7 @@
 // Words as a shell takes them.
-#include <doctest/doctest.h>
-
 #include "commissioning/session/commands.hpp"
 #include "tests/support/command_output.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::commissioning;

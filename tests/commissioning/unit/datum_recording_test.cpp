@@ -1,19 +1,14 @@
 // Recorded datum sequences as files and as events.
 #include "commissioning/unit/datum_recording.hpp"
 
-#include <doctest/doctest.h>
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
-using doctest::Approx;
-
 /// Half a second of standing, then 1 um each ms (60 mm/min), switch closed from 1.0 to 1.2 s, marker at 1.4 s.
 DatumRecording approach() {
-  DatumRecording r;
-  r.axis = Axis::Y;
-  r.taken = "2026-05-04T09:30:00Z";
-  r.serial_number = "MCM-0107";
+  DatumRecording r{.axis = Axis::Y, .taken = "2026-05-04T09:30:00Z", .serial_number = "MCM-0107"};
   for (int ms = 0; ms < 2000; ++ms) r.samples.push_back({ms < 500 ? 0 : ms - 500, ms >= 1000 && ms < 1200, ms == 1400});
   return r;
 }
@@ -40,13 +35,12 @@ TEST_CASE("events are listed in order with time and position") {
 
 TEST_CASE("a record written and read back is the same") {
   const DatumRecording before = approach();
-  const auto after = parse_recording(to_csv(before), "r.csv");
-  REQUIRE(after);
-  CHECK(after->samples == before.samples);
-  CHECK(after->axis == before.axis);
-  CHECK(after->um_per_count == before.um_per_count);
-  CHECK(after->sample_period_us == before.sample_period_us);
-  CHECK(after->serial_number == before.serial_number);
+  const auto after = must(parse_recording(to_csv(before), "r.csv"));
+  CHECK(after.samples == before.samples);
+  CHECK(after.axis == before.axis);
+  CHECK(after.um_per_count == before.um_per_count);
+  CHECK(after.sample_period_us == before.sample_period_us);
+  CHECK(after.serial_number == before.serial_number);
 }
 
 TEST_CASE("a unit that states a period of almost nothing gives speeds all the same") {

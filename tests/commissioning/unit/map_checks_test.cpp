@@ -1,20 +1,18 @@
 // Whether an image, a map or parameters are for this unit.
-#include <doctest/doctest.h>
-
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
 std::vector<std::uint8_t> image_with(std::size_t values, std::uint8_t modules, const std::string& serial_number = {}) {
-  UnitParameters parameters;
-  parameters.configuration = {'T', 'X', 0, 0, 0};
-  parameters.axis_present = {true, false, false};
-  parameters.scope = Scope::linear;
-  parameters.memory_modules = modules;
+  UnitParameters parameters{.configuration = {'T', 'X', 0, 0, 0},
+                            .axis_present = {true, false, false},
+                            .memory_modules = modules,
+                            .scope = Scope::linear};
   laser::ErrorMap map;
   map.header.serial_number = serial_number;
   map.header.configuration = "TX";
@@ -24,16 +22,11 @@ std::vector<std::uint8_t> image_with(std::size_t values, std::uint8_t modules, c
     table.compensation.push_back(0.0);
   }
   map.tables.push_back(std::move(table));
-  auto image = laser::image_of(map, parameters);
-  REQUIRE_MESSAGE(image.has_value(), (image ? "" : to_text(image.error())));
-  return image->bytes;
+  return must(laser::image_of(map, parameters)).bytes;
 }
 
 protocol::Identity unit_with(std::uint16_t modules, std::uint32_t capacity) {
-  protocol::Identity identity;
-  identity.memory_modules = modules;
-  identity.capacity_values = capacity;
-  return identity;
+  return {.memory_modules = modules, .capacity_values = capacity};
 }
 
 TEST_CASE("an image fits a unit that has its modules and as much room as it has values, and no smaller one") {
@@ -48,10 +41,9 @@ TEST_CASE("an image fits a unit that has its modules and as much room as it has 
 TEST_CASE("an image without room in the unit is refused before the unit is given any command") {
   auto shop = protocol::Workshop::on_tcp();  // one module, 32,000 values
   auto unit = shop.client();
-  const auto sent = send_image(unit, image_with(1000, 2));
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().kind == ProblemKind::refused);
-  CHECK(sent.error().message.find("count on 2 axis memory modules, the unit has 1") != std::string::npos);
+  const auto sent = must_fail(send_image(unit, image_with(1000, 2)));
+  CHECK(sent.kind == ProblemKind::refused);
+  CHECK(contains(sent.message, "count on 2 axis memory modules, the unit has 1"));
   UnitParameters parameters;
   parameters.memory_modules = 3;
   CHECK_FALSE(send_parameters(unit, parameters, {}).has_value());

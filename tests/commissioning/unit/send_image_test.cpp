@@ -1,9 +1,8 @@
 // An image that is called verified has the values that were sent, whatever its checks say.
-#include <doctest/doctest.h>
-
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
 
 namespace ecs::commissioning {
@@ -36,9 +35,7 @@ Bytes active_in(Workshop& shop) {
 /// The image of these parameters as that unit holds it.
 Bytes sent_to(Workshop& shop) {
   auto unit = shop.client();
-  const auto sent = send_image(unit, laser::image_of(UnitParameters{}));
-  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
-  CHECK_FALSE(sent->already_held);
+  CHECK_FALSE(must(send_image(unit, laser::image_of(UnitParameters{}))).already_held);
   return active_in(shop);
 }
 
@@ -53,10 +50,9 @@ TEST_CASE("an image is held already only if its values are the same") {
   const Bytes forged = active_in(shop);
   REQUIRE(forged != image);
   REQUIRE(check_image(forged).fault == ImageFault::none);
-  const auto sent = send_image(unit, image);
-  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
-  CHECK_FALSE(sent->already_held);
-  CHECK(sent->bytes_sent == image.size());
+  const auto sent = must(send_image(unit, image));
+  CHECK_FALSE(sent.already_held);
+  CHECK(sent.bytes_sent == image.size());
   CHECK(active_in(shop) == image);
 }
 
@@ -68,10 +64,8 @@ TEST_CASE("an image whose values change although its checks agree is not called 
   UnitParameters other;
   other.axes[0].position_loop_gain_per_s += 1.0;
   auto unit = shop.client();
-  const auto sent = send_image(unit, laser::image_of(other), Addressee::this_unit);
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("the active map in the unit is another one") != std::string::npos);
-  CHECK(sent.error().message.find("Do not compensate with it") != std::string::npos);
+  const auto sent = must_fail(send_image(unit, laser::image_of(other), Addressee::this_unit));
+  check_holds(sent.message, {"the active map in the unit is another one", "Do not compensate with it"});
 }
 
 TEST_CASE("a map that another host sends before the values are compared is left as it is") {
@@ -81,14 +75,14 @@ TEST_CASE("a map that another host sends before the values are compared is left 
   other.axes[0].position_loop_gain_per_s += 1.0;
   auto unit = shop.client();
   bool all_sent = false, happened = false;
-  const auto sent = send_image(unit, laser::image_of(other), Addressee::this_unit, [&](const protocol::Progress& now) {
-    all_sent = all_sent || now.bytes_done == now.bytes_total;
-    const bool reads_back = all_sent && now.bytes_done < now.bytes_total;
-    if (!reads_back || std::exchange(happened, true)) return;
-    shop.in_server([](ModbusServer&, UnitModel& model) { model.switch_banks(model.image_length); });
-  });
-  REQUIRE_FALSE(sent.has_value());
-  CHECK(sent.error().message.find("meanwhile the active map is another one (commit 3)") != std::string::npos);
+  const auto sent =
+      must_fail(send_image(unit, laser::image_of(other), Addressee::this_unit, [&](const protocol::Progress& now) {
+        all_sent = all_sent || now.bytes_done == now.bytes_total;
+        const bool reads_back = all_sent && now.bytes_done < now.bytes_total;
+        if (!reads_back || std::exchange(happened, true)) return;
+        shop.in_server([](ModbusServer&, UnitModel& model) { model.switch_banks(model.image_length); });
+      }));
+  CHECK(contains(sent.message, "meanwhile the active map is another one (commit 3)"));
   CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 3);
 }
 

@@ -1,7 +1,6 @@
 // Status files: what was saved is what is decoded, without a unit.
 #include "commissioning/unit/status.hpp"
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/answer_table.hpp"
@@ -12,9 +11,7 @@ namespace ecs::app {
 namespace {
 
 StatusSnapshot faulty_unit() {
-  StatusSnapshot s;
-  s.taken = "2026-05-04T09:30:00Z";
-  s.link = "tcp:mill:502:1";
+  StatusSnapshot s{.taken = "2026-05-04T09:30:00Z", .link = "tcp:mill:502:1"};
   s.identity.serial_number = "MCM-0107";
   s.identity.axis_present = {true, true, false};
   s.identity.memory_modules = 1;
@@ -59,19 +56,16 @@ TEST_CASE("a block check that differs says what to do, and so does its JSON that
   s.status.block_check_expected = 0x1234ABCD;
   s.status.block_check_found = 0x1234ABCE;
   const Cell differs = status_cell(s);
-  CHECK(
-      differs.text.find("expected 1234ABCD, found 1234ABCE: they differ. What to do: send parameters and map again") !=
-      std::string::npos);
+  CHECK(contains(differs.text,
+                 "expected 1234ABCD, found 1234ABCE: they differ. What to do: send parameters and map again"));
   CHECK(differs.json["block_check"]["agrees"] == false);
   s.status.block_check_found = s.status.block_check_expected;
-  CHECK(status_cell(s).text.find("What to do: send") == std::string::npos);
+  CHECK(!contains(status_cell(s).text, "What to do: send"));
 }
 
 TEST_CASE("the words say what to do next") {
   const std::string text = status_cell(faulty_unit()).text;
-  CHECK(text.find("replace that axis memory module") != std::string::npos);
-  CHECK(text.find("0x100ABC") != std::string::npos);
-  CHECK(text.find("raise the approach speed") != std::string::npos);
+  check_holds(text, {"replace that axis memory module", "0x100ABC", "raise the approach speed"});
 }
 
 TEST_CASE("the registers count, not the words beside them") {
@@ -80,9 +74,7 @@ TEST_CASE("the registers count, not the words beside them") {
   REQUIRE(write_snapshot(file, faulty_unit()));
   Json object = Json::parse(content_of(file));
   object["fault"]["name"] = "none";
-  const auto read = parse_snapshot(object.dump(), "s");
-  REQUIRE(read);
-  CHECK(read->status.fault == Fault::ram_test);
+  CHECK(must(parse_snapshot(object.dump(), "s")).status.fault == Fault::ram_test);
 }
 
 TEST_CASE("files that hold no status are refused, saying what was expected") {
@@ -92,7 +84,7 @@ TEST_CASE("files that hold no status are refused, saying what was expected") {
     CAPTURE(text);
     const Ran r = ran({"utility", "status", "--from", folder.with("x.json", text), "--json"});
     CHECK(r.code == 3);
-    CHECK(r.json()["error"]["message"].get<std::string>().find("expected") != std::string::npos);
+    CHECK(contains(r.json()["error"]["message"].get<std::string>(), "expected"));
   }
 }
 

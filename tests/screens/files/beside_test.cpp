@@ -1,8 +1,7 @@
 // Which files of a folder belong to the model in it.
-#include <doctest/doctest.h>
-
 #include "commissioning/files/known_files.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {

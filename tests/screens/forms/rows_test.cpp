@@ -1,7 +1,6 @@
 // The screens that ask and answer: what holds for every row of their table, then what is special to some.
 #include "app/screens/forms/rows.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "app/verbs/registry.hpp"
@@ -71,8 +70,7 @@ TEST_CASE("every row names a verb and fields that there are, draws in every size
       return one.required && one.value.empty() && !entry.row.preset.contains(one.name);
     });
     if (needs) {
-      (void)press(*screen, Key::Name::enter);
-      CHECK(contains(picture(*screen), "is needed"));
+      CHECK(contains(after(*screen, "\n"), "is needed"));
     }
     CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
   }
@@ -95,11 +93,10 @@ TEST_CASE(
   const auto screen = answered("LENGTHS", {{"LENGTHS", kMeasured}, {"--machine", kMachine}, {"--params", kParameters}});
   CHECK(contains(picture(*screen), "done"));
   (void)press(*screen, Key::Name::page_down);
-  for (const char* part : {"U (95 %)", "EXX", "ECY"}) CHECK(contains(picture(*screen), part));
+  check_holds(picture(*screen), {"U (95 %)", "EXX", "ECY"});
   const std::string map = folder / "found.csv", params = folder / "found.toml";
   const auto save = [&] {
-    (void)letter(*screen, 's');
-    CHECK(contains(picture(*screen), "--output:"));
+    CHECK(contains(after(*screen, "s"), "--output:"));
     replace_line(*screen, map);
     CHECK(contains(picture(*screen), "--params-out:"));
     replace_line(*screen, params);
@@ -119,8 +116,7 @@ TEST_CASE(
   (void)letter(*screen, 'n');
   CHECK(commissioning::noted_commands().size() == 2);
   save();
-  (void)letter(*screen, 'y');
-  (void)letter(*screen, 'y');
+  type(*screen, "yy");
   REQUIRE(until(*screen, [] { return commissioning::noted_commands().size() == 3; }));
   CHECK(contains(commissioning::command_text(commissioning::noted_commands().back()), " --force"));
 }
@@ -140,8 +136,7 @@ TEST_CASE("what lengths do not determine is said with the lengths that would; a 
   CHECK(reads(picture(*made, 60, 120), "single set-ups for"));
   CHECK(contains(content_of(plan), "# minutes:"));
   const auto shown = answered("LENGTHS", {{"LENGTHS", plan}, {"--machine", kMachine}});
-  CHECK(reads(picture(*shown), "nothing measured yet"));
-  CHECK(reads(picture(*shown), "set-up"));
+  check_reads(picture(*shown), {"nothing measured yet", "set-up"});
 }
 
 TEST_CASE("VOLUME shows the sizes, then the body diagonals, also of a machine with rotary axes") {
@@ -151,12 +146,9 @@ TEST_CASE("VOLUME shows the sizes, then the body diagonals, also of a machine wi
       "# configuration: XYTZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\nX,EX,0,600,-12\nX,EX,0,1200,-24\n");
   const auto diagonals = [](Screen& screen) {
     (void)press(screen, Key::Name::page_down);
-    (void)letter(screen, '2');
-    CHECK(shows(screen, "before, body diagonals"));
-    (void)letter(screen, '3');
-    CHECK(contains(picture(screen), "after, body diagonals"));
-    (void)letter(screen, '1');
-    CHECK(contains(picture(screen), "95 %"));
+    CHECK(shows_after(screen, "2", "before, body diagonals"));
+    CHECK(contains(after(screen, "3"), "after, body diagonals"));
+    CHECK(contains(after(screen, "1"), "95 %"));
     CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
     CHECK(contains(picture(screen), "How large is the error"));
   };
@@ -167,8 +159,7 @@ TEST_CASE("VOLUME shows the sizes, then the body diagonals, also of a machine wi
                                           {"--params", kParameters},
                                           {"--machine", "samples/five_axes/machine.toml"},
                                           {"--rotary", "samples/five_axes/rotary.csv"}});
-  CHECK(contains(picture(*rotary, 60, 100), "rotary axes A"));
-  CHECK(contains(picture(*rotary, 60, 100), "settings"));
+  check_holds(picture(*rotary, 60, 100), {"rotary axes A", "settings"});
   diagonals(*rotary);
   const auto absent = answered("VOLUME", {{"MAP", "none.csv"}, {"--params", kParameters}});
   CHECK(contains(picture(*absent), "none.csv"));

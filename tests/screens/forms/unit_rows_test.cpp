@@ -23,10 +23,8 @@ std::unique_ptr<Screen> run_screen(const UnitBench& bench, const FormValues& val
 std::unique_ptr<Screen> running_forever(const UnitBench& bench) {
   write(bench, 0x041000, kForever);
   auto screen = run_screen(bench);
-  (void)press(*screen, Key::Name::enter);
-  REQUIRE(shows(*screen, "It begins with 60FE"));
-  (void)letter(*screen, 'y');
-  REQUIRE(shows(*screen, "running, "));
+  REQUIRE(shows_after(*screen, "\n", "It begins with 60FE"));
+  REQUIRE(shows_after(*screen, "y", "running, "));
   return screen;
 }
 
@@ -35,16 +33,12 @@ TEST_CASE("a program is run with its argument after a question, and says what it
   bench.wait_for_unit();
   const auto screen = run_screen(bench, {{"--argument", "37"}});
   CHECK(contains(picture(*screen), "what a program finds there"));
-  (void)press(*screen, Key::Name::enter);
-  REQUIRE(shows(*screen, "NO PROGRAM lies there"));
-  (void)letter(*screen, 'n');
-  CHECK_FALSE(contains(picture(*screen), "NO PROGRAM"));
+  REQUIRE(shows_after(*screen, "\n", "NO PROGRAM lies there"));
+  CHECK_FALSE(contains(after(*screen, "n"), "NO PROGRAM"));
   write(bench, 0x041000, kAddFive);
-  (void)press(*screen, Key::Name::enter);
-  REQUIRE(shows(*screen, "Run the program at 0x041000?"));
+  REQUIRE(shows_after(*screen, "\n", "Run the program at 0x041000?"));
   CHECK(contains(picture(*screen), "It begins with 5A80 4E75"));
-  (void)letter(*screen, 'y');
-  REQUIRE(shows(*screen, "the program at 0x041000 returned 42 (0x0000002A)"));
+  REQUIRE(shows_after(*screen, "y", "the program at 0x041000 returned 42 (0x0000002A)"));
   CHECK(contains(picture(*screen), "D0 0000002A"));
 }
 
@@ -53,8 +47,7 @@ TEST_CASE("what a program returned is shown with a sign too") {
   bench.wait_for_unit();
   const auto screen = run_screen(bench, {{"--argument", "0xFFFFFFF6"}});  // -10
   write(bench, 0x041000, kAddFive);
-  (void)press(*screen, Key::Name::enter);
-  REQUIRE(shows(*screen, "Run the program at 0x041000?"));
+  REQUIRE(shows_after(*screen, "\n", "Run the program at 0x041000?"));
   (void)letter(*screen, 'y');
   CHECK_MESSAGE(shows(*screen, "signed -5"), picture(*screen));
 }
@@ -83,10 +76,8 @@ TEST_CASE("a program that never ends is stopped by Esc, and says so where the em
     REQUIRE(shows(*screen, "no success on the link"));
     REQUIRE(until(*screen, [&] { return bench.controller->snapshot().open; }));
     write(bench, 0x041000, kAddFive);
-    (void)press(*screen, Key::Name::enter);
-    REQUIRE(shows(*screen, "It begins with 5A80"));
-    (void)letter(*screen, 'y');
-    REQUIRE(shows(*screen, "returned 5 ("));
+    REQUIRE(shows_after(*screen, "\n", "It begins with 5A80"));
+    REQUIRE(shows_after(*screen, "y", "returned 5 ("));
   }
 }
 
@@ -110,16 +101,13 @@ struct UnarmedCase : StateFolder {
 TEST_CASE("what the unit refuses for want of its code opens the question for it, and goes afterwards") {
   const UnarmedCase bench;
   CHECK(arm_screen_if_wanted(bench.unit) == nullptr);
-  const auto refused = bench.preset();
-  REQUIRE_FALSE(refused.has_value());
-  CHECK(refused.error().kind == ProblemKind::refused);
+  CHECK(must_fail(bench.preset()).kind == ProblemKind::refused);
   CHECK(bench.unit->snapshot().wants_code);
   const auto question = arm_screen_if_wanted(bench.unit);
   REQUIRE(question != nullptr);
   CHECK(arm_screen_if_wanted(bench.unit) == nullptr);  // asked once
   CHECK(reads(picture(*question), "The unit is read-only for this host"));
-  enter(*question, "314159");
-  CHECK(shows(*question, "this is not the code that the unit shows"));
+  CHECK(shows_after(*question, "314159\n", "this is not the code that the unit shows"));
   for (int k = 0; k < 50 && !contains(picture(*question), "takes writes and"); ++k) {  // a second of the unit's clock
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     replace_line(*question, kArmCode);

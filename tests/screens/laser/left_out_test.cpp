@@ -51,8 +51,7 @@ TEST_CASE("readings left out do not change the scale: far ones are at the edge w
   draw_laser_chart(canvas, canvas.whole(), three_points(), out, {});
   const std::string drawn = canvas.plain_text();
   INFO(drawn);
-  CHECK(drawn.find("x 5000") != std::string::npos);
-  CHECK(drawn.find("x -300") != std::string::npos);
+  check_holds(drawn, {"x 5000", "x -300"});
   CHECK(left_out_legend(three_points(), out, "um") == "x left out: 3; beyond the edge: 5000 um at 50, -300 um at 150");
   const PlotPanel picture = with_left_out(three_points(), out, "um");
   CHECK(picture.title == "t (3 left out, beyond the edge: 5000 um at 50, -300 um at 150)");
@@ -68,12 +67,11 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
   driver.type("3\n");
   driver.press(Key::Name::down, 2);
   const std::size_t before = count_of(driver.seen(), 'x');
-  driver.type(" ");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after(" "));
   for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
     const std::string seen = driver.seen(24, 80, glyphs);
     INFO(seen);
-    CHECK(seen.find("18 of 54 readings left out (x)") != std::string::npos);
+    CHECK(contains(seen, "18 of 54 readings left out (x)"));
     CHECK(count_of(seen, 'x') > before + 5);
   }
   driver.type(
@@ -81,8 +79,8 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
       "4");
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(seen.find("x left out: 18") != std::string::npos);
-  CHECK(seen.find("beyond") == std::string::npos);
+  CHECK(contains(seen, "x left out: 18"));
+  CHECK(!contains(seen, "beyond"));
   CHECK(count_of(seen, 'x') > 5);
 }
 
@@ -90,21 +88,19 @@ TEST_CASE("an outlier left out is shown at the edge of the curve with its value,
   const StateFolder folder;
   LaserScreenDriver driver;
   driver.take_files({file_with(folder, "947.5")});
-  driver.type("3o ");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("3o "));
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(seen.find("1 of 54 readings left out (x); beyond the edge: 947.5") != std::string::npos);
-  CHECK(seen.find("at -200: forward ") != std::string::npos);  // under the cursor
-  CHECK(seen.find(", x 947.50") != std::string::npos);
-  CHECK(seen.find("1000 ") == std::string::npos);
+  CHECK(contains(seen, "1 of 54 readings left out (x); beyond the edge: 947.5"));
+  CHECK(contains(seen, "at -200: forward "));  // under the cursor
+  CHECK(contains(seen, ", x 947.50"));
+  CHECK(!contains(seen, "1000 "));
   driver.type(
       "\x1b"
       "4");
   const std::string curve = driver.seen(24, 80, Glyphs::ascii);
   INFO(curve);
-  CHECK(curve.find("x left out: 1; beyond the edge: 947.5 um at -200") != std::string::npos);
-  CHECK(curve.find("x 947.5") != std::string::npos);
+  check_holds(curve, {"x left out: 1; beyond the edge: 947.5 um at -200", "x 947.5"});
 }
 
 TEST_CASE("a line of which every reading is left out still shows them") {
@@ -116,7 +112,7 @@ TEST_CASE("a line of which every reading is left out still shows them") {
   driver.type("3");
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(seen.find("every reading is left out") != std::string::npos);
+  CHECK(contains(seen, "every reading is left out"));
   CHECK(count_of(seen, 'x') > 15);
 }
 
@@ -125,12 +121,10 @@ TEST_CASE("before any parameters are chosen the curves are named by where they w
   LaserScreenDriver driver;
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; })),
                      folder.with("x_low.csv", measured_csv(kLower, [](double) { return 2.0; }))});
-  driver.type("4");
-  const std::string seen = driver.seen();
+  const std::string seen = driver.after("4");
   INFO(seen);
-  CHECK(seen.find("EXX  Y -1400, Z 0 ") != std::string::npos);
-  CHECK(seen.find("EXX  Y -1400, Z -1000") != std::string::npos);
-  CHECK(driver.seen(12, 40).find("EXX  Y -1400, Z -1000") != std::string::npos);
+  check_holds(seen, {"EXX  Y -1400, Z 0 ", "EXX  Y -1400, Z -1000"});
+  CHECK(contains(driver.seen(12, 40), "EXX  Y -1400, Z -1000"));
 }
 
 TEST_CASE("a file that does not say where the other axes stood is asked for it from the list of lines") {
@@ -138,20 +132,16 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   LaserScreenDriver driver;
   driver.take_files({folder.with("plain.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\nEX,X,2.0,30\n"),
                      folder.with("half.csv", "sense,axis,reading,x_mm,y_mm\nEY,X,1,10,-70\nEY,X,2,20,-70\n")});
-  driver.type("2");
-  const std::string seen = driver.seen();
+  const std::string seen = driver.after("2");
   INFO(seen);
-  CHECK(seen.find("Y ?, Z ?: Enter") != std::string::npos);
-  CHECK(seen.find("Y -70, Z ?: Enter 10..20           10    2    1 ?") != std::string::npos);
-  CHECK(seen.find("Y ?, Z ?: Enter   10..30           10    3    1 ?") != std::string::npos);
-  CHECK(seen.find("parked place of Y and Z not in the file: taken as 0 until Enter tells it") != std::string::npos);
+  check_holds(seen, {"Y ?, Z ?: Enter", "Y -70, Z ?: Enter 10..20           10    2    1 ?",
+                     "Y ?, Z ?: Enter   10..30           10    3    1 ?",
+                     "parked place of Y and Z not in the file: taken as 0 until Enter tells it"});
   CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
-  driver.type("\n");
-  CHECK(driver.seen().find("what plain.csv does not say") != std::string::npos);
-  driver.type("y=-1400,z=0\n");
-  REQUIRE(driver.settled());
-  CHECK(driver.seen().find("Y -1400, Z 0 ") != std::string::npos);
-  CHECK(driver.seen().find("Y ?") == std::string::npos);
+  CHECK(contains(driver.after("\n"), "what plain.csv does not say"));
+  REQUIRE(driver.settles_after("y=-1400,z=0\n"));
+  CHECK(contains(driver.seen(), "Y -1400, Z 0 "));
+  CHECK(!contains(driver.seen(), "Y ?"));
 }
 
 TEST_CASE("a long message is readable at 80 columns, and the step keeps the rest") {
@@ -163,8 +153,7 @@ TEST_CASE("a long message is readable at 80 columns, and the step keeps the rest
   driver.controller().message().say(words, Tone::bad);
   const std::string seen = driver.seen();
   INFO(seen);
-  CHECK(seen.find("word59") != std::string::npos);
-  CHECK(seen.find("x.csv") != std::string::npos);
+  check_holds(seen, {"word59", "x.csv"});
 }
 
 }  // namespace

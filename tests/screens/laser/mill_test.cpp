@@ -16,37 +16,27 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
     if (entry.path().filename() != "EZZ.csv") files.push_back(entry.path().string());
   LaserScreenDriver driver;
   driver.take_files(files, "samples/mill/parameters.toml");
-  driver.type("6");
-  CHECK(driver.seen().find("2 still missing") != std::string::npos);
-  CHECK(driver.seen().find("EBY  MISSING") != std::string::npos);
+  check_holds(driver.after("6"), {"2 still missing", "EBY  MISSING"});
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
-  driver.type("8\n");
-  CHECK(driver.seen().find("the map is not complete") != std::string::npos);
-  CHECK(driver.seen().find("EBY, EZZ (step 6)") != std::string::npos);
+  check_holds(driver.after("8\n"), {"the map is not complete", "EBY, EZZ (step 6)"});
   driver.controller().change("more files", [&](LaserChoices& c) {
     c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
   });
   REQUIRE(driver.settled());
   driver.type("6");
-  while (driver.seen().find("> EBY") == std::string::npos) driver.press(Key::Name::down);
-  driver.type("zground guideways\n");
-  REQUIRE(driver.settled());
-  CHECK(driver.seen().find("declared zero: ground guideways") != std::string::npos);
-  CHECK(driver.seen().find("nothing is missing") != std::string::npos);
+  while (!contains(driver.seen(), "> EBY")) driver.press(Key::Name::down);
+  REQUIRE(driver.settles_after("zground guideways\n"));
+  check_holds(driver.seen(), {"declared zero: ground guideways", "nothing is missing"});
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::done);
-  driver.type("u");
-  REQUIRE(driver.settled());
-  CHECK(driver.seen().find("1 still missing") != std::string::npos);
+  REQUIRE(driver.settles_after("u"));
+  CHECK(contains(driver.seen(), "1 still missing"));
 }
 
 /// What an engineer types for the mill: folder, parameters, smoothing, zero, header.
 void commission_on_keys(LaserScreenDriver& driver, const StateFolder& folder) {
-  driver.type("a" + folder.path.string() + "/before\n");
-  REQUIRE(driver.shows("[all 16 measurement files here]"));
+  REQUIRE(driver.shows_after("a" + folder.path.string() + "/before\n", "[all 16 measurement files here]"));
   driver.press(Key::Name::down);
-  driver.type("\n");
-  driver.type("psamples/mill/parameters.toml\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("\npsamples/mill/parameters.toml\n"));
   const auto smooth = [&](Component component, const std::string& width) {
     driver.type("4");
     driver.press(Key::Name::home);
@@ -54,22 +44,20 @@ void commission_on_keys(LaserScreenDriver& driver, const StateFolder& folder) {
       if (curve.component == component) break;
       driver.press(Key::Name::down);
     }
-    driver.type("\n" + width + "\n");
-    REQUIRE(driver.settled());
+    REQUIRE(driver.settles_after("\n" + width + "\n"));
     REQUIRE(laser::settings_of(driver.controller().choices().recipe, component).smoothing_mm > 0.0);
   };
   for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
   smooth(Component::EBX, "300");
   smooth(Component::ECX, "200");
   driver.type("6");
-  while (driver.seen().find("> EBY") == std::string::npos) driver.press(Key::Name::down);
+  while (!contains(driver.seen(), "> EBY")) driver.press(Key::Name::down);
   driver.type(
       "zroll of the head slide cannot be measured by laser or level; negligible on ground guideways (thesis "
       "6.3.2.3)\n");
   driver.type("7\nHuddersfield Polytechnic\n");
   driver.press(Key::Name::down, 3);
-  driver.type("\nS. R. Postlethwaite\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("\nS. R. Postlethwaite\n"));
 }
 
 TEST_CASE("the mill commissioned on the screen gives the same map that the verb builds by the recipe") {
@@ -85,11 +73,9 @@ TEST_CASE("the mill commissioned on the screen gives the same map that the verb 
   CHECK(driver.controller().mark(LaserStep::header) == LaserMark::done);
   driver.type("8f");
   for (int k = 0; k < 10; ++k) driver.press(Key::Name::backspace);
-  driver.type((folder.path / "out/screen.csv").string() + "\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after((folder.path / "out/screen.csv").string() + "\n"));
   CHECK_FALSE(driver.controller().unsaved().empty());
-  driver.type("s");
-  REQUIRE(driver.shows("saved: "));
+  REQUIRE(driver.shows_after("s", "saved: "));
   CHECK(driver.controller().unsaved().empty());
   CHECK(content_of(folder / "out/screen.csv") == content_of(folder / "verb.csv"));
   CHECK(content_of(folder / "out/screen-parameters.toml") == content_of(folder / "verb.toml"));
@@ -114,12 +100,11 @@ TEST_CASE("a map without a reading or with answers names a prepared file, and it
   });
   REQUIRE(driver.settled());
   REQUIRE(driver.controller().work().map.complete());
-  driver.type("s");
-  REQUIRE(driver.shows("saved: "));
+  REQUIRE(driver.shows_after("s", "saved: "));
   const std::string map = content_of(folder / "out/map.csv");
-  CHECK(map.find("source: EXX EXX_line1.csv") != std::string::npos);
-  CHECK(content_of(folder / "out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
-  CHECK(content_of(folder / "out/map-recipe.toml").find("exclude_runs = [1]") != std::string::npos);
+  CHECK(contains(map, "source: EXX EXX_line1.csv"));
+  CHECK(contains(content_of(folder / "out/map-files/EXX_line1.csv"), "left_out: run 2 (cold)"));
+  CHECK(contains(content_of(folder / "out/map-recipe.toml"), "exclude_runs = [1]"));
   REQUIRE(ran({"map", "build", (folder.path / "out/map-recipe.toml").string(), "--params",
                "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
               .code == 0);
@@ -140,10 +125,8 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   }
   {
     LaserScreenDriver again;
-    CHECK(again.seen().find("Work of 20") != std::string::npos);
-    CHECK(again.seen().find("found: moving column mill") != std::string::npos);
-    again.type("\n");
-    REQUIRE(again.settled());
+    check_holds(again.seen(), {"Work of 20", "found: moving column mill"});
+    REQUIRE(again.settles_after("\n"));
     CHECK(choices_text(again.controller().choices()) == choices);
     CHECK(again.controller().work().map.complete());
   }
@@ -159,7 +142,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
     again.type("dy");
     CHECK(again.controller().work().lines.empty());
   }
-  CHECK(LaserScreenDriver().seen().find("Work of 20") == std::string::npos);
+  CHECK(!contains(LaserScreenDriver().seen(), "Work of 20"));
 }
 
 TEST_CASE("every step is drawn completely at every size, in Unicode and in ASCII") {
@@ -175,7 +158,7 @@ TEST_CASE("every step is drawn completely at every size, in Unicode and in ASCII
           const std::string seen = driver->seen(rows, columns, glyphs);
           if (glyphs == Glyphs::ascii)
             for (const char c : seen) REQUIRE(static_cast<unsigned char>(c) < 0x80);
-          if (rows == 24) CHECK(seen.find("[" + std::string(1, step)) != std::string::npos);
+          if (rows == 24) CHECK(contains(seen, "[" + std::string(1, step)));
         }
 }
 

@@ -34,20 +34,16 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
   folder.with("day/straight.csv", measured_csv(kStraightness, [](double p) { return 0.01 * p; }));
   folder.with("day/notes.txt", "the machine was cold\n");
   LaserScreenDriver driver;
-  driver.type("a" + folder.path.string() + "/da\t");
-  REQUIRE(driver.shows("[all 2 measurement files here]"));
-  CHECK(driver.seen().find("EXX, 54 readings") != std::string::npos);
-  CHECK(driver.seen().find("EYX, 54 readings") != std::string::npos);
+  REQUIRE(driver.shows_after("a" + folder.path.string() + "/da\t", "[all 2 measurement files here]"));
+  check_holds(driver.seen(), {"EXX, 54 readings", "EYX, 54 readings"});
   driver.press(Key::Name::down, 2);
-  CHECK(driver.seen().find("notes.txt") != std::string::npos);
-  CHECK(driver.seen().find("not read") != std::string::npos);
+  check_holds(driver.seen(), {"notes.txt", "not read"});
   driver.press(Key::Name::home);
   driver.press(Key::Name::down);
-  driver.type("\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("\n"));
   CHECK(driver.controller().work().lines.size() == 2);
   CHECK(driver.controller().mark(LaserStep::files) == LaserMark::done);
-  CHECK(driver.seen().find("straight.csv") != std::string::npos);
+  CHECK(contains(driver.seen(), "straight.csv"));
 }
 
 TEST_CASE("marks choose single files, and a typed path is completed") {
@@ -55,16 +51,13 @@ TEST_CASE("marks choose single files, and a typed path is completed") {
   for (const char* name : {"one.csv", "two.csv", "three.csv"})
     folder.with(std::string("f/") + name, measured_csv(kPositioning, [](double) { return 1.0; }));
   LaserScreenDriver driver;
-  driver.type("a" + folder.path.string() + "/f/\t");
-  REQUIRE(driver.shows("[all 3"));
+  REQUIRE(driver.shows_after("a" + folder.path.string() + "/f/\t", "[all 3"));
   driver.press(Key::Name::down, 2);
-  driver.type("  \n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("  \n"));
   REQUIRE(driver.controller().choices().files.size() == 2);
   CHECK(driver.controller().choices().files[0].path.ends_with("one.csv"));
   CHECK(driver.controller().choices().files[1].path.ends_with("three.csv"));
-  driver.type("atw\t\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("atw\t\n"));
   CHECK(driver.controller().choices().files.size() == 3);
 }
 
@@ -81,21 +74,18 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     driver.controller().change("file", [&](LaserChoices& c) { c.files.push_back({file, {}}); });
     REQUIRE(driver.settled());
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::doubtful);
-    CHECK(driver.seen().find("it does not say enough: Enter answers") != std::string::npos);
-    driver.type("\n");
-    CHECK(driver.seen().find("what pitch.rta does not say") != std::string::npos);
+    CHECK(contains(driver.seen(), "it does not say enough: Enter answers"));
+    CHECK(contains(driver.after("\n"), "what pitch.rta does not say"));
     driver.press(Key::Name::down);
     driver.type("c");  // the next word with this letter
-    CHECK(driver.seen().find("EC") != std::string::npos);
-    driver.type("\n");
-    REQUIRE(driver.settled());
+    CHECK(contains(driver.seen(), "EC"));
+    REQUIRE(driver.settles_after("\n"));
     CHECK(driver.controller().work().lines.size() == 1);
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::done);
   }
   LaserScreenDriver later;
-  CHECK(later.seen().find("found") != std::string::npos);
-  later.type("\n");
-  REQUIRE(later.settled());
+  CHECK(contains(later.seen(), "found"));
+  REQUIRE(later.settles_after("\n"));
   REQUIRE(later.controller().work().lines.size() == 1);
   CHECK(later.controller().choices().files.front().answers.sense == "EC");
 }
@@ -106,10 +96,8 @@ TEST_CASE("several files of one line are joined, their runs numbered on") {
   LaserScreenDriver driver;
   driver.take_files({folder.with("monday.csv", measured_csv(kPositioning, error)),
                      folder.with("tuesday.csv", measured_csv(kPositioning, error))});
-  REQUIRE(driver.controller().work().lines.size() == 1);
-  CHECK(driver.controller().work().lines.front().summary.runs == 6);
-  driver.type("2");
-  CHECK(driver.seen().find("tuesday.csv") != std::string::npos);
+  CHECK(only(driver.controller().work().lines).summary.runs == 6);
+  CHECK(contains(driver.after("2"), "tuesday.csv"));
 }
 
 TEST_CASE("the measured lines show what, where, how often and under which conditions") {
@@ -119,12 +107,9 @@ TEST_CASE("the measured lines show what, where, how often and under which condit
   LaserScreenDriver driver;
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; })),
                      folder.with("after.csv", measured_csv(after, [](double) { return 0.0; }))});
-  driver.type("2");
-  const std::string seen = driver.seen();
-  CHECK(seen.find("EXX           Y -1400, Z 0     -400..0          50    9    3 both") != std::string::npos);
-  CHECK(seen.find("comp.") != std::string::npos);
-  CHECK(seen.find("t_air_degC 20.1 .. 20.3") != std::string::npos);
-  CHECK(seen.find("date: 1990-03-12") != std::string::npos);
+  const std::string seen = driver.after("2");
+  check_holds(seen, {"EXX           Y -1400, Z 0     -400..0          50    9    3 both", "comp.",
+                     "t_air_degC 20.1 .. 20.3", "date: 1990-03-12"});
   CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
 }
 
@@ -136,20 +121,17 @@ TEST_CASE("a run left out changes every later step at once, and undo restores th
   const auto mean = result_of(driver.controller().work(), kExx).curve->points.front().forward;
   driver.type("3\n");  // into the runs
   driver.press(Key::Name::down, 2);
-  driver.type(" ");
-  CHECK(driver.seen().find("[ ] run 3 out") != std::string::npos);
+  CHECK(contains(driver.after(" "), "[ ] run 3 out"));
   REQUIRE(driver.settled());
   const LaserLineResult& without = result_of(driver.controller().work(), kExx);
   CHECK(without.chosen.readings.size() == 36);
-  CHECK(without.iso->R_forward.value() != doctest::Approx(before));
-  CHECK(without.curve->points.front().forward.value() == doctest::Approx(mean.value() - 0.5).epsilon(0.2));
-  CHECK(driver.seen().find("18 of 54 readings left out") != std::string::npos);
-  driver.type("u");
-  REQUIRE(driver.settled());
+  CHECK(without.iso->R_forward.value() != Approx(before));
+  CHECK(without.curve->points.front().forward.value() == Approx(mean.value() - 0.5).epsilon(0.2));
+  CHECK(contains(driver.seen(), "18 of 54 readings left out"));
+  REQUIRE(driver.settles_after("u"));
   CHECK(result_of(driver.controller().work(), kExx).iso->R_forward.value() == before);
   CHECK(result_of(driver.controller().work(), kExx).curve->points.front().forward == mean);
-  driver.type("y");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("y"));
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 36);
 }
 
@@ -166,10 +148,8 @@ TEST_CASE("a reading far from its repeats is suggested, never left out by itself
   CHECK(line.set->readings[line.suspects.front()].error == 47.5);
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 54);
   CHECK(driver.controller().mark(LaserStep::leave_out) == LaserMark::doubtful);
-  driver.type("3o");
-  CHECK(driver.seen().find("[x]?   -200") != std::string::npos);
-  driver.type(" wbeam broken\n");
-  REQUIRE(driver.settled());
+  CHECK(contains(driver.after("3o"), "[x]?   -200"));
+  REQUIRE(driver.settles_after(" wbeam broken\n"));
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 53);
   CHECK(driver.controller().mark(LaserStep::leave_out) == LaserMark::done);
   CHECK(driver.controller().choices().lines.at(kExx).readings.begin()->second == "beam broken");
@@ -185,24 +165,20 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
   CHECK(positioning.slope == laser::SlopeMethod::none);
   CHECK(positioning.band_after == positioning.band_before);
   CHECK(straightness.slope == laser::SlopeMethod::least_squares);
-  CHECK(straightness.removed_per_m == doctest::Approx(30.0).epsilon(0.02));
-  CHECK(straightness.band_before == doctest::Approx(12.0 + 4.0).epsilon(0.05));  // slope, runs and reversal
-  CHECK(straightness.band_after == doctest::Approx(4.5).epsilon(0.15));
+  CHECK(straightness.removed_per_m == Approx(30.0).epsilon(0.02));
+  CHECK(straightness.band_before == Approx(12.0 + 4.0).epsilon(0.05));  // slope, runs and reversal
+  CHECK(straightness.band_after == Approx(4.5).epsilon(0.15));
   driver.type("4");
   driver.press(Key::Name::down);
-  CHECK(driver.seen().find(fmt::format("{:.2f} um/m", straightness.removed_per_m)) != std::string::npos);
-  CHECK(driver.seen().find("before    ") != std::string::npos);
-  CHECK(driver.seen().find("after    ") != std::string::npos);
-  driver.type("v");
-  CHECK(driver.seen().find("after    ") == std::string::npos);
+  CHECK(contains(driver.seen(), fmt::format("{:.2f} um/m", straightness.removed_per_m)));
+  check_holds(driver.seen(), {"before    ", "after    "});
+  CHECK(!contains(driver.after("v"), "after    "));
   driver.type("vv");
   driver.type("    ");  // once round and one on: none
   REQUIRE(driver.settled());
   CHECK(curve_of_component(driver.controller().work(), Component::EYX).slope == laser::SlopeMethod::none);
-  driver.type("\n");
-  CHECK(driver.seen().find("smoothing [mm]") != std::string::npos);
-  driver.type("250\n");
-  REQUIRE(driver.settled());
+  CHECK(contains(driver.after("\n"), "smoothing [mm]"));
+  REQUIRE(driver.settles_after("250\n"));
   const LaserCurve& smooth = curve_of_component(driver.controller().work(), Component::EYX);
   REQUIRE(smooth.smoothed);
   CHECK(smooth.smoothed->removed_rms < 0.3);  // a straight line passes the local parabola
@@ -218,18 +194,18 @@ TEST_CASE("the values of ISO 230-2 are those of the verb") {
   const Ran run = ran({"laser", "stats", file});
   REQUIRE(run.code == 0);
   const double A = result_of(driver.controller().work(), kExx).iso->A.value();
-  CHECK(run.all().find(fmt::format("{:.3f}", A)) != std::string::npos);
-  CHECK(driver.seen().find(fmt::format("A      {:>8.2f} um", A)) != std::string::npos);
+  CHECK(contains(run.all(), fmt::format("{:.3f}", A)));
+  CHECK(contains(driver.seen(), fmt::format("A      {:>8.2f} um", A)));
 }
 
 TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
   const StateFolder folder;
   LaserScreenDriver driver;
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
-  CHECK(driver.seen().find("Next: the parameters of the unit, p in step 1, 4 or 6.") != std::string::npos);
+  CHECK(contains(driver.seen(), "Next: the parameters of the unit, p in step 1, 4 or 6."));
   driver.controller().change("parameters", [](LaserChoices& c) { c.params_file = "samples/mill/parameters.toml"; });
   REQUIRE(driver.settled());
-  CHECK(driver.seen().find("Step 6: 16 of 17 components are missing.") != std::string::npos);
+  CHECK(contains(driver.seen(), "Step 6: 16 of 17 components are missing."));
   const std::string tabs = driver.seen().substr(driver.seen().find("[1"), 80);
   Key click{Key::Name::mouse};
   click.row = 1;
@@ -244,7 +220,7 @@ TEST_CASE("Esc asks before unsaved work is left, and leaves at once where there 
   CHECK(driver.type("\x1b") == Step::Kind::back);
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
   CHECK(driver.type("\x1b") == Step::Kind::stay);
-  CHECK(driver.seen().find("Leave? The map is not saved.") != std::string::npos);
+  CHECK(contains(driver.seen(), "Leave? The map is not saved."));
   CHECK(driver.type("n") == Step::Kind::stay);
   driver.type("\x1b");
   CHECK(driver.type("y") == Step::Kind::back);
@@ -278,12 +254,9 @@ TEST_CASE("the form asks for the channels of a log and its environment, and refu
   const auto fields = import_fields(none);
   const auto at_rest = std::ranges::find(fields, "--at-rest", &cli::Argument::name);
   driver.press(Key::Name::down, static_cast<int>(at_rest - fields.begin()));
-  driver.type("still\n");
-  CHECK(contains(driver.seen(), "at-rest: expected a number, found \"still\""));
-  CHECK(contains(driver.seen(), "channels"));
+  check_holds(driver.after("still\n"), {"at-rest: expected a number, found \"still\"", "channels"});
   driver.press(Key::Name::backspace, 5);
-  driver.type("0.01\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("0.01\n"));
   CHECK(driver.controller().choices().files.front().answers.at_rest_mm == 0.01);
 }
 
@@ -293,8 +266,7 @@ TEST_CASE("the extent of a line is shown in whole millimetres at least") {
   driver.take_files({folder.with("x.csv",
                                  "axis,sense,x_mm,y_mm,z_mm,reading\nX,EX,-3712.53,0,0,0\nX,EX,-2000.5,0,0,1\n"
                                  "X,EX,-157.25,0,0,1\n")});
-  driver.type("2");
-  CHECK(contains(driver.seen(), "-3713..-157"));
+  CHECK(contains(driver.after("2"), "-3713..-157"));
 }
 
 /// The sample of 200 mm of X, with the parameters and the machine of the mill's X axis alone.
@@ -315,13 +287,12 @@ TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 
   REQUIRE(driver.controller().work().map.complete());
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
   driver.type("6");
-  CHECK(driver.seen(24, 120).find("nothing is missing, 3 remarks") != std::string::npos);
+  CHECK(contains(driver.seen(24, 120), "nothing is missing, 3 remarks"));
   driver.type("\t");
-  CHECK(driver.seen(40, 120).find("remark: EXX covers 200 of 4100 mm") != std::string::npos);
+  CHECK(contains(driver.seen(40, 120), "remark: EXX covers 200 of 4100 mm"));
   driver.type("8");
   const std::string seen = driver.seen(24, 100);
-  CHECK(seen.find("complete, 3 remarks") != std::string::npos);
-  CHECK(seen.find("EXX covers 200 of 4100 mm of the travel of X (-4100 to 0)") != std::string::npos);
+  check_holds(seen, {"complete, 3 remarks", "EXX covers 200 of 4100 mm of the travel of X (-4100 to 0)"});
 }
 
 TEST_CASE("the date of the header is a date; another text is not taken, and what is expected is said") {
@@ -331,12 +302,10 @@ TEST_CASE("the date of the header is a date; another text is not taken, and what
   driver.type("7");
   driver.press(Key::Name::down, 4);
   driver.type("\nN. Comer\n");
-  CHECK(driver.seen(24, 120).find("expected year-month-day, as in 2026-03-12, found \"2024-05-06N. Comer\"") !=
-        std::string::npos);
+  CHECK(contains(driver.seen(24, 120), "expected year-month-day, as in 2026-03-12, found \"2024-05-06N. Comer\""));
   CHECK(driver.controller().choices().recipe.date.empty());
   driver.press(Key::Name::backspace, 8);
-  driver.type("\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("\n"));
   CHECK(driver.controller().work().map.made->map.map.header.date == "2024-05-06");
 }
 
@@ -356,13 +325,10 @@ TEST_CASE("the question before sending names the first remark and what the heade
       ready.folder.with("piece.csv", measured_csv({'X', "EX", 0, -400, 50, {0, -1400, 0}}, ready.mill.error));
   driver.controller().change("a piece of X", [&](LaserChoices& c) { c.files.front().path = piece; });
   REQUIRE(driver.settled());
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
+  REQUIRE(driver.shows_after("\n", "Send the map to"));
   const std::string asked = driver.seen(24, 100);
-  CHECK(asked.find("1 remark: EXX covers 400 of 4100 mm") != std::string::npos);
-  CHECK(asked.find("The header states no") != std::string::npos);
-  CHECK(asked.find("customer, no engineer.") != std::string::npos);
-  CHECK(asked.find("y send") != std::string::npos);
+  check_holds(asked,
+              {"1 remark: EXX covers 400 of 4100 mm", "The header states no", "customer, no engineer.", "y send"});
 }
 
 const std::string kMillParameters = "samples/mill/parameters.toml";
@@ -382,20 +348,16 @@ TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its
   driver.type("6");
   const std::string missing = driver.seen(24, 160);
   INFO(missing);
-  CHECK(contains(missing, "it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400"));
-  CHECK(contains(missing, "c in step 2 corrects a wrong place"));
-  driver.type("2c");
-  CHECK(contains(driver.seen(), "y=-1000,z=0"));
+  check_holds(missing, {"it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400",
+                        "c in step 2 corrects a wrong place"});
+  CHECK(contains(driver.after("2c"), "y=-1000,z=0"));
   driver.press(Key::Name::backspace, 11);
-  driver.type("y=-1400,z=0\n");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("y=-1400,z=0\n"));
   const LaserLine& line = driver.controller().work().lines.front();
   CHECK(line.key == kExx);
-  REQUIRE(line.notes.size() == 1);
-  CHECK(line.notes.front() == "place corrected to y=-1400,z=0; EXX.csv says Y -1000, Z 0");
+  CHECK(only(line.notes) == "place corrected to y=-1400,z=0; EXX.csv says Y -1000, Z 0");
   CHECK(driver.controller().work().map.components.front().state == ComponentState::present);
-  driver.type("u");
-  REQUIRE(driver.settled());
+  REQUIRE(driver.settles_after("u"));
   CHECK(driver.controller().work().map.components.front().state == ComponentState::missing);
 }
 
@@ -409,9 +371,7 @@ TEST_CASE("what was left out stays with a line whose place is corrected, and bot
   REQUIRE(correct_place(choices, line, "y=-1400,z=0").has_value());
   CHECK(choices.lines[kExx].runs.contains(2));
   CHECK(choices_in(choices_text(choices)) == choices);
-  const auto wrong = correct_place(choices, line, "y=far");
-  REQUIRE_FALSE(wrong.has_value());
-  CHECK(contains(to_text(wrong.error()), "expected AXIS=MM"));
+  CHECK(contains(to_text(must_fail(correct_place(choices, line, "y=far"))), "expected AXIS=MM"));
 }
 
 TEST_CASE("parameters of another machine are reported when they are chosen") {

@@ -14,16 +14,13 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
     LaserScreenDriver driver(unit.link());
     make_ready(driver, folder, mill);
     REQUIRE(driver.shows("serial number MCM-0107"));
-    driver.type("\n");
-    REQUIRE(driver.shows("Send the map to"));
+    REQUIRE(driver.shows_after("\n", "Send the map to"));
     CHECK(std::filesystem::exists(folder.path / "map.csv"));
     driver.type("\n");  // Enter is no yes
-    CHECK(driver.seen().find("Send the map to") != std::string::npos);
-    driver.type("y");
-    REQUIRE(driver.shows("and verified"));
+    CHECK(contains(driver.seen(), "Send the map to"));
+    REQUIRE(driver.shows_after("y", "and verified"));
     CHECK(driver.controller().mark(LaserStep::send) == LaserMark::done);
-    driver.type("9\n");
-    REQUIRE(driver.shows("the unit holds this map and its parameters"));
+    REQUIRE(driver.shows_after("9\n", "the unit holds this map and its parameters"));
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
     driver.controller().change(
         "smoothing", [](LaserChoices& c) { laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 300.0; });
@@ -50,17 +47,14 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   REQUIRE(driver.settled());
   ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.2; }));
-  CHECK(driver.seen().find("s left") != std::string::npos);
-  CHECK(driver.seen().find("sending the map") != std::string::npos);
+  check_holds(driver.seen(), {"s left", "sending the map"});
   ready.unit.kill();
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
-  CHECK(driver.seen().find("not sent: ") != std::string::npos);
-  CHECK(driver.seen().find("The unit keeps the map it had") != std::string::npos);
+  check_holds(driver.seen(), {"not sent: ", "The unit keeps the map it had"});
   CHECK(laser::settings_of(driver.controller().choices().recipe, Component::EXX).increment_mm == 4.0);
   ready.unit.start();
-  REQUIRE(driver.until(
-      [&] { return driver.seen().find("the map it had before is still active and whole") != std::string::npos; }, 60));
-  CHECK(driver.seen().find(fmt::format("{:08X}", old_check)) != std::string::npos);
+  REQUIRE(driver.until([&] { return contains(driver.seen(), "the map it had before is still active and whole"); }, 60));
+  CHECK(contains(driver.seen(), fmt::format("{:08X}", old_check)));
   ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().sent_is_current(); }, 60));
   CHECK(driver.controller().sent()->check != old_check);
@@ -73,10 +67,9 @@ TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it ha
   REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.1; }));
   driver.type("\x1b");
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }));
-  CHECK(driver.seen().find("not sent: ") != std::string::npos);
+  CHECK(contains(driver.seen(), "not sent: "));
   REQUIRE(driver.shows("it holds no map, as before"));
-  driver.type("\n");
-  REQUIRE(driver.shows("Send the map to"));
+  REQUIRE(driver.shows_after("\n", "Send the map to"));
 }
 
 TEST_CASE("parameters are received from the unit where no file is given") {
@@ -88,7 +81,7 @@ TEST_CASE("parameters are received from the unit where no file is given") {
   const bool there = driver.until([&] { return driver.controller().work().map.parameters.has_value(); });
   REQUIRE(there);
   CHECK(driver.controller().choices().params_file == (folder.path / "state/unit-parameters.toml").string());
-  CHECK(driver.seen().find("volumetric") != std::string::npos);
+  CHECK(contains(driver.seen(), "volumetric"));
 }
 
 TEST_CASE("without a unit everything up to the file works, and sending says why it cannot") {
@@ -96,11 +89,10 @@ TEST_CASE("without a unit everything up to the file works, and sending says why 
   const LinearMill mill(folder);
   LaserScreenDriver driver;
   make_ready(driver, folder, mill);
-  driver.type("\n");
-  REQUIRE(driver.shows("saved, but not sent: "));
+  REQUIRE(driver.shows_after("\n", "saved, but not sent: "));
   CHECK(std::filesystem::exists(folder.path / "map.csv"));
   CHECK(driver.controller().unsaved().empty());
-  CHECK(driver.seen().find("no link to a unit") != std::string::npos);
+  CHECK(contains(driver.seen(), "no link to a unit"));
 }
 
 const char* const kStale = "the unit has changed since: verify again";
@@ -127,8 +119,7 @@ void save_another_map(LaserScreenDriver& driver, const StateFolder& folder) {
     c.map_file = (folder.path / "other.csv").string();
   });
   REQUIRE(driver.settled());
-  driver.type("s");
-  REQUIRE(driver.shows("saved: "));
+  REQUIRE(driver.shows_after("s", "saved: "));
   driver.controller().change("back", [&](LaserChoices& c) { c = before; });
   REQUIRE(driver.settled());
   driver.type("8");
@@ -148,15 +139,15 @@ TEST_CASE(
   now.uptime_s = 160;
   CHECK(changed_since(then, now).empty());
   now.serial_number = "MCM-0999";
-  CHECK(changed_since(then, now).find("unit MCM-0999 answers in place of MCM-0107") != std::string::npos);
+  CHECK(contains(changed_since(then, now), "unit MCM-0999 answers in place of MCM-0107"));
   now = then;
   now.check = 0xCAFE0001;
-  CHECK(changed_since(then, now).find("block check CAFE0001 in place of block check 12345678") != std::string::npos);
+  CHECK(contains(changed_since(then, now), "block check CAFE0001 in place of block check 12345678"));
   now.check.reset();
-  CHECK(changed_since(then, now).find("no map in place of") != std::string::npos);
+  CHECK(contains(changed_since(then, now), "no map in place of"));
   now = then;
   now.activations = 5;
-  CHECK(changed_since(then, now).find("made active in it by another host") != std::string::npos);
+  CHECK(contains(changed_since(then, now), "made active in it by another host"));
   now = then;
   now.uptime_s = 3;
   CHECK(changed_since(then, now) == "it was restarted");
@@ -172,23 +163,22 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   send_from(ready);
   verify_at(driver);
   CHECK(driver.controller().verified());
-  CHECK(driver.seen().find("commit") == std::string::npos);
-  CHECK(driver.seen().find("made active as no. 1") != std::string::npos);
+  CHECK(!contains(driver.seen(), "commit"));
+  CHECK(contains(driver.seen(), "made active as no. 1"));
 
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "other.csv").string(),
                          (ready.folder.path / "other-parameters.toml").string());
   });
   SUBCASE("by itself within seconds while the step is open") {
-    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 10));
+    CHECK(driver.until([&] { return contains(driver.seen(), kStale); }, 10));
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::doubtful);
-    CHECK(driver.seen().find("another host") != std::string::npos);
-    CHECK(driver.seen().find("reference every axis") == std::string::npos);
+    CHECK(contains(driver.seen(), "another host"));
+    CHECK(!contains(driver.seen(), "reference every axis"));
     verify_at(driver);
     CHECK(driver.controller().stale().empty());
     CHECK_FALSE(driver.controller().verdict()->same());
-    driver.type("c");
-    CHECK(driver.shows("the unit does not hold the map of the file"));
+    CHECK(driver.shows_after("c", "the unit does not hold the map of the file"));
   }
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
     driver.controller().change("the other map", [&](LaserChoices& c) {
@@ -196,17 +186,14 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
       c.map_file = (ready.folder.path / "other.csv").string();
     });
     REQUIRE(driver.settled());
-    driver.type("sy");
-    REQUIRE(driver.shows("saved: "));
+    REQUIRE(driver.shows_after("sy", "saved: "));
     verify_at(driver);
     CHECK(driver.controller().verified());
-    driver.type("cy");
-    CHECK(driver.shows("the unit watches: reference every axis"));
+    CHECK(driver.shows_after("cy", "the unit watches: reference every axis"));
   }
   SUBCASE("and compensation, asked for at once, is refused with both block checks") {
-    driver.type("cy");
-    CHECK(driver.shows("another host has changed it"));
-    CHECK(driver.seen().find(fmt::format("{:08X}", driver.controller().sent()->check)) != std::string::npos);
+    CHECK(driver.shows_after("cy", "another host has changed it"));
+    CHECK(contains(driver.seen(), fmt::format("{:08X}", driver.controller().sent()->check)));
     CHECK(driver.unit->newest()->mode == UnitMode::integration);
   }
 }
@@ -216,11 +203,9 @@ TEST_CASE(
   ReadyMill ready;
   LaserScreenDriver& driver = ready.driver;
   save_another_map(driver, ready.folder);
-  driver.type("s");
-  REQUIRE(driver.shows("saved: "));
-  driver.type("9c");
-  CHECK_FALSE(driver.seen().find("Switch the unit to compensation?") != std::string::npos);
-  CHECK(driver.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
+  REQUIRE(driver.shows_after("s", "saved: "));
+  CHECK_FALSE(contains(driver.after("9c"), "Switch the unit to compensation?"));
+  CHECK(contains(driver.seen(), "not known which map the unit holds: Enter compares"));
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "map.csv").string(),
                          (ready.folder.path / "map-parameters.toml").string());
@@ -233,15 +218,13 @@ TEST_CASE(
                          (ready.folder.path / "other-parameters.toml").string());
   });
   driver.type("cy");
-  CHECK(driver.until([&] {
-    return driver.controller().message().text().find("what was compared was block check") != std::string::npos;
-  }));
+  CHECK(driver.until(
+      [&] { return contains(driver.controller().message().text(), "what was compared was block check"); }));
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "map.csv").string(),
                          (ready.folder.path / "map-parameters.toml").string());
   });
-  driver.type("cy");
-  CHECK(driver.shows("the unit watches: reference every axis"));
+  CHECK(driver.shows_after("cy", "the unit watches: reference every axis"));
 }
 
 TEST_CASE("a unit that was switched off and on has to be verified again") {
@@ -252,13 +235,13 @@ TEST_CASE("a unit that was switched off and on has to be verified again") {
   SUBCASE("with its line") {
     ready.unit.kill();
     ready.unit.start();
-    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
+    CHECK(driver.until([&] { return contains(driver.seen(), kStale); }, 30));
   }
   SUBCASE("while the line stayed open") {
     driver.until([] { return false; }, 5);  // long enough that the next sample shows a shorter time since the start
     as_another_host(driver, [](UnitLink& link) { return link.client().reset_unit(); });
-    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
-    CHECK(driver.seen().find("it was restarted") != std::string::npos);
+    CHECK(driver.until([&] { return contains(driver.seen(), kStale); }, 30));
+    CHECK(contains(driver.seen(), "it was restarted"));
   }
   verify_at(driver);
   CHECK(driver.controller().verified());

@@ -1,8 +1,6 @@
 // Memory access with the emulator's memory, and with dumps of it.
 #include "app/screens/memory/screen.hpp"
 
-#include <algorithm>
-
 #include "base/file.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
@@ -26,10 +24,7 @@ struct MemoryCase : StateFolder {
   }
   [[nodiscard]] std::vector<std::uint8_t> bytes_of_unit(Address address, std::size_t bytes) {
     JobControl control;
-    const auto read =
-        unit->with_link(control, [&](UnitLink& link) { return link.client().read_memory(address, bytes); });
-    REQUIRE(read);
-    return *read;
+    return must(unit->with_link(control, [&](UnitLink& link) { return link.client().read_memory(address, bytes); }));
   }
 };
 
@@ -38,12 +33,10 @@ TEST_CASE("the unit's memory is shown page by page with the names of its content
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "[45]43 53 49"));
   REQUIRE(shows(one.screen, "ACTIVE map of"));
-  CHECK(contains(picture(one.screen), "prefix.magic = ECSI"));
-  CHECK(contains(picture(one.screen), "unit MCM-0107"));
+  check_holds(picture(one.screen), {"prefix.magic = ECSI", "unit MCM-0107"});
   one.go("axis.X.deadband_um");
   CHECK(contains(picture(one.screen), "axis.X.deadband_um"));
-  type(one.screen, "n");
-  CHECK_FALSE(contains(picture(one.screen), "axis.X.deadband_um = "));
+  CHECK_FALSE(contains(after(one.screen, "n"), "axis.X.deadband_um = "));
   one.go("table EYY");
   REQUIRE(shows(one.screen, "table EYY at -1400 mm = "));
   CHECK(contains(picture(one.screen), "um ("));
@@ -61,25 +54,19 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is undone by u
   const auto before = one.bytes_of_unit(0x48000, 4);
   type(one.screen, "w");
   replace_line(one.screen, "DE AD BE EF");
-  CHECK(contains(picture(one.screen), "Write 4 bytes of unit MCM-0107 (EMULATOR)?"));
-  CHECK(contains(picture(one.screen), "now 00 00 00 00"));
-  CHECK(contains(picture(one.screen), "new DE AD BE EF"));
+  check_holds(picture(one.screen),
+              {"Write 4 bytes of unit MCM-0107 (EMULATOR)?", "now 00 00 00 00", "new DE AD BE EF"});
   type(one.screen, "n");
   CHECK(one.bytes_of_unit(0x48000, 4) == before);
   type(one.screen, "w");
   replace_line(one.screen, "DE AD BE EF");
-  type(one.screen, "y");
-  REQUIRE(shows(one.screen, "4 bytes written at 0x048000, read back the same"));
+  REQUIRE(shows_after(one.screen, "y", "4 bytes written at 0x048000, read back the same"));
   CHECK(one.bytes_of_unit(0x48000, 4) == std::vector<std::uint8_t>{0xDE, 0xAD, 0xBE, 0xEF});
-  type(one.screen, "3");
-  CHECK(contains(picture(one.screen), "00 00 00 00 > DE AD BE EF"));
-  type(one.screen, "1u");
-  CHECK(contains(picture(one.screen), "Write the old bytes back"));
-  type(one.screen, "y");
-  REQUIRE(shows(one.screen, "4 bytes written back at 0x048000"));
+  CHECK(contains(after(one.screen, "3"), "00 00 00 00 > DE AD BE EF"));
+  CHECK(contains(after(one.screen, "1u"), "Write the old bytes back"));
+  REQUIRE(shows_after(one.screen, "y", "4 bytes written back at 0x048000"));
   CHECK(one.bytes_of_unit(0x48000, 4) == before);
-  type(one.screen, "u");
-  CHECK(contains(picture(one.screen), "nothing was written that could be taken back"));
+  CHECK(contains(after(one.screen, "u"), "nothing was written that could be taken back"));
 }
 
 TEST_CASE("bytes that changed since they were shown are not overwritten") {
@@ -91,8 +78,7 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
   JobControl control;
   REQUIRE(one.unit->with_link(
       control, [](UnitLink& link) { return link.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
-  type(one.screen, "y");
-  REQUIRE(shows(one.screen, "nothing was written"));
+  REQUIRE(shows_after(one.screen, "y", "nothing was written"));
   CHECK(one.bytes_of_unit(0x48000, 1) == std::vector<std::uint8_t>{9});
 }
 
@@ -101,22 +87,18 @@ TEST_CASE("protected memory and a unit that does not integrate refuse writing wi
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
   one.go("0");
-  type(one.screen, "w");
-  CHECK(contains(picture(one.screen), "EPROM is protected"));
+  CHECK(contains(after(one.screen, "w"), "EPROM is protected"));
   CHECK_FALSE(one.screen.typing());
   one.go("commit");
-  type(one.screen, "w");
-  CHECK(contains(picture(one.screen), "commit records is protected"));
+  CHECK(contains(after(one.screen, "w"), "commit records is protected"));
   one.go("100040");
-  type(one.screen, "w");
-  CHECK(contains(picture(one.screen), "axis memory bank A is protected"));
+  CHECK(contains(after(one.screen, "w"), "axis memory bank A is protected"));
   CHECK_FALSE(one.screen.typing());
   one.go("48000");
   JobControl control;
   REQUIRE(one.unit->with_link(control, [](UnitLink& link) { return link.client().enter_compensation(); }));
   REQUIRE(until(one.screen, [&] { return one.unit->newest() && one.unit->newest()->mode != UnitMode::integration; }));
-  type(one.screen, "w");
-  CHECK(contains(picture(one.screen), "integration mode only"));
+  CHECK(contains(after(one.screen, "w"), "integration mode only"));
   CHECK_FALSE(one.screen.typing());
 }
 
@@ -125,8 +107,7 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
   const std::string file = (one.path / "before.ecsdump").string();
-  type(one.screen, "S");
-  CHECK(contains(picture(one.screen), "save the active map to"));
+  CHECK(contains(after(one.screen, "S"), "save the active map to"));
   (void)press(one.screen, Key::Name::escape);
   type(one.screen, "s");
   replace_line(one.screen, file);
@@ -140,19 +121,16 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   one.go("48000");
   type(one.screen, "w");
   replace_line(one.screen, "16:777");
-  type(one.screen, "y");
-  REQUIRE(shows(one.screen, "2 bytes written"));
+  REQUIRE(shows_after(one.screen, "y", "2 bytes written"));
   type(one.screen, "c");
   replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "compared with"));
   CHECK(contains(picture(one.screen), "1 place differs"));
   (void)press(one.screen, Key::Name::home);
-  type(one.screen, "d");
-  CHECK(contains(picture(one.screen), "0x048000"));
+  CHECK(contains(after(one.screen, "d"), "0x048000"));
   (void)press(one.screen, Key::Name::left);
   CHECK(contains(picture(one.screen), "*"));
-  type(one.screen, "2");
-  CHECK(contains(picture(one.screen), "0x048000"));
+  CHECK(contains(after(one.screen, "2"), "0x048000"));
   (void)press(one.screen, Key::Name::enter);
 
   type(one.screen, "o");
@@ -162,10 +140,8 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   type(one.screen, "/");
   replace_line(one.screen, "\"ECSI\"");
   CHECK(contains(picture(one.screen), "found at 0x100000"));
-  type(one.screen, "w");
-  CHECK(contains(picture(one.screen), "this is a file"));
-  type(one.screen, "m");
-  CHECK(contains(picture(one.screen), "is not in axis memory bank A"));
+  CHECK(contains(after(one.screen, "w"), "this is a file"));
+  CHECK(contains(after(one.screen, "m"), "is not in axis memory bank A"));
   type(one.screen, "o");
   replace_line(one.screen, "");
   REQUIRE(shows(one.screen, "unit MCM-0107"));
@@ -188,8 +164,7 @@ TEST_CASE("a search reads through the unit until it finds, and can be cancelled"
   REQUIRE(shows(one.screen, "looking for CA FE 01"));
   (void)press(one.screen, Key::Name::escape);
   CHECK(contains(picture(one.screen), "given up: looking for CA FE 01"));
-  type(one.screen, "a");
-  REQUIRE(shows(one.screen, "reading axis memory bank A"));
+  REQUIRE(shows_after(one.screen, "a", "reading axis memory bank A"));
   (void)press(one.screen, Key::Name::escape);
   CHECK(contains(picture(one.screen), "given up: reading axis memory bank A"));
 }
@@ -210,16 +185,12 @@ TEST_CASE("a write while the unit dies either is confirmed or is in the list as 
   type(one.screen, "w");
   replace_line(one.screen, "01 02");
   REQUIRE(kill_emulators() == 1);
-  type(one.screen, "y");
-  type(one.screen, "3");
-  REQUIRE(shows(one.screen, "00 00 > 01 02"));
+  REQUIRE(shows_after(one.screen, "y3", "00 00 > 01 02"));
   const bool confirmed = !contains(picture(one.screen), "NOT CONFIRMED");
   REQUIRE(until(one.screen, [&] { return one.unit->newest().has_value(); }));
   CHECK(one.bytes_of_unit(0x48000, 2) ==
         (confirmed ? std::vector<std::uint8_t>{1, 2} : std::vector<std::uint8_t>{0, 0}));
-  type(one.screen, "1u");
-  type(one.screen, "y");
-  REQUIRE(shows(one.screen, confirmed ? "written back at" : "nothing was written"));
+  REQUIRE(shows_after(one.screen, "1uy", confirmed ? "written back at" : "nothing was written"));
   CHECK(one.bytes_of_unit(0x48000, 2) == std::vector<std::uint8_t>{0, 0});
 }
 
@@ -232,10 +203,7 @@ TEST_CASE("without a unit the screen says what is missing and opens a file all t
   type(screen, "o");
   replace_line(screen, "no-such.ecsdump");
   REQUIRE(shows(screen, "no-such.ecsdump"));
-  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
-    const std::string text = picture(screen, rows, columns, Glyphs::ascii);
-    CHECK(std::count(text.begin(), text.end(), '\n') == rows);
-  }
+  check_fits(screen);
 }
 
 }  // namespace

@@ -17,8 +17,7 @@ void build_map(ModelScreen& screen, const std::string& map) {
   replace_line(screen, map);
   REQUIRE(reads(picture(screen), "parameters of the unit"));
   REQUIRE(contains(picture(screen), "samples/mill/parameters.toml"));
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "declared zero because"));
+  REQUIRE(shows_after(screen, "\n", "declared zero because"));
 }
 
 TEST_CASE("a model goes to the unit by keys alone: what it lacks is shown, declared zero, and the map is sent") {
@@ -31,16 +30,12 @@ TEST_CASE("a model goes to the unit by keys alone: what it lacks is shown, decla
     build_map(screen, map);
     CHECK(contains(picture(screen), "EYX  "));
     CHECK_FALSE(std::filesystem::exists(map));
-    (void)press(screen, Key::Name::enter);
-    REQUIRE(shows(screen, "map written to"));
+    REQUIRE(shows_after(screen, "\n", "map written to"));
     CHECK(contains(ecs::read_file(map).value(), "not measured, no effect in the model"));
     CHECK(std::filesystem::exists(folder / "x-parameters.toml"));
-    (void)letter(screen, 't');
-    REQUIRE(shows(screen, "Send the map to"));
-    (void)letter(screen, 'y');
-    REQUIRE(shows(screen, "and verified"));
-    (void)letter(screen, 'c');
-    CHECK(contains(picture(screen), "Switch the unit to compensation?"));
+    REQUIRE(shows_after(screen, "t", "Send the map to"));
+    REQUIRE(shows_after(screen, "y", "and verified"));
+    CHECK(contains(after(screen, "c"), "Switch the unit to compensation?"));
     (void)letter(screen, 'n');
   }
   CHECK(ran_text({"map", "verify", map, "--params", folder / "x-parameters.toml", "--link", unit.link()})
@@ -53,14 +48,11 @@ TEST_CASE("a map that exists is overwritten only after a question") {
   const std::string map = folder.with("x.csv", "mine");
   ModelScreen screen = mill.screen(kNoUnit);
   build_map(screen, map);
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(contains(picture(screen), "Overwrite "));
+  REQUIRE(contains(after(screen, "\n"), "Overwrite "));
   (void)letter(screen, 'n');
   CHECK(ecs::read_file(map).value() == "mine");
   build_map(screen, map);
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "map written to"));
+  REQUIRE(shows_after(screen, "\ny", "map written to"));
 }
 
 TEST_CASE("the laser screen opens a map with the parameters beside it, ready to be sent") {
@@ -70,18 +62,15 @@ TEST_CASE("the laser screen opens a map with the parameters beside it, ready to 
   {
     ModelScreen screen = mill.screen(kNoUnit);
     build_map(screen, map);
-    (void)press(screen, Key::Name::enter);
-    REQUIRE(shows(screen, "map written to"));
+    REQUIRE(shows_after(screen, "\n", "map written to"));
   }
   LaserScreenDriver driver;
   driver.controller().open_map(map);
   REQUIRE(driver.settled());
   CHECK(driver.controller().work().map.complete());
   CHECK_FALSE(driver.controller().would_overwrite());
-  driver.type("6");
-  CHECK(driver.seen().find("nothing is missing") != std::string::npos);
-  driver.type("u");
-  REQUIRE(driver.settled());
+  CHECK(contains(driver.after("6"), "nothing is missing"));
+  REQUIRE(driver.settles_after("u"));
   CHECK_FALSE(driver.controller().work().map.made);
 }
 
@@ -92,15 +81,12 @@ TEST_CASE("any effect is removed, put back and done again, and one is added by i
   const auto wait = [&] {
     while (screen.advance()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   };
-  (void)letter(screen, 'n');
-  enter(screen, "backlash:X");
+  type(screen, "nbacklash:X\n");
   wait();
   CHECK(reads(picture(screen), "added backlash:X"));
-  (void)letter(screen, '4');
-  (void)letter(screen, 'x');
+  type(screen, "4x");
   wait();
-  CHECK(reads(picture(screen), "removed scale:X:EX"));
-  CHECK(reads(picture(screen), "without scale:X:EX"));
+  check_reads(picture(screen), {"removed scale:X:EX", "without scale:X:EX"});
   (void)letter(screen, 'u');
   wait();
   CHECK(reads(picture(screen), "taken back: removed scale:X:EX"));
@@ -126,10 +112,8 @@ TEST_CASE("the residual is shown over runs on a key, and its scale stays when th
   const MillModel mill(folder);
   ModelScreen screen = mill.screen(kNoUnit);
   CHECK(contains(picture(screen), "means: measured (dots)"));
-  (void)letter(screen, 'r');
-  CHECK(contains(picture(screen), "run 1: measured (dots)"));
-  (void)letter(screen, 'v');
-  CHECK(contains(picture(screen), "what the model leaves, against run"));
+  CHECK(contains(after(screen, "r"), "run 1: measured (dots)"));
+  CHECK(contains(after(screen, "v"), "what the model leaves, against run"));
 }
 
 TEST_CASE("what these data cannot tell apart stays open in the model file until it is decided") {
@@ -139,14 +123,11 @@ TEST_CASE("what these data cannot tell apart stays open in the model file until 
       folder.with("tied.toml", "[[effect]]\n# or servo_lag:X:EX\nid = \"backlash\"\naxis = \"X\"\nsense = \"EX\"\n" +
                                    std::string(kScaleOfX));
   ModelScreen screen = mill.screen(kNoUnit);
-  (void)letter(screen, '4');
-  CHECK(contains(picture(screen), "backlash:X:EX (or servo_lag:X:EX)"));
+  CHECK(contains(after(screen, "4"), "backlash:X:EX (or servo_lag:X:EX)"));
   (void)letter(screen, 's');
   CHECK(contains(ecs::read_file(mill.files.model).value(), "# or servo_lag:X:EX"));
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "Is it decided that it is backlash:X:EX?"));
-  (void)letter(screen, 'y');
-  (void)letter(screen, 's');
+  CHECK(contains(after(screen, "\n"), "Is it decided that it is backlash:X:EX?"));
+  type(screen, "ys");
   CHECK_FALSE(contains(ecs::read_file(mill.files.model).value(), "servo_lag"));
 }
 
@@ -155,8 +136,7 @@ TEST_CASE("without a machine file a map asks nothing before it is refused") {
   MillModel mill(folder);
   mill.files.machine.clear();
   ModelScreen screen = mill.screen(kNoUnit);
-  (void)letter(screen, 'm');
-  CHECK(reads(picture(screen), "open the model with its machine file: the map needs the travels"));
+  CHECK(reads(after(screen, "m"), "open the model with its machine file: the map needs the travels"));
   CHECK_FALSE(screen.typing());
   CHECK_FALSE(contains(picture(screen), "Save the model first?"));
 }
@@ -165,23 +145,21 @@ TEST_CASE("compensation is not asked about before a map was sent") {
   const StateFolder folder;
   const MillModel mill(folder);
   ModelScreen screen = mill.screen(kNoUnit);
-  (void)letter(screen, 'c');
-  CHECK_FALSE(contains(picture(screen), "Switch the unit to compensation?"));
+  CHECK_FALSE(contains(after(screen, "c"), "Switch the unit to compensation?"));
   CHECK(reads(picture(screen), "there is no map to send yet: m builds it"));
 }
 
 TEST_CASE("what was measured again is told by its shapes on the page of what compensation leaves") {
   const StateFolder folder;
   const MillModel mill(folder);
-  auto controller = ModelController::open(mill.files, nullptr);
-  REQUIRE(controller);
+  auto controller = must(ModelController::open(mill.files, nullptr));
   std::string readings = measured_csv(kPositioning, [](double) { return -0.5; });
   for (std::size_t at = 0; (at = readings.find(",0\n", at)) != std::string::npos;) readings.replace(at, 2, ",1");
   const std::string again = folder.with("again.csv", readings);
-  (*controller)->start_after({again});
-  while ((*controller)->busy()) (void)(*controller)->advance();
+  controller->start_after({again});
+  while (controller->busy()) (void)controller->advance();
   std::string page;
-  for (const auto& line : (*controller)->after()) page += line + " ";
+  for (const auto& line : controller->after()) page += line + " ";
   // -0.5, and of measured_csv the mean of runs 1 to 3, half of 2 um in reverse and about 0.25 of its pattern
   CHECK_MESSAGE(reads(page,
                       "2.8 um rms of it is a constant +2.8 um of X positions: zero or datum; 1 um rms of it is a "

@@ -1,22 +1,19 @@
 // A mill measured by a formula, and the laser screen on it: keys in, pictures out.
 #pragma once
 
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <sstream>
-#include <string>
 #include <thread>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "app/screens/laser/screen.hpp"
-#include "app/ui/screen_program.hpp"
+#include "tests/support/screen_driver.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -101,19 +98,18 @@ class LaserScreenDriver {
   LaserController& controller() { return screen->controller(); }
 
   [[nodiscard]] std::string seen(int rows = 24, int columns = 80, Glyphs glyphs = Glyphs::unicode) const {
-    return picture_of(*screen, screen->title(), {}, Canvas(rows, columns, glyphs), false).plain_text();
+    return screen_test::picture(*screen, rows, columns, glyphs);
   }
-  /// Letters are letters; \n Enter, \t Tab, \x1b Esc, < > ^ v stand for themselves.
-  Step::Kind type(const std::string& text) {
+  /// \n is Enter, \t Tab, \x1b Esc.
+  Step::Kind type(const std::string& keys) {
     Step::Kind kind = Step::Kind::stay;
-    for (const char c : text) {
-      Key key{Key::Name::letter, static_cast<char32_t>(c)};
-      if (c == '\n') key = {Key::Name::enter};
-      if (c == '\t') key = {Key::Name::tab};
-      if (c == '\x1b') key = {Key::Name::escape};
-      kind = screen->on_key(key).kind;
-    }
+    for (const char c : keys) kind = screen->on_key(screen_test::key_of(c)).kind;
     return kind;
+  }
+  /// What is seen when these keys were typed.
+  std::string after(const std::string& keys) {
+    type(keys);
+    return seen();
   }
   Step::Kind press(Key::Name name, int times = 1) {
     Step::Kind kind = Step::Kind::stay;
@@ -132,8 +128,16 @@ class LaserScreenDriver {
   bool settled() {
     return until([&] { return !controller().working() && !controller().busy(); });
   }
+  bool settles_after(const std::string& keys) {
+    type(keys);
+    return settled();
+  }
   bool shows(const std::string& text) {
-    return until([&] { return seen().find(text) != std::string::npos; });
+    return until([&] { return contains(seen(), text); });
+  }
+  bool shows_after(const std::string& keys, const std::string& text) {
+    type(keys);
+    return shows(text);
   }
   /// Files given straight to the controller.
   void take_files(const std::vector<std::string>& files, const std::string& params = {}) {

@@ -17,9 +17,7 @@ struct MillModel {
               "samples/mill/machine.toml",
               {}} {}
   [[nodiscard]] ModelScreen screen(const std::string& link) const {
-    auto controller = ModelController::open(files, std::make_shared<UnitConnection>(link));
-    REQUIRE(controller);
-    return ModelScreen(std::move(*controller));
+    return ModelScreen(must(ModelController::open(files, std::make_shared<UnitConnection>(link))));
   }
   ModelArguments files;
 };

@@ -25,6 +25,12 @@ inline void edit(Screen& screen, const std::string& value) {
   replace_line(screen, value);
 }
 
+/// Edits the field that has that in its key.
+inline void edit(Screen& screen, const std::string& part, const std::string& value) {
+  find(screen, part);
+  edit(screen, value);
+}
+
 /// With the file of the case open.
 inline void open_file(Screen& screen, const ParametersCase& one) {
   type(screen, "o");

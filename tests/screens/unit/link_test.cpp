@@ -1,6 +1,4 @@
 // The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
-#include <algorithm>
-
 #include "app/screens/unit/screens.hpp"
 #include "commissioning/link/choice.hpp"
 #include "tests/screens/support/bad_line.hpp"
@@ -58,9 +56,7 @@ TEST_CASE("a port that is not there is named with what to do, and nothing waits 
   LinkCase one("rtu:/dev/no-such-port:9600");
   REQUIRE(shows(one.screen, "NO ANSWER"));
   one.try_it();
-  CHECK(contains(picture(one.screen), "PROBLEM  port:"));
-  CHECK(contains(picture(one.screen), "-> "));
-  CHECK(contains(picture(one.screen), "the link does not work"));
+  check_holds(picture(one.screen), {"PROBLEM  port:", "-> ", "the link does not work"});
 }
 
 TEST_CASE("the form is edited, used, and stored only after a question where it has not answered") {
@@ -72,12 +68,10 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   replace_line(one.screen, "/dev/no-other-port");
   CHECK_FALSE(one.screen.typing());
   CHECK(contains(picture(one.screen), "makes rtu:/dev/no-other-port:9600:8N1:1"));
-  type(one.screen, "s");
-  CHECK(contains(picture(one.screen), "Store a link that has not answered?"));
+  CHECK(contains(after(one.screen, "s"), "Store a link that has not answered?"));
   type(one.screen, "n");
   CHECK_FALSE(stored_link().value());
-  type(one.screen, "s");
-  type(one.screen, "y");
+  type(one.screen, "sy");
   CHECK(stored_link().value() == "rtu:/dev/no-other-port:9600:8N1:1");
   type(one.screen, "u");
   REQUIRE(until(one.screen, [&] { return one.unit->link() == "rtu:/dev/no-other-port:9600:8N1:1"; }));
@@ -87,8 +81,7 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   (void)press(one.screen, Key::Name::down);
   (void)press(one.screen, Key::Name::enter);
   replace_line(one.screen, "999");
-  type(one.screen, "t");
-  CHECK(contains(picture(one.screen), "999"));
+  CHECK(contains(after(one.screen, "t"), "999"));
   CHECK_FALSE(contains(picture(one.screen), "gives it up"));
 }
 
@@ -96,10 +89,8 @@ TEST_CASE("the bundled emulator answers, the doctor says how well, and the stati
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   one.try_it();
-  CHECK(contains(picture(one.screen), "20 of 20 reads answered"));
-  CHECK(contains(picture(one.screen), "the link works"));
-  type(one.screen, "3");
-  REQUIRE(shows(one.screen, "a clean link"));
+  check_holds(picture(one.screen), {"20 of 20 reads answered", "the link works"});
+  REQUIRE(shows_after(one.screen, "3", "a clean link"));
   type(one.screen, "s");
   CHECK(stored_link().value().value().starts_with("emulator"));
 }
@@ -115,8 +106,7 @@ TEST_CASE("a unit with another number is found, offered and taken") {
     type(screen, contains(picture(screen), "tried:") ? "" : "t");
     return contains(picture(screen), "Use the setting that answers?");
   }));
-  type(screen, "y");
-  REQUIRE(shows(screen, "unit MCM-0107 answers"));
+  REQUIRE(shows_after(screen, "y", "unit MCM-0107 answers"));
   CHECK(one.unit->link() == "rtu:" + emulator.pty + ":115200:8N1:3");
   CHECK(contains(picture(screen), "unit number: unit 3 answers, unit 1 does not"));
   type(screen, "s");
@@ -138,10 +128,8 @@ TEST_CASE("the right speed is found and offered where another was set") {
   const auto screen_made = link_screen(one.unit);
   Screen& screen = *screen_made;
   REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
-  type(screen, "t");
-  REQUIRE(shows(screen, "Use the setting that answers?"));
-  type(screen, "n");
-  CHECK(contains(picture(screen), "9600 baud, parity N, not at 115200"));
+  REQUIRE(shows_after(screen, "t", "Use the setting that answers?"));
+  CHECK(contains(after(screen, "n"), "9600 baud, parity N, not at 115200"));
 }
 
 TEST_CASE("late and garbled answers are reported with their causes, and the statistics judge them") {
@@ -152,13 +140,11 @@ TEST_CASE("late and garbled answers are reported with their causes, and the stat
   Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107 answers"));
   OwnEmulator::fault(one, "stale_reply --probability 0.15");
-  type(screen, "t");
-  REQUIRE(shows(screen, "late answers"));
+  REQUIRE(shows_after(screen, "t", "late answers"));
   REQUIRE(shows(screen, "the link works"));
   OwnEmulator::fault(one, "clear");
   OwnEmulator::fault(one, "bad_crc --probability 0.3");
-  type(screen, "3");
-  REQUIRE(shows(screen, "many garbled answers"));
+  REQUIRE(shows_after(screen, "3", "many garbled answers"));
 }
 
 TEST_CASE("the doctor's checks can be cancelled") {
@@ -168,8 +154,7 @@ TEST_CASE("the doctor's checks can be cancelled") {
   const auto screen_made = link_screen(one.unit);
   Screen& screen = *screen_made;
   REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
-  type(screen, "t");
-  REQUIRE(shows(screen, "trying unit numbers"));
+  REQUIRE(shows_after(screen, "t", "trying unit numbers"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(shows(screen, "given up"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
@@ -181,29 +166,25 @@ TEST_CASE("the link screen reports a killed emulator and its return") {
   REQUIRE(kill_emulators() == 1);
   REQUIRE(until(one.screen, [&] { return one.unit->snapshot().times_lost > 0; }));
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
-  type(one.screen, "3");
-  REQUIRE(shows(one.screen, "was opened again"));
+  REQUIRE(shows_after(one.screen, "3", "was opened again"));
 }
 
 TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
   const StateFolder one;
-  const auto choice = parsed_link("emulator", "test");
-  REQUIRE(choice);
+  const auto choice = must(parsed_link("emulator", "test"));
   std::shared_ptr<EmulatorProcess> emulator;
-  std::thread([&] { emulator = open_link(*choice)->emulator(); }).join();
+  std::thread([&] { emulator = open_link(choice)->emulator(); }).join();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   CHECK(emulator->running());
-  CHECK(open_link(*choice)->client().identity());
+  CHECK(open_link(choice)->client().identity());
 }
 
 TEST_CASE("the link screen fits any size") {
   LinkCase one("rtu:/dev/no-such-port:9600");
-  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}})
-    for (const char* page : {"1", "2", "3"}) {
-      type(one.screen, page);
-      const std::string text = picture(one.screen, rows, columns, Glyphs::ascii);
-      CHECK(std::count(text.begin(), text.end(), '\n') == rows);
-    }
+  for (const char* page : {"1", "2", "3"}) {
+    type(one.screen, page);
+    check_fits(one.screen);
+  }
 }
 
 TEST_CASE("no word of the statistics is cut at 80 columns") {

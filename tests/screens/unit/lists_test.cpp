@@ -1,7 +1,5 @@
 // The log: what the screens told, whole, found again and copied.
 // COMMANDS: what was done, copied, written as a script.
-#include <algorithm>
-
 #include "app/screens/unit/screens.hpp"
 #include "base/file.hpp"
 #include "commissioning/session/commands.hpp"
@@ -26,10 +24,7 @@ TEST_CASE("the log follows the newest message and shows a long one completely") 
   REQUIRE(screen.advance());
   CHECK_FALSE(screen.advance());
   const std::string text = picture(screen);
-  CHECK(contains(text, "parameters sent"));
-  CHECK(contains(text, "ERROR"));
-  CHECK(contains(text, "word19"));
-  CHECK(contains(text, "following"));
+  check_holds(text, {"parameters sent", "ERROR", "word19", "following"});
   CHECK(contains(text, (one.path / "state" / "screens.log").string()));
 }
 
@@ -40,8 +35,7 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   log_event(Tone::bad, "second trouble");
   const auto screen_made = log_screen();
   Screen& screen = *screen_made;
-  type(screen, "e");
-  CHECK_FALSE(contains(picture(screen), "Quite well"));
+  CHECK_FALSE(contains(after(screen, "e"), "Quite well"));
   CHECK(contains(picture(screen), "errors only"));
   type(screen, "e/");
   CHECK(screen.typing());
@@ -88,13 +82,8 @@ TEST_CASE("the log fits any size") {
   log_event(Tone::bad, std::string(3000, 'x') + "\nsecond line");
   const auto screen_made = log_screen();
   Screen& screen = *screen_made;
-  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
-    const std::string text = picture(screen, rows, columns, Glyphs::ascii);
-    CHECK(std::count(text.begin(), text.end(), '\n') == rows);
-  }
+  check_fits(screen);
 }
-
-using namespace screen_test;
 
 struct TwoActions {
   TwoActions() {
@@ -112,8 +101,7 @@ TEST_CASE("the newest action is marked and stands whole below, which is what F4 
   const TwoActions two;
   const auto screen = commands_screen();
   const std::string seen = picture(*screen);
-  CHECK(contains(seen, "2 actions, newest last"));
-  CHECK(contains(seen, "ecs params send mill.toml --link tcp:host:502"));
+  check_holds(seen, {"2 actions, newest last", "ecs params send mill.toml --link tcp:host:502"});
   CHECK(reads(seen, "--leave-out-run '3=somebody walked through the beam' -o out/map-files/EXX_line1.csv"));
   CHECK(screen->copied() ==
         "ecs laser prepare EXX.csv --line 'EX along X at Y -1400, Z 0' --leave-out-run '3=somebody walked through the "
@@ -149,10 +137,8 @@ TEST_CASE("a script is written and may be run; a file that is there is asked for
 TEST_CASE("a new script begins after a question; what is done meanwhile is shown") {
   const TwoActions two;
   const auto screen = commands_screen();
-  (void)letter(*screen, 'x');
-  CHECK(contains(picture(*screen), "Begin anew?"));
-  (void)letter(*screen, 'y');
-  CHECK(contains(picture(*screen), "Nothing was done yet"));
+  CHECK(contains(after(*screen, "x"), "Begin anew?"));
+  CHECK(contains(after(*screen, "y"), "Nothing was done yet"));
   CHECK(screen->copied().empty());
   note_command({"utility", "ramtest"});
   CHECK(screen->advance());

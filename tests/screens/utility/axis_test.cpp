@@ -15,9 +15,7 @@ TEST_CASE("a position that is not a number, or too far away, is refused before t
   const StateFolder folder;
   const auto screen_made = position_screen(no_link());
   Screen& screen = *screen_made;
-  (void)press(screen, Key::Name::enter);
-  enter(screen, "12,5");
-  CHECK(contains(picture(screen), "expected a position in mm, found"));
+  CHECK(contains(after(screen, "\n12,5\n"), "expected a position in mm, found"));
   replace_line(screen, "1000001");
   CHECK(contains(picture(screen), "expected a position within"));
   replace_line(screen, "-1000000");
@@ -28,33 +26,23 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
   const BenchOf bench(position_screen);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "unit MCM-0107, integration"));
-  (void)letter(screen, 'y');
-  (void)press(screen, Key::Name::enter);
+  type(screen, "y\n");
   CHECK(screen.typing());
-  type(screen, "-123.5");
-  CHECK(contains(picture(screen), "New position of Y, mm: -123.5"));
-  (void)press(screen, Key::Name::enter);
-  const std::string asked = picture(screen);
-  CHECK(contains(asked, "Let the unit show -123.5000 mm for axis Y?"));
-  CHECK(contains(asked, "Nothing moves"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
+  CHECK(contains(after(screen, "-123.5"), "New position of Y, mm: -123.5"));
+  const std::string asked = after(screen, "\n");
+  check_holds(asked, {"Let the unit show -123.5000 mm for axis Y?", "Nothing moves"});
+  REQUIRE(shows_after(screen, "y", "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
   CHECK(shows(screen, "Y        -123.5000"));
   (void)picture(screen);
-  (void)letter(screen, 'u');
-  REQUIRE(shows(screen, "Axis Y is back at 0.0000 mm"));
+  REQUIRE(shows_after(screen, "u", "Axis Y is back at 0.0000 mm"));
   CHECK(shows(screen, "Y           0.0000"));
 }
 
 TEST_CASE("answering no sets nothing") {
   const BenchOf bench(position_screen);
   Screen& screen = *bench.screen;
-  (void)press(screen, Key::Name::enter);
-  type(screen, "5");
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'n');
-  CHECK_FALSE(contains(picture(screen), "Let the unit show"));
-  CHECK(bench.controller->newest()->axes[0].position_mm == doctest::Approx(0.0));
+  CHECK_FALSE(contains(after(screen, "\n5\nn"), "Let the unit show"));
+  CHECK(bench.controller->newest()->axes[0].position_mm == Approx(0.0));
 }
 
 TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
@@ -63,8 +51,7 @@ TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the 
   const auto set = [&](const std::string& mm) {
     (void)press(screen, Key::Name::enter);
     type(screen, mm);
-    (void)press(screen, Key::Name::enter);
-    (void)letter(screen, 'y');
+    type(screen, "\ny");
   };
   set("77");
   REQUIRE(shows(screen, "now shows 77.0000"));
@@ -79,73 +66,51 @@ TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the 
 /// Nothing is put out yet.
 void close_relay(Screen& screen) {
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, 'r');
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "RELAY CLOSED"));
+  REQUIRE(shows_after(screen, "ry", "RELAY CLOSED"));
 }
 
 TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
   AxisParameters axis;
   axis.output_scale_counts_per_um = 10.0;
   // 20 um put out are 200 counts; they moved 16 um: 12.5 counts a um
-  const auto short_of = scale_from(axis, Axis::X, 20.0, 16.0);
-  REQUIRE(short_of);
-  CHECK(short_of->counts_per_um == doctest::Approx(12.5));
-  CHECK(short_of->polarity == 1);
-  CHECK(contains(short_of->sentence, "12.5 counts/um"));
-  const auto turned = scale_from(axis, Axis::X, 20.0, -40.0);
-  REQUIRE(turned);
-  CHECK(turned->counts_per_um == doctest::Approx(5.0));
-  CHECK(turned->polarity == -1);
+  const auto short_of = must(scale_from(axis, Axis::X, 20.0, 16.0));
+  CHECK(short_of.counts_per_um == Approx(12.5));
+  CHECK(short_of.polarity == 1);
+  CHECK(contains(short_of.sentence, "12.5 counts/um"));
+  const auto turned = must(scale_from(axis, Axis::X, 20.0, -40.0));
+  CHECK(turned.counts_per_um == Approx(5.0));
+  CHECK(turned.polarity == -1);
   CHECK_FALSE(scale_from(axis, Axis::X, 0.0, 3.0));
-  const auto stuck = scale_from(axis, Axis::X, 20.0, 0.1);
-  REQUIRE_FALSE(stuck);
-  CHECK(contains(stuck.error().message, "does not follow"));
+  CHECK(contains(must_fail(scale_from(axis, Axis::X, 20.0, 0.1)).message, "does not follow"));
 }
 
 TEST_CASE("with the relay open a value is output at once; beyond the limit it is refused with the reason") {
   const BenchOf bench(output_screen);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)press(screen, Key::Name::enter);
-  type(screen, "600");
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "beyond the output limit of axis X, 500 um"));
+  CHECK(contains(after(screen, "\n600\n"), "beyond the output limit of axis X, 500 um"));
   CHECK(contains(picture(screen), "600"));  // it stays for correction
   clear_line(screen);
-  type(screen, "12.5");
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "+12.5 um at the converter of X, nothing moves"));
+  REQUIRE(shows_after(screen, "12.5\n", "+12.5 um at the converter of X, nothing moves"));
   REQUIRE(shows(screen, "125 counts"));
-  (void)letter(screen, 'y');
-  CHECK(contains(picture(screen), "press o first"));
-  (void)letter(screen, 'o');
-  REQUIRE(shows(screen, "Every output is 0, every relay is open."));
+  CHECK(contains(after(screen, "y"), "press o first"));
+  REQUIRE(shows_after(screen, "o", "Every output is 0, every relay is open."));
 }
 
 TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends everything") {
   const BenchOf bench(output_screen);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, '>');
-  (void)letter(screen, '>');
-  CHECK(contains(picture(screen), "step 5 um"));
-  (void)letter(screen, '+');
-  REQUIRE(shows(screen, "+5 um at the converter of X"));
-  (void)letter(screen, 'r');
-  const std::string asked = picture(screen);
-  CHECK(contains(asked, "Move axis X by +5 um?"));
-  CHECK(contains(asked, "larger coordinates)"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "RELAY CLOSED     axis X is moved by +5 um"));
+  CHECK(contains(after(screen, ">>"), "step 5 um"));
+  REQUIRE(shows_after(screen, "+", "+5 um at the converter of X"));
+  const std::string asked = after(screen, "r");
+  check_holds(asked, {"Move axis X by +5 um?", "larger coordinates)"});
+  REQUIRE(shows_after(screen, "y", "RELAY CLOSED     axis X is moved by +5 um"));
   REQUIRE(shows(screen, "moved          +5"));
-  (void)letter(screen, '+');
-  REQUIRE(shows(screen, "axis X is moved by +10 um"));
+  REQUIRE(shows_after(screen, "+", "axis X is moved by +10 um"));
   REQUIRE(shows(screen, "moved         +10"));
-  (void)letter(screen, 'm');
-  CHECK(contains(picture(screen), "Measured movement of X, um: 10.00"));
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "scale and polarity are right"));
+  CHECK(contains(after(screen, "m"), "Measured movement of X, um: 10.00"));
+  CHECK(contains(after(screen, "\n"), "scale and polarity are right"));
   CHECK(bench.controller->newest()->axes[0].relay_closed);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(shows(screen, "nothing is put out, nothing moves"));
@@ -168,11 +133,9 @@ TEST_CASE("what another host puts out is shown, and steps go on from there") {
   REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_compensation(Axis::X, 30.0, true); }));
   REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
   CHECK(contains(picture(screen), "axis X is moved by +30 um"));
-  (void)letter(screen, '+');
-  REQUIRE(shows(screen, "axis X is moved by +31 um"));
-  const auto seen = bench.with_link([](UnitLink& link) { return link.client().monitor(); });
-  REQUIRE(seen);
-  CHECK(seen->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
+  REQUIRE(shows_after(screen, "+", "axis X is moved by +31 um"));
+  const auto seen = must(bench.with_link([](UnitLink& link) { return link.client().monitor(); }));
+  CHECK(seen.axes[0].compensation_um == Approx(31.0).epsilon(0.01));
 }
 
 TEST_CASE("a unit that lacks what it had run was started again; one that is as much later as time passed was not") {
@@ -198,9 +161,7 @@ TEST_CASE("leaving by any way opens the relay") {
     Screen& screen = *screen_made;
     close_relay(screen);
   }
-  const auto after = bench.with_link([](UnitLink& link) { return link.client().monitor(); });
-  REQUIRE(after);
-  CHECK_FALSE(after->axes[0].relay_closed);
+  CHECK_FALSE(must(bench.with_link([](UnitLink& link) { return link.client().monitor(); })).axes[0].relay_closed);
 }
 
 TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everything is off when it is back") {
@@ -212,8 +173,7 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   REQUIRE(shows(screen, "The link is lost"));
   REQUIRE(shows(screen, "The unit was restarted: every output is 0"));
   REQUIRE(shows(screen, "RELAY OPEN"));
-  (void)letter(screen, '+');
-  REQUIRE(shows(screen, "um at the converter of X"));
+  REQUIRE(shows_after(screen, "+", "um at the converter of X"));
 }
 
 TEST_CASE("what is typed to drive the emulated machine is a jog, a block or a program") {
@@ -227,9 +187,7 @@ TEST_CASE("j on the monitor drives the emulated machine, and what is no place is
   const BenchOf bench(monitor_screen);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "no fault"));
-  type(screen, "j");
-  enter(screen, "over there");
-  CHECK(contains(picture(screen), "expected axes with their machine coordinates"));
+  CHECK(contains(after(screen, "jover there\n"), "expected axes with their machine coordinates"));
   replace_line(screen, "X-20 F3000");
   REQUIRE(shows(screen, "stands at X -"));
 }

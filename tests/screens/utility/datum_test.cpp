@@ -1,7 +1,4 @@
 // Datum sequences recorded, tested and shown.
-#include <algorithm>
-#include <cmath>
-
 #include "app/screens/utility/screens.hpp"
 #include "base/file.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -15,9 +12,8 @@ using namespace screen_test;
 
 /// The parameters of the sample mill in the unit.
 void send_mill(const UnitBench& bench) {
-  const auto file = params::read_parameters("samples/mill/parameters.toml");
-  REQUIRE(file);
-  REQUIRE(bench.with_link([&](UnitLink& link) { return send_parameters(link.client(), file->parameters, {}); }));
+  const auto file = must(params::read_parameters("samples/mill/parameters.toml"));
+  REQUIRE(bench.with_link([&](UnitLink& link) { return send_parameters(link.client(), file.parameters, {}); }));
 }
 
 TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
@@ -25,10 +21,8 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "Record axis X for 10 seconds?"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS X NOW: g lets"));
+  CHECK(contains(after(screen, "\n"), "Record axis X for 10 seconds?"));
+  REQUIRE(shows_after(screen, "y", "REFERENCE AXIS X NOW: g lets"));
   (void)picture(screen);
   (void)letter(screen, 'g');
   std::unique_ptr<Screen> graph;
@@ -40,41 +34,29 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   REQUIRE(graph);
   const std::string seen = picture(*graph);
   CHECK(contains(seen, "Axis X, just recorded, unit MCM-0107"));
-  (void)press(*graph, Key::Name::tab);
-  const std::string events = picture(*graph);
-  CHECK(contains(events, "switch closes"));
-  CHECK(contains(events, "direction: forward"));
-  CHECK(contains(events, "contact was open at the last marker"));
-  CHECK(contains(events, "Datum type fanuc"));
+  const std::string events = after(*graph, "\t");
+  check_holds(events,
+              {"switch closes", "direction: forward", "contact was open at the last marker", "Datum type fanuc"});
 }
 
 TEST_CASE("a record is cancelled by Esc, and the next one works") {
   const BenchOf bench(datum_record_screen);
   Screen& screen = *bench.screen;
-  (void)letter(screen, 'z');
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS Z NOW"));
+  REQUIRE(shows_after(screen, "z\ny", "REFERENCE AXIS Z NOW"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(shows(screen, "Given up."));
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS Z NOW"));
+  REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS Z NOW"));
 }
 
 TEST_CASE("kill -9 of the emulator while it records: it is said, and recording works when it is back") {
   const BenchOf bench(datum_record_screen);
   Screen& screen = *bench.screen;
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "Enter records axis X."));
   (void)picture(screen);
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));
 }
 
 TEST_CASE("every axis finds its datum with the parameters of the mill, stage by stage") {
@@ -83,13 +65,10 @@ TEST_CASE("every axis finds its datum with the parameters of the mill, stage by 
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "Test the datum routine of X, Y, Z?"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
+  CHECK(contains(after(screen, "\n"), "Test the datum routine of X, Y, Z?"));
+  REQUIRE(shows_after(screen, "y", "REFERENCE AXIS X NOW"));
   REQUIRE(shows(screen, "waiting ..."));
-  (void)letter(screen, 'g');
-  REQUIRE(shows(screen, "Every axis that was tested found its datum."));
+  REQUIRE(shows_after(screen, "g", "Every axis that was tested found its datum."));
   CHECK(contains(picture(screen), "[x] Z      DATUM FOUND"));
 }
 
@@ -97,17 +76,12 @@ TEST_CASE("an axis that fails says what to do, the others go on") {
   const BenchOf bench(datum_test_screen);  // without parameters Y is looked for in the wrong direction
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, 'x');
-  (void)press(screen, Key::Name::enter);
-  CHECK(contains(picture(screen), "Test the datum routine of Y, Z?"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS Y NOW"));
-  (void)letter(screen, 'g');
-  REQUIRE(shows(screen, "One axis failed"));
+  CHECK(contains(after(screen, "x\n"), "Test the datum routine of Y, Z?"));
+  REQUIRE(shows_after(screen, "y", "REFERENCE AXIS Y NOW"));
+  REQUIRE(shows_after(screen, "g", "One axis failed"));
   const std::string seen = picture(screen);
-  CHECK(contains(seen, "[ ] X      not tested"));
-  CHECK(contains(seen, "[x] Y      FAILED"));
-  CHECK(contains(seen, "Y: wrong direction. What to do: change the approach direction"));
+  check_holds(seen, {"[ ] X      not tested", "[x] Y      FAILED",
+                     "Y: wrong direction. What to do: change the approach direction"});
 }
 
 TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test works when it is back") {
@@ -115,36 +89,27 @@ TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test 
   send_mill(bench);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "waiting ..."));
+  REQUIRE(shows_after(screen, "\ny", "waiting ..."));
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "given up"));
   (void)picture(screen);
   REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)press(screen, Key::Name::enter);
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
-  (void)letter(screen, 'g');
-  REQUIRE(shows(screen, "Every axis that was tested found its datum."));
+  REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));
+  REQUIRE(shows_after(screen, "g", "Every axis that was tested found its datum."));
 }
 
 /// Ten seconds at 1 kHz: from `start_s` on 1000 mm/min, switch closed for a second from the second after on, 300 mm/min
 /// from there, a marker a second after the switch opened, standing from then on. 1 um a count.
 DatumRecording sequence(double start_s, double sign = 1.0) {
-  DatumRecording r;
-  r.axis = Axis::Y;
-  r.taken = "2026-05-04T14:05:09Z";
-  r.serial_number = "MILL-1";
+  DatumRecording r{.axis = Axis::Y, .taken = "2026-05-04T14:05:09Z", .serial_number = "MILL-1"};
   double mm = 0.0;
   for (int k = 0; k < 10'000; ++k) {
     const double t = k * 1e-3 - start_s;
     const double mm_min = t < 0.0 || t >= 3.0 ? 0.0 : (t < 1.0 ? 1000.0 : 300.0);
     mm += sign * mm_min / 60.0 * 1e-3;
-    DatumSample sample;
-    sample.counts = static_cast<std::int32_t>(std::lround(mm * 1e3));
-    sample.switch_closed = t >= 1.0 && t < 2.0;
-    sample.marker = k == static_cast<int>((start_s + 2.999) * 1e3);
+    DatumSample sample{.counts = static_cast<std::int32_t>(std::lround(mm * 1e3)),
+                       .switch_closed = t >= 1.0 && t < 2.0,
+                       .marker = k == static_cast<int>((start_s + 2.999) * 1e3)};
     r.samples.push_back(sample);
   }
   return r;
@@ -175,15 +140,14 @@ TEST_CASE(
   const ViewCase one;
   Screen& screen = *one.screen;
   const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
-  CHECK(contains(seen, "Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED"));
-  CHECK(contains(seen, "mm/min"));
+  check_holds(seen, {"Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED", "mm/min"});
   const std::string switches = line_with(seen, "switch");
   CHECK(count_of(switches, '#') >= 6);  // a tenth of 69 columns
   CHECK(count_of(switches, '#') <= 8);
   const std::string markers = line_with(seen, "marker");
   CHECK(count_of(markers, '|') == 1);
   // lanes stand below the time at which they belong: the switch closes at 3 s of 10 s
-  CHECK(switches.find('#') == doctest::Approx(1 + 9 + 0.3 * 69).epsilon(0.05));
+  CHECK(switches.find('#') == Approx(1 + 9 + 0.3 * 69).epsilon(0.05));
 }
 
 TEST_CASE("the cursor reads time, speed, position, switch and marker") {
@@ -204,21 +168,19 @@ TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
   const StateFolder folder;
   SeenTime seen;
   seen.show_all(shown(sequence(2.0), ""), nullptr);
-  CHECK(seen.to_s == doctest::Approx(9.999));
+  CHECK(seen.to_s == Approx(9.999));
   seen.go_to(3.0);
   seen.zoom(0.5);
-  CHECK(seen.from_s == doctest::Approx(0.5).epsilon(0.01));
-  CHECK(seen.to_s == doctest::Approx(5.5).epsilon(0.01));
+  CHECK(seen.from_s == Approx(0.5).epsilon(0.01));
+  CHECK(seen.to_s == Approx(5.5).epsilon(0.01));
   seen.zoom(0.5);
-  CHECK(seen.to_s - seen.from_s == doctest::Approx(2.5).epsilon(0.01));
+  CHECK(seen.to_s - seen.from_s == Approx(2.5).epsilon(0.01));
   const auto screen_made = datum_view_screen(sequence(2.0));
   Screen& screen = *screen_made;
   const std::string all = picture(screen);
   (void)press(screen, Key::Name::right);
-  type(screen, "+");
-  CHECK(picture(screen) != all);
-  type(screen, "0");
-  CHECK(picture(screen) == all);
+  CHECK(after(screen, "+") != all);
+  CHECK(after(screen, "0") == all);
 }
 
 TEST_CASE("the record says what it means for the datuming parameters") {
@@ -240,28 +202,18 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
   REQUIRE(write_file(other, to_csv(sequence(4.0))));
   Screen& screen = *one.screen;
   CHECK_FALSE(screen.unsaved().empty());
-  (void)letter(screen, 's');
-  for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
-  type(screen, file);
-  (void)press(screen, Key::Name::enter);
+  type(screen, "s");
+  replace_line(screen, file);
   REQUIRE(shows(screen, "written: "));
   CHECK(screen.unsaved().empty());
   CHECK(read_recording_file(file)->samples == sequence(2.0).samples);
-  (void)letter(screen, 'v');
-  type(screen, other);
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "other.csv is the second"));
+  REQUIRE(shows_after(screen, "v" + other + "\n", "other.csv is the second"));
   const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
-  CHECK(contains(seen, "switch 2"));
-  CHECK(contains(seen, "marker 2"));
-  CHECK(contains(seen, "^"));
-  CHECK(contains(seen, "v"));
-  (void)letter(screen, 'a');
-  CHECK(contains(picture(screen), "shifted by -2.000 s"));
+  check_holds(seen, {"switch 2", "marker 2", "^", "v"});
+  CHECK(contains(after(screen, "a"), "shifted by -2.000 s"));
   (void)press(screen, Key::Name::right);
   CHECK(contains(picture(screen), "2: "));
-  (void)letter(screen, 'x');
-  CHECK_FALSE(contains(picture(screen), "switch 2"));
+  CHECK_FALSE(contains(after(screen, "x"), "switch 2"));
 }
 
 TEST_CASE("an unsaved record is offered again") {
@@ -276,14 +228,11 @@ TEST_CASE("an unsaved record is offered again") {
   const auto again_made = datum_view_screen();
   Screen& again = *again_made;
   CHECK(contains(picture(again), "Unsaved record of"));
-  (void)press(again, Key::Name::enter);
-  CHECK(contains(picture(again), "NOT SAVED"));
+  CHECK(contains(after(again, "\n"), "NOT SAVED"));
   const auto once_more_made = datum_view_screen();
   Screen& once_more = *once_more_made;
-  type(once_more, "dn");
-  CHECK(contains(picture(once_more), "Unsaved record of"));
-  type(once_more, "dy");
-  CHECK_FALSE(contains(picture(once_more), "Unsaved record of"));
+  CHECK(contains(after(once_more, "dn"), "Unsaved record of"));
+  CHECK_FALSE(contains(after(once_more, "dy"), "Unsaved record of"));
   CHECK(unsaved_record_of().empty());
 }
 
@@ -291,10 +240,7 @@ TEST_CASE("a file that is not a record is refused and nothing is lost") {
   const ViewCase one;
   REQUIRE(write_file(one / "bad.csv", "hello\n"));
   Screen& screen = *one.screen;
-  (void)letter(screen, 'v');
-  type(screen, one / "bad.csv");
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "expected the columns"));
+  REQUIRE(shows_after(screen, "v" + (one / "bad.csv") + "\n", "expected the columns"));
   CHECK(contains(picture(screen), "Axis Y, just recorded"));
 }
 

@@ -1,8 +1,6 @@
 // What holds for every screen of ECS UTILITY.
 #include "app/screens/utility/screens.hpp"
 
-#include <algorithm>
-
 #include "commissioning/unit/utility_work.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
@@ -10,20 +8,6 @@
 using namespace ecs;
 using namespace ecs::app;
 using namespace ecs::app::screen_test;
-
-namespace {
-
-void draw_in_all_sizes(const Screen& screen) {
-  for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode})
-    for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}, {60, 200}}) {
-      const Canvas canvas = picture_of(screen, screen.title(), {}, Canvas(rows, columns, glyphs), false);
-      const std::string text = canvas.plain_text();
-      const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };
-      if (glyphs == Glyphs::ascii) CHECK_MESSAGE(std::all_of(text.begin(), text.end(), is_ascii), screen.title());
-    }
-}
-
-}  // namespace
 
 TEST_CASE("the menu has the entries of figure 5.4 in their order") {
   const StateFolder folder;
@@ -42,8 +26,7 @@ TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, s
     const auto screen = choice.opens();
     if (choice.name != "DISPLAY DATUM SEQUENCE" && choice.name != "RUN USER SOFTWARE")
       REQUIRE_MESSAGE(shows(*screen, "NO ANSWER"), choice.name);
-    (void)picture(*screen, 24, 80, Glyphs::ascii);
-    draw_in_all_sizes(*screen);
+    check_fits(*screen);
     CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
   }
 }
@@ -85,21 +68,18 @@ TEST_CASE("while the unit waits for its references nothing that needs integratio
     CAPTURE(choice.name);
     const auto screen = choice.opens();
     if (choice.name == "RUN USER SOFTWARE") {
-      (void)press(*screen, Key::Name::enter);
-      CHECK(shows(*screen, refusal));
+      CHECK(shows_after(*screen, "\n", refusal));
       continue;
     }
     REQUIRE(shows(*screen, "datuming"));
     if (choice.name == "DISPLAY ECS STATUS")
       (void)letter(*screen, 'c');
     else
-      (void)press(*screen, Key::Name::enter);
-    CHECK(reads(picture(*screen), refusal));
+      CHECK(reads(after(*screen, "\n"), refusal));
     CHECK(screen->keys().front().keys != "y");  // of a question
     CHECK_FALSE(screen->typing());
     if (choice.name == "OUTPUT COMPENSATION VALUE") {
-      (void)letter(*screen, 'r');
-      CHECK(reads(picture(*screen), refusal));
+      CHECK(reads(after(*screen, "r"), refusal));
     }
   }
 }

@@ -30,8 +30,8 @@ class Session {
     forget_commands();
   }
 
-  /// Every command and file that was noted, in the other folder.
-  void replay() {
+  /// Every command and file that was noted, in the other folder: it makes the same files.
+  void check_replay(std::initializer_list<const char*> files) const {
     inputs_(again_);
     fs::current_path(again_.path);
     const auto noted = noted_commands();
@@ -51,16 +51,16 @@ class Session {
       }
     }
     fs::current_path(session_.path);
-  }
-  void check_same(const std::string& file) const {
-    CAPTURE(file);
-    REQUIRE(fs::exists(session_.path / file));
-    REQUIRE(fs::exists(again_.path / file));
-    CHECK(content_of(session_ / file) == content_of(again_ / file));
+    for (const char* file : files) {
+      CAPTURE(file);
+      REQUIRE(fs::exists(session_.path / file));
+      REQUIRE(fs::exists(again_.path / file));
+      CHECK(content_of(session_ / file) == content_of(again_ / file));
+    }
   }
   [[nodiscard]] static bool noted(const std::string& part) {
     for (const NotedCommand& command : noted_commands())
-      if (command_text(command).find(part) != std::string::npos) return true;
+      if (contains(command_text(command), part)) return true;
     return false;
   }
   [[nodiscard]] std::string source(const std::string& path) const { return (source_ / path).string(); }
@@ -93,8 +93,7 @@ TEST_CASE("parameters changed and saved: one command with what differs, also in 
   REQUIRE(controller.save("out.toml"));
   REQUIRE(controller.save("copy.toml"));
   CHECK(noted_commands().size() == 3);
-  session.replay();
-  for (const char* file : {"out.toml", "copy.toml"}) session.check_same(file);
+  session.check_replay({"out.toml", "copy.toml"});
 }
 
 TEST_CASE("parameters begun from a machine file") {
@@ -104,8 +103,7 @@ TEST_CASE("parameters begun from a machine file") {
   REQUIRE(controller.change("axis.X.deadband_um", "2.5"));
   REQUIRE(controller.save("new.toml"));
   CHECK(session.noted("ecs params new --machine machine.toml -o new.toml"));
-  session.replay();
-  session.check_same("new.toml");
+  session.check_replay({"new.toml"});
 }
 
 TEST_CASE("parameters of a draft: from the file it belongs to, else as they are") {
@@ -130,8 +128,7 @@ TEST_CASE("parameters of a draft: from the file it belongs to, else as they are"
   REQUIRE(controller.draft());
   REQUIRE(controller.take_up_draft());
   REQUIRE(controller.save("other.toml"));
-  session.replay();
-  for (const char* file : {"out.toml", "other.toml"}) session.check_same(file);
+  session.check_replay({"out.toml", "other.toml"});
 }
 
 // --- model
@@ -149,9 +146,7 @@ void wait_for(ModelController& controller) {
 }
 
 std::unique_ptr<ModelController> opened_model() {
-  auto controller = ModelController::open({"model.toml", {"data.csv"}, "", {}});
-  REQUIRE(controller);
-  return std::move(*controller);
+  return must(ModelController::open({"model.toml", {"data.csv"}, "", {}}));
 }
 
 std::size_t place_of(const ModelController& controller, const std::string& id) {
@@ -176,8 +171,7 @@ TEST_CASE("effects added, taken back, added by diagnosis and saved") {
   CHECK(noted_commands().size() == 1);  // nothing is written yet
   controller->save();
   CHECK_FALSE(session.noted("progressive"));
-  session.replay();
-  session.check_same("model.toml");
+  session.check_replay({"model.toml"});
 }
 
 TEST_CASE("an effect of the file taken back, one removed, one decided for, saved in between") {
@@ -203,8 +197,7 @@ TEST_CASE("an effect of the file taken back, one removed, one decided for, saved
   wait_for(*controller);
   controller->save();
   CHECK(session.noted("ecs model remove cyclic:X:EX model.toml data.csv"));
-  session.replay();
-  session.check_same("model.toml");
+  session.check_replay({"model.toml"});
 }
 
 TEST_CASE("what no command does to a model is carried as it is") {
@@ -220,8 +213,7 @@ TEST_CASE("what no command does to a model is carried as it is") {
   wait_for(*controller);
   controller->save();
   CHECK(noted_commands().back().file == "model.toml");
-  session.replay();
-  session.check_same("model.toml");
+  session.check_replay({"model.toml"});
 }
 
 // --- laser data
@@ -260,8 +252,7 @@ TEST_CASE("a map of joined, corrected and thinned lines, with a scope and a rema
   CHECK(session.noted("ecs laser prepare EXX.csv more.csv --line '" + kExx + "' --leave-out-run '2=it'\\''s cold'"));
   CHECK(session.noted("--place x=0,y=-1400"));
   CHECK(contains(content_of("out/map.csv"), "remark: for training"));
-  session.replay();
-  for (const char* file : {"out/map.csv", "out/map-parameters.toml"}) session.check_same(file);
+  session.check_replay({"out/map.csv", "out/map-parameters.toml"});
 
   SUBCASE("and saved again after a change: the script overwrites its own file") {
     driver.controller().change("another engineer", [](LaserChoices& c) { c.recipe.engineer = "Jo Fitter"; });
@@ -291,8 +282,7 @@ TEST_CASE("a map that was opened, with a component declared zero since") {
   REQUIRE(driver.settled());
   driver.controller().save();
   REQUIRE(driver.settled());
-  session.replay();
-  for (const char* file : {"three.csv", "three-parameters.toml"}) session.check_same(file);
+  session.check_replay({"three.csv", "three-parameters.toml"});
 }
 
 }  // namespace

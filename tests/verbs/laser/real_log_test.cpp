@@ -1,6 +1,4 @@
 // Logs of real sensors, which may not be passed on.
-#include <doctest/doctest.h>
-
 #include "laser/groups.hpp"
 #include "tests/support/real_data.hpp"
 #include "tests/support/verb_run.hpp"
@@ -8,15 +6,13 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using doctest::Approx;
 
 TEST_CASE("a real sensor calibration: headings are the targets") {
   const auto folder = real_data("epics-pv-logs");
   SKIP_UNLESS(!folder.empty(), kNoRealData);
   const auto log = read_log(folder / "sensor1_calib.log");
   const auto groups = laser::groups_of(log);
-  REQUIRE(groups.size() == 1);
-  const auto targets = laser::targets_of(log, groups[0], 1e-3);
+  const auto targets = laser::targets_of(log, only(groups), 1e-3);
   REQUIRE(targets.size() == 5);
   CHECK(targets[4].position_mm == 15.0);
   CHECK(log.readings[0].error == Approx((2.97127 - 3.0) * 1000.0));

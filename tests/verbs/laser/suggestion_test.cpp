@@ -2,8 +2,6 @@
 // way in. Those that may be passed on: tests/transcripts/laser/real_files.case.
 #include <filesystem>
 
-#include <doctest/doctest.h>
-
 #include "app/cli/catalogue.hpp"
 #include "tests/support/real_data.hpp"
 #include "tests/support/verb_run.hpp"

@@ -1,7 +1,4 @@
 // The map of a model cancels what the model predicts.
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "core/terms.hpp"
@@ -44,10 +41,9 @@ TEST_CASE("the map of a model cancels what the model predicts everywhere, on eve
     const auto machine = params::read_machine(machine_file);
     const auto model = model::read_model(model_file);
     REQUIRE(map);
-    const auto volume = model::predicted_volume(*model, machine->machine, 3);
-    REQUIRE(volume);
+    const auto volume = must(model::predicted_volume(*model, machine->machine, 3));
     double largest = 0.0, left = 0.0;
-    for (const model::VolumePoint& point : *volume) {
+    for (const model::VolumePoint& point : volume) {
       const Vector3 added = compensation_of(*map, machine->machine, point.position_mm);
       for (std::size_t i = 0; i < kAxes; ++i) {
         largest = std::max(largest, std::abs(point.error_um[i]));

@@ -1,7 +1,3 @@
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "commissioning/link/choice.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -23,9 +19,7 @@ struct MapWorkspace {
 };
 
 TEST_CASE("a map of another machine or serial number is refused; what is not stated is not judged") {
-  laser::MapHeader header;
-  header.machine = "mill";
-  header.configuration = "TXYZ";
+  laser::MapHeader header{.machine = "mill", .configuration = "TXYZ"};
   CHECK(other_machine(header, {"mill", "7"}).empty());
   CHECK(other_machine(header, {"", ""}).empty());
   CHECK(other_machine(header, {"lathe", ""}).size() == 1);
@@ -51,7 +45,7 @@ TEST_CASE("squareness that was measured must have reached the parameters") {
   UnitParameters parameters;
   const auto complains = [&] {
     for (const std::string& objection : objections_to_map(map, parameters))
-      if (objection.find("C0Y was measured") != std::string::npos) return true;
+      if (contains(objection, "C0Y was measured")) return true;
     return false;
   };
   CHECK(complains());
@@ -89,11 +83,9 @@ TEST_CASE("a real axis goes from its file to the bytes of the unit") {
   const auto params = params::read_parameters(workspace.params);
   REQUIRE(map);
   REQUIRE(params);
-  const auto image = laser::image_of(*map, params->parameters);
-  REQUIRE(image);
-  const auto content = laser::content_of(image->bytes);
-  REQUIRE(content);
-  for (const laser::MapTable& table : content->map.tables)
+  const auto image = must(laser::image_of(*map, params->parameters));
+  const auto content = must(laser::content_of(image.bytes));
+  for (const laser::MapTable& table : content.map.tables)
     for (std::size_t i = 0; i < table.position_mm.size(); ++i)
       CHECK(std::abs(table.compensation[i] -
                      laser::compensation_at(*laser::table_of(*map, table.component, table.approach),

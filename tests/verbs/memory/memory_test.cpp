@@ -1,5 +1,4 @@
 // Dumps of a unit's memory: kept, decoded, compared, whatever happened to their bytes.
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/answer_table.hpp"
@@ -9,6 +8,7 @@
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
 #include "params/fields.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::app {
 namespace {
@@ -33,13 +33,12 @@ laser::ErrorMap small_map() {
 }
 
 MemoryDump dump_with(const laser::ErrorMap& map, const UnitParameters& parameters) {
-  const auto image = laser::image_of(map, parameters);
-  REQUIRE(image);
+  const auto image = must(laser::image_of(map, parameters));
   MemoryDump dump{"2026-05-04T09:30:00Z", "rtu:/dev/ttyUSB0:115200:8N1:1", "MCM-0107", std::nullopt, {}, {}};
   std::vector<std::uint8_t> records(2 * kCommitSlotBytes, 0);
-  const Commit commit{1, 0, static_cast<std::uint32_t>(image->bytes.size()), ImageView(image->bytes).check()};
+  const Commit commit{1, 0, static_cast<std::uint32_t>(image.bytes.size()), ImageView(image.bytes).check()};
   encode_commit(commit, Bytes(records).first(kCommitSlotBytes));
-  std::vector<std::uint8_t> bank = image->bytes;
+  std::vector<std::uint8_t> bank = image.bytes;
   bank.resize(bank.size() + 500, 0xEE);
   dump.regions.push_back({"commit records", kCommitRecords.first, records, static_cast<std::uint32_t>(records.size())});
   dump.regions.push_back({"axis memory bank A", kBankA.first, bank, static_cast<std::uint32_t>(bank.size())});
@@ -48,20 +47,19 @@ MemoryDump dump_with(const laser::ErrorMap& map, const UnitParameters& parameter
 MemoryDump good_dump() { return dump_with(small_map(), linear_parameters()); }
 
 TEST_CASE("a dump read back decodes to the parameters and tables that were put in") {
-  const auto dump = dump_in(to_bytes(good_dump()), "d");
-  REQUIRE(dump);
-  CHECK(dump->damage.empty());
-  CHECK(dump->serial_number == "MCM-0107");
-  const DecodedMemory memory = decoded(*dump);
+  const auto dump = must(dump_in(to_bytes(good_dump()), "d"));
+  CHECK(dump.damage.empty());
+  CHECK(dump.serial_number == "MCM-0107");
+  const DecodedMemory memory = decoded(dump);
   CHECK(memory.sound());
   const DecodedImage* image = memory.main_image();
   REQUIRE(image != nullptr);
   CHECK(image->parameters == linear_parameters());
   REQUIRE(image->tables.size() == 4);
   CHECK(name_of(image->tables[1]) == "EYY forward");
-  CHECK(image->tables[3].most == doctest::Approx(7.25));
+  CHECK(image->tables[3].most == Approx(7.25));
   CHECK(image->tables[0].end_mm() == 0.0);
-  CHECK(image->header.find("A. Fitter") != std::string::npos);
+  CHECK(contains(image->header, "A. Fitter"));
 }
 
 TEST_CASE("the values of a table lie at the address that the directory view names") {
@@ -70,7 +68,7 @@ TEST_CASE("the values of a table lie at the address that the directory view name
   const DecodedTable& table = memory.main_image()->tables[3];
   const DumpRegion& bank = *region_at(dump, kBankA.first);
   const auto counts = load_big<std::uint16_t>(bank.bytes, table.values_address - kBankA.first + 4);
-  CHECK(counts * table.entry.resolution == doctest::Approx(7.25));
+  CHECK(counts * table.entry.resolution == Approx(7.25));
 }
 
 TEST_CASE("a flipped bit of the image is reported, and everything else still decodes") {
@@ -88,18 +86,13 @@ TEST_CASE("a flipped bit of the image is reported, and everything else still dec
 
 TEST_CASE("a dump cut short, with a corrupted header or without one still gives its image") {
   const std::string whole = to_bytes(good_dump());
-  const auto cut = dump_in(whole.substr(0, whole.size() - 300), "d");
-  REQUIRE(cut);
-  CHECK_FALSE(cut->damage.empty());
-  CHECK(decoded(*cut).main_image()->verdict.fault == ImageFault::none);
+  const auto cut = must(dump_in(whole.substr(0, whole.size() - 300), "d"));
+  CHECK_FALSE(cut.damage.empty());
+  CHECK(decoded(cut).main_image()->verdict.fault == ImageFault::none);
   std::string spoilt = whole;
   spoilt[whole.find("MCM-0107")] = 'X';
-  const auto changed = dump_in(spoilt, "d");
-  REQUIRE(changed);
-  CHECK_FALSE(changed->damage.empty());
-  const auto headless = dump_in(whole.substr(whole.find("ECSI") - 7), "d");
-  REQUIRE(headless);
-  CHECK(decoded(*headless).main_image()->tables.size() == 4);
+  CHECK_FALSE(must(dump_in(spoilt, "d")).damage.empty());
+  CHECK(decoded(must(dump_in(whole.substr(whole.find("ECSI") - 7), "d"))).main_image()->tables.size() == 4);
 }
 
 TEST_CASE("equal dumps do not differ, a changed parameter and value differ by name and place") {
@@ -112,10 +105,10 @@ TEST_CASE("equal dumps do not differ, a changed parameter and value differ by na
   std::string all;
   for (const MemoryDifference& d : differences(good_dump(), dump_with(map, parameters)))
     all += d.what + " | " + d.a + " | " + d.b + "\n";
-  CHECK(all.find("parameter axis.X.deadband_um | 2 um | 9 um") != std::string::npos);
-  CHECK(all.find("table EYY forward: 1 value differs, the first at 10 mm") != std::string::npos);
-  CHECK(all.find("header engineer | A. Fitter | B. Fitter") != std::string::npos);
-  CHECK(all.find("EXX") == std::string::npos);
+  check_holds(all,
+              {"parameter axis.X.deadband_um | 2 um | 9 um", "table EYY forward: 1 value differs, the first at 10 mm",
+               "header engineer | A. Fitter | B. Fitter"});
+  CHECK(!contains(all, "EXX"));
 }
 
 TEST_CASE("any corrupted dump decodes to text and valid JSON without a crash") {

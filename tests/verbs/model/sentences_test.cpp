@@ -1,13 +1,10 @@
 // Sentences about what to measure next and what compensation would leave: none contradicts its own numbers. In CTest as
 // many cases as twenty seconds allow; ECS_SENTENCES=400 in the environment takes so many, however long.
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/support/emulator.hpp"
@@ -71,7 +68,7 @@ void check_next(const Answer& next, const Answer& diagnosis) {
 /// Two sums that make up what is predicted; a direction that gets worse is reported, and no other.
 void check_what_if(const Answer& after) {
   const double machine = after["machine_um"], measurement = after["measurement_um"], left = after["rms_after_um"];
-  if (measurement == 0.0) CHECK(machine == doctest::Approx(left).epsilon(1e-6));
+  if (measurement == 0.0) CHECK(machine == Approx(left).epsilon(1e-6));
   CHECK(left <= (machine + measurement) * (1.0 + 1e-9));
   bool of_measurement = false;
   for (const Answer& effect : after["effects"]) {

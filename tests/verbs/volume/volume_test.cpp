@@ -1,8 +1,4 @@
 // `ecs volume` with the emulator as an independent witness.
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "core/axis.hpp"
 #include "tests/support/command_output.hpp"
 #include "tests/support/emulator.hpp"
