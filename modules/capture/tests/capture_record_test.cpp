@@ -1,33 +1,20 @@
 #include "modules/capture/capture_record.hpp"
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "laser/writers/writers.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::devices {
 namespace {
 
-using doctest::Approx;
-
 CaptureLine line() {
-  CaptureLine line;
-  line.from_mm = 0.0;
-  line.to_mm = 100.0;
-  line.step_mm = 50.0;
-  line.runs = 2;
-  line.parked_mm = {0.0, -1400.0, 5.0};
-  return line;
+  return {.from_mm = 0.0, .to_mm = 100.0, .step_mm = 50.0, .runs = 2, .parked_mm = {0.0, -1400.0, 5.0}};
 }
 
 CaptureRecord record(CaptureRules rules = {}) { return {{{{"machine", "mill"}}, *stops_of(line())}, rules}; }
 
-CaptureRules by_position() {
-  CaptureRules rules;
-  rules.shows = Shows::position;
-  rules.min_interval_s = 0.2;
-  return rules;
-}
+CaptureRules by_position() { return {.shows = Shows::position, .min_interval_s = 0.2}; }
 
 TEST_CASE("a line is measured forward and back in every run, each target from its side") {
   const auto stops = *stops_of(line());
@@ -72,8 +59,7 @@ TEST_CASE("a reading has its time, its surroundings and the target that was due"
   const Verdict verdict = r.offer(1.5, 3.0, {{Quantity::air_degC, 20.5}, {Quantity::pressure_hPa, 1010.0}});
   CHECK(verdict.taken);
   CHECK(verdict.warning.empty());
-  REQUIRE(r.taken().size() == 1);
-  CHECK(r.taken()[0].error == 1.5);
+  CHECK(only(r.taken()).error == 1.5);
   CHECK(r.taken()[0].time_s == 3.0);
   CHECK(r.taken()[0].sensors_degC.at("t_air_degC") == 20.5);
   CHECK(r.taken()[0].pressure_hPa == 1010.0);
@@ -88,7 +74,7 @@ TEST_CASE("a trigger too soon after the last one is a doubled one") {
   CHECK(r.offer(1.0, 10.0, {}).taken);
   const Verdict twice = r.offer(1.0, 10.3, {});
   CHECK(!twice.taken);
-  CHECK(twice.warning.find("a doubled trigger, 0.30 s after the last one") != std::string::npos);
+  CHECK(contains(twice.warning, "a doubled trigger, 0.30 s after the last one"));
   CHECK(r.offer(1.0, 10.6, {}).taken);
 }
 
@@ -99,7 +85,7 @@ TEST_CASE("a reading that took much longer than usual is questioned, and kept un
   for (int k = 0; k < 5; ++k) CHECK(r.offer(k, 5.0 * k, {}).warning.empty());
   const Verdict late = r.offer(6.0, 30.0, {});
   CHECK(late.taken);
-  CHECK(late.warning.find("was a trigger missed?") != std::string::npos);
+  CHECK(contains(late.warning, "was a trigger missed?"));
   CHECK(*metadata_value(r.result(), "in doubt") == "X forward 250 mm, run 1: " + late.warning);
   CHECK(r.undo());
   CHECK(!metadata_value(r.result(), "in doubt").has_value());
@@ -112,7 +98,7 @@ TEST_CASE("the same value again, sooner than usual, is asked about") {
   longer.to_mm = 500.0;
   CaptureRecord r({{}, *stops_of(longer)}, {});
   for (int k = 0; k < 5; ++k) CHECK(r.offer(0.1 * k, 5.0 * k, {}).warning.empty());
-  CHECK(r.offer(0.4, 21.0, {}).warning.find("triggered twice?") != std::string::npos);
+  CHECK(contains(r.offer(0.4, 21.0, {}).warning, "triggered twice?"));
 }
 
 TEST_CASE("a pause is no missed trigger") {
@@ -137,7 +123,7 @@ TEST_CASE("where the display shows the position, a doubled trigger is seen howev
   CHECK(r.offer(0.0, 1.0, {}).taken);
   const Verdict twice = r.offer(0.0, 9.0, {});
   CHECK(!twice.taken);
-  CHECK(twice.warning.find("still shows 0 mm") != std::string::npos);
+  CHECK(contains(twice.warning, "still shows 0 mm"));
   CHECK(r.taken().size() == 1);
 }
 
@@ -159,7 +145,7 @@ TEST_CASE("a position that is not a target of the pass is not taken") {
   CaptureRecord r = record(by_position());
   const Verdict lost = r.offer(-300.0, 1.0, {});
   CHECK(!lost.taken);
-  CHECK(lost.warning.find("no target of this pass is there") != std::string::npos);
+  CHECK(contains(lost.warning, "no target of this pass is there"));
 }
 
 TEST_CASE("skip and undo go one step forward and back") {
@@ -208,9 +194,7 @@ TEST_CASE("a part that was changed so that it does not hold together is refused"
   CHECK(r.offer(2.0, 2.0, {}).taken);
   const std::string text = laser::to_csv(r.part());
   const auto refused = [](std::string changed) {
-    const auto set = laser::parse_measurement_set(changed, "a.csv.part");
-    REQUIRE(set);
-    return !CaptureRecord::from_part(*set).has_value();
+    return !CaptureRecord::from_part(must(laser::parse_measurement_set(changed, "a.csv.part"))).has_value();
   };
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
@@ -229,10 +213,9 @@ TEST_CASE("a part that was changed so that it does not hold together is refused"
 TEST_CASE("a target list gives its rows, and one without an approach is refused") {
   const auto set =
       laser::parse_measurement_set("axis,sense,x_mm,reading,approach,run,load_kg\nX,EY,5,0,-1,2,300\n", "t.csv");
-  const auto stops = stops_of_targets(*set);
-  REQUIRE(stops);
-  CHECK((*stops)[0].load_kg == 300.0);
-  CHECK((*stops)[0].run == 2);
+  const auto stops = must(stops_of_targets(*set));
+  CHECK(stops[0].load_kg == 300.0);
+  CHECK(stops[0].run == 2);
   const auto none = laser::parse_measurement_set("axis,sense,x_mm,reading\nX,EY,5,0\n", "t.csv");
   REQUIRE(!stops_of_targets(*none));
   CHECK(to_text(stops_of_targets(*none).error()).find("t.csv:2") == 0);

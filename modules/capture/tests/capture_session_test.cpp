@@ -1,18 +1,16 @@
 // Where readings come from, and what a plan says of them. A capture under way, from triggers and values to the part
 // file, with a display that exists only here. Surroundings beside the monitor: run under umockdev-wrapper.
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <thread>
-
-#include <doctest/doctest.h>
 
 #include "commissioning/measurements/table.hpp"
 #include "laser/measurement_set.hpp"
 #include "modules/capture/capture.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -27,14 +25,13 @@ TEST_CASE("the number of a display is the last one of its line") {
 TEST_CASE("a display that writes continuously is followed: its last complete line counts") {
   const Folder folder;
   const std::string file = folder.with("log.txt", "1\n2\n3\n4.5");
-  auto source = following_source(file);
-  REQUIRE(source);
-  (*source)->ask(0.0);
-  const Shown shown = (*source)->shown(0.1);
+  auto source = must(following_source(file));
+  source->ask(0.0);
+  const Shown shown = source->shown(0.1);
   REQUIRE(shown.kind == Shown::Kind::value);
   CHECK(shown.value == 3.0);
   std::ofstream(file, std::ios::app) << "6\n";
-  CHECK((*source)->shown(0.2).value == 4.56);
+  CHECK(source->shown(0.2).value == 4.56);
 }
 
 TEST_CASE("a command is asked for what its display shows") {
@@ -44,22 +41,21 @@ TEST_CASE("a command is asked for what its display shows") {
 }
 
 TEST_CASE("the default slope follows the kind of measurement") {
-  const auto plan = parse_plan(
+  const auto plan = must(parse_plan(
       "[[measure]]\nname = \"a\"\naxis = \"X\"\nsense = \"EX\"\n[[measure]]\nname = \"b\"\naxis = \"X\"\nsense = "
       "\"EY\"\n"
       "[[measure]]\nname = \"c\"\naxis = \"X\"\nsense = \"EC\"\n"
       "[[measure]]\nname = \"d\"\naxis = \"Y\"\nsense = \"EX\"\ninstrument = \"square\"\n",
-      "plan.toml");
-  REQUIRE(plan);
-  CHECK((*plan)[0].slope == laser::SlopeMethod::none);
-  CHECK((*plan)[1].slope == laser::SlopeMethod::least_squares);
-  CHECK((*plan)[2].slope == laser::SlopeMethod::none);
-  CHECK((*plan)[3].slope == laser::SlopeMethod::none);
+      "plan.toml"));
+  CHECK(plan[0].slope == laser::SlopeMethod::none);
+  CHECK(plan[1].slope == laser::SlopeMethod::least_squares);
+  CHECK(plan[2].slope == laser::SlopeMethod::none);
+  CHECK(plan[3].slope == laser::SlopeMethod::none);
 }
 
 bool says(const SurroundingsWatch& watch, const std::string& text) {
   for (int k = 0; k < 500; ++k) {
-    if (watch.now().text.find(text) != std::string::npos) return true;
+    if (contains(watch.now().text, text)) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   MESSAGE(watch.now().text);
@@ -103,10 +99,7 @@ class Display final : public ReadingSource {
 
 /// X at 0, 100 and 200 mm, forward and back: six targets, one run.
 devices::CaptureRecord record() {
-  devices::CaptureLine line;
-  line.to_mm = 200.0;
-  line.step_mm = 100.0;
-  line.runs = 1;
+  devices::CaptureLine line{.to_mm = 200.0, .step_mm = 100.0, .runs = 1};
   return {devices::CapturePlan{{}, devices::stops_of(line).value()}, {}};
 }
 
@@ -117,10 +110,7 @@ CaptureSetup typed_into(const std::string& part = {}) {
 }
 
 CaptureSetup triggered(std::vector<double> values) {
-  CaptureSetup setup;
-  setup.trigger_kind = TriggerKind::enter;
-  setup.source = std::make_unique<Display>(std::move(values));
-  return setup;
+  return {.trigger_kind = TriggerKind::enter, .source = std::make_unique<Display>(std::move(values))};
 }
 
 void trigger(CaptureRun& run, double at_s) {
@@ -130,7 +120,7 @@ void trigger(CaptureRun& run, double at_s) {
 
 bool warned(CaptureRun& run, std::string_view part) {
   for (const CaptureNews& news : run.take_news())
-    if (news.kind == CaptureNews::Kind::warning && news.text.find(part) != std::string::npos) return true;
+    if (news.kind == CaptureNews::Kind::warning && contains(news.text, part)) return true;
   return false;
 }
 
@@ -149,7 +139,7 @@ TEST_CASE("typed values go to the targets in the order of measuring") {
   CHECK(taken[1].approach == Approach::forward);
   CHECK(laser::target_mm(taken[5]) == 0.0);
   CHECK(taken[5].approach == Approach::reverse);
-  CHECK(taken[5].time_s.value() == doctest::Approx(12.0));
+  CHECK(taken[5].time_s.value() == Approx(12.0));
 }
 
 TEST_CASE("a trigger takes the value of the display, one sooner than half a second after the last is none") {
@@ -208,13 +198,11 @@ TEST_CASE("every reading is on disc, and the capture goes on from there") {
     run.typed("2", 4.0);
     CHECK(run.part_is_safe());
   }
-  const auto set = laser::read_measurement_set(part);
-  REQUIRE(set);
-  CHECK(set->readings.size() == 2);
-  const auto again = devices::CaptureRecord::from_part(*set);
-  REQUIRE(again);
-  REQUIRE(again->due() != nullptr);
-  CHECK(laser::target_mm(*again->due()) == 200.0);
+  const auto set = must(laser::read_measurement_set(part));
+  CHECK(set.readings.size() == 2);
+  const auto again = must(devices::CaptureRecord::from_part(set));
+  REQUIRE(again.due() != nullptr);
+  CHECK(laser::target_mm(*again.due()) == 200.0);
   std::filesystem::remove(part);
 }
 

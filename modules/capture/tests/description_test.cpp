@@ -1,60 +1,45 @@
 #include "modules/capture/description.hpp"
 
-#include <cmath>
 #include <fstream>
 #include <iterator>
 
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "modules/capture/port.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::devices {
 namespace {
 
-using doctest::Approx;
-
-DeviceDescription read(const char* file) {
-  const auto device = read_device(std::string("samples/devices/") + file);
-  REQUIRE_MESSAGE(device, to_text(device.error()));
-  return *device;
-}
+DeviceDescription read(const char* file) { return must(read_device(std::string("samples/devices/") + file)); }
 
 TEST_CASE("the sample descriptions read, and what is written of them reads back as the same text") {
   for (const char* file : {"foot_switch.toml", "environment.toml", "gauge.toml"}) {
     const std::string text = to_toml(read(file));
-    const auto again = parse_device(text, "again.toml");
-    REQUIRE_MESSAGE(again, to_text(again.error()));
-    CHECK(to_toml(*again) == text);
+    CHECK(to_toml(must(parse_device(text, "again.toml"))) == text);
   }
 }
 
 TEST_CASE("every wrong key of a description is reported at once, with its line") {
-  const auto device = parse_device(
+  const std::string text = to_text(must_fail(parse_device(
       "name = \"x\"\nkind = \"trigger\"\n[match]\nvendor_id = 70000\nproduct_id = 1\n[trigger]\nbyte = 0\nbit = 9\n"
       "actve = \"high\"\n",
-      "bad.toml");
-  REQUIRE(!device);
-  const std::string text = to_text(device.error());
-  CHECK(text.find("bad.toml:4") != std::string::npos);
-  CHECK(text.find("vendor_id: expected a whole number from 0 to 65535") != std::string::npos);
-  CHECK(text.find("bad.toml:8") != std::string::npos);
-  CHECK(text.find("did you mean \"active\"") != std::string::npos);
+      "bad.toml")));
+  check_holds(text, {"bad.toml:4", "vendor_id: expected a whole number from 0 to 65535", "bad.toml:8",
+                     "did you mean \"active\""});
 }
 
 TEST_CASE("a field beyond the report, and a gauge that measures degrees, are refused") {
-  const auto beyond = parse_device(
+  const auto beyond = must_fail(parse_device(
       "name = \"x\"\nkind = \"environment\"\n[match]\nvendor_id = 1\nproduct_id = 1\n[report]\nlength = 8\n[[field]]\n"
       "quantity = \"air_degC\"\nbyte = 7\n",
-      "e.toml");
-  REQUIRE(!beyond);
-  CHECK(to_text(beyond.error()).find("bytes 7 to 8 are beyond the report of 8 bytes") != std::string::npos);
-  const auto gauge = parse_device(
-      "name = \"x\"\nkind = \"gauge\"\n[match]\nvendor_id = 1\nproduct_id = 1\n[[field]]\nquantity = "
-      "\"air_degC\"\nbyte = 0\n",
-      "g.toml");
-  REQUIRE(!gauge);
-  CHECK(to_text(gauge.error()).find("expected reading_um") != std::string::npos);
+      "e.toml"));
+  CHECK(contains(to_text(beyond), "bytes 7 to 8 are beyond the report of 8 bytes"));
+  const auto gauge = must_fail(
+      parse_device("name = \"x\"\nkind = \"gauge\"\n[match]\nvendor_id = 1\nproduct_id = 1\n[[field]]\nquantity = "
+                   "\"air_degC\"\nbyte = 0\n",
+                   "g.toml"));
+  CHECK(contains(to_text(gauge), "expected reading_um"));
 }
 
 TEST_CASE("bytes and scales that no number holds are refused") {
@@ -64,9 +49,7 @@ TEST_CASE("bytes and scales that no number holds are refused") {
   CHECK(parse_device(gauge + "scale = 0.01\nstarts = [1, 255]\n", "g.toml"));
   for (const char* line : {"starts = [1e300]", "starts = [256]", "scale = 1e300", "offset = -1e300"}) {
     CAPTURE(line);
-    const auto device = parse_device(gauge + line + "\n", "g.toml");
-    REQUIRE_FALSE(device);
-    CHECK(device.error().line == 9);
+    CHECK(must_fail(parse_device(gauge + line + "\n", "g.toml")).line == 9);
   }
 }
 
@@ -149,14 +132,10 @@ TEST_CASE("a missing device, and two identical ones, are reported with what to d
   HidIdentity two = one;
   two.path = "/dev/hidraw4";
   two.serial = "B2";
-  const auto none = matching(pedal, {});
-  REQUIRE(!none);
-  CHECK(none.error().kind == ProblemKind::link);
-  CHECK(none.error().message.find("foot switch (16c0:27db) is not plugged in") == 0);
-  const auto alike = matching(pedal, {one, two});
-  REQUIRE(!alike);
-  CHECK(alike.error().message.find("serial A1") != std::string::npos);
-  CHECK(alike.error().message.find("@SERIAL") != std::string::npos);
+  const auto none = must_fail(matching(pedal, {}));
+  CHECK(none.kind == ProblemKind::link);
+  CHECK(none.message.find("foot switch (16c0:27db) is not plugged in") == 0);
+  check_holds(must_fail(matching(pedal, {one, two})).message, {"serial A1", "@SERIAL"});
   pedal.match.serial = "B2";
   CHECK(matching(pedal, {one, two})->path == "/dev/hidraw4");
   pedal.match.serial.reset();
@@ -168,7 +147,7 @@ TEST_CASE("the shipped udev rules are those that are printed") {
   std::ifstream file("app/udev/70-ecs.rules");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   CHECK(text == udev_rules(builtin_devices()));
-  CHECK(text.find("ATTRS{idVendor}==\"0c45\", ATTRS{idProduct}==\"7401\"") != std::string::npos);
+  CHECK(contains(text, "ATTRS{idVendor}==\"0c45\", ATTRS{idProduct}==\"7401\""));
 }
 
 }  // namespace

@@ -1,11 +1,8 @@
 // `ecs laser devices` over devices that umockdev plays; recordings of the monitor with a thermometer beside it: run
 // under umockdev-wrapper.
-
 #include <chrono>
 #include <filesystem>
 #include <thread>
-
-#include <doctest/doctest.h>
 
 #include "app/screens/unit/screens.hpp"
 #include "app/ui/screen_program.hpp"
@@ -51,7 +48,7 @@ TEST_CASE("learn writes a description that takes the presses of that device") {
   CHECK(run.json()["mask"] == 1);
   CHECK(run.json()["active"] == "high");
   CHECK(run.json()["debounce_ms"] >= 20);
-  CHECK(run.messages.find("3 of 3") != std::string::npos);
+  CHECK(contains(run.messages, "3 of 3"));
   std::thread again([&] {
     fake::rest(400);
     fake::press(*pedal);
@@ -77,7 +74,7 @@ TEST_CASE("learn refuses a device whose counter moves with the button") {
   const Ran run = ran({"laser", "devices", "--learn", "-o", folder / "p.toml", "--timeout", "10"});
   foot.join();
   CHECK(run.code == 1);
-  CHECK(run.messages.find("it is not clear which one is the button") != std::string::npos);
+  CHECK(contains(run.messages, "it is not clear which one is the button"));
   CHECK(!std::filesystem::exists(folder / "p.toml"));
 }
 
@@ -87,8 +84,8 @@ TEST_CASE("try shows the temperatures of a stick") {
   fake::answer_like_temper(*stick, {{0x80, 0x20, 0x09, 0x01, 0x11, 0x93, 0, 0}});
   const Ran run = ran({"laser", "devices", "--try", "temper", "--timeout", "5", "--json"});
   REQUIRE_MESSAGE(run.code == 0, run.out);
-  CHECK(run.json()["answers"][0]["air_degC"] == doctest::Approx(23.05));
-  CHECK(run.json()["answers"][0]["humidity_pct"] == doctest::Approx(44.99));
+  CHECK(run.json()["answers"][0]["air_degC"] == Approx(23.05));
+  CHECK(run.json()["answers"][0]["humidity_pct"] == Approx(44.99));
 }
 
 TEST_CASE("a device that is not plugged in ends with exit code 4 and says what is there") {
@@ -96,14 +93,14 @@ TEST_CASE("a device that is not plugged in ends with exit code 4 and says what i
   const auto pedal = bus.plug(fake::pedal_spec());
   const Ran run = ran({"laser", "devices", "--try", "temper"});
   CHECK(run.code == 4);
-  CHECK(run.messages.find("is not plugged in; there are: 16c0:27db Maker Pedal") != std::string::npos);
+  CHECK(contains(run.messages, "is not plugged in; there are: 16c0:27db Maker Pedal"));
 }
 
 TEST_CASE("the udev rules cover the devices that come with the program and those that are described") {
   const Ran run = ran({"laser", "devices", "--udev", "samples/devices/foot_switch.toml"});
   CHECK(run.code == 0);
-  CHECK(run.out.find("ATTRS{idVendor}==\"0c45\", ATTRS{idProduct}==\"7401\"") != std::string::npos);
-  CHECK(run.out.find("ATTRS{idVendor}==\"16c0\", ATTRS{idProduct}==\"27db\"") != std::string::npos);
+  check_holds(run.out, {"ATTRS{idVendor}==\"0c45\", ATTRS{idProduct}==\"7401\"",
+                        "ATTRS{idVendor}==\"16c0\", ATTRS{idProduct}==\"27db\""});
 }
 
 constexpr const char* kHeader =
@@ -189,8 +186,8 @@ TEST_CASE("a recording of the monitor screen has the temperatures of the thermom
   };
   const auto seen = [&] { return picture_of(*screen, "", {}, Canvas(24, 80, Glyphs::unicode), false).plain_text(); };
   press_key(U't');
-  for (int k = 0; k < 500 && seen().find("air 20.50") == std::string::npos; ++k) look(1);
-  CHECK(seen().find("material 19.25") != std::string::npos);
+  for (int k = 0; k < 500 && !contains(seen(), "air 20.50"); ++k) look(1);
+  CHECK(contains(seen(), "material 19.25"));
   press_key(U'r');
   look(60);
   press_key(U't');  // the thermometer is put away

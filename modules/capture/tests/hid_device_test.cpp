@@ -2,17 +2,16 @@
 #include <chrono>
 #include <thread>
 
-#include <doctest/doctest.h>
 #include <unistd.h>
 
 #include "modules/capture/description.hpp"
 #include "modules/capture/port.hpp"
 #include "tests/support/fake_devices/fake_hid.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::devices {
 namespace {
 
-using doctest::Approx;
 using std::chrono::milliseconds;
 
 double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -43,10 +42,9 @@ TEST_CASE("devices are listed with ids, names, serial number, interface, usage p
   fake::DeviceSpec spec = fake::pedal_spec("A1");
   spec.interface = 2;
   const auto device = bus.plug(spec);
-  const auto found = hid_devices();
-  REQUIRE(found);
-  REQUIRE(found->size() == 1);
-  const HidIdentity& one = found->front();
+  const auto found = must(hid_devices());
+  REQUIRE(found.size() == 1);
+  const HidIdentity& one = found.front();
   CHECK(one.path == "/dev/hidraw0");
   CHECK(one.vendor_id == 0x16C0);
   CHECK(one.product_id == 0x27DB);
@@ -66,15 +64,11 @@ TEST_CASE("reports are read completely, within the time, and what is written arr
     arrived = written;
     return std::vector<fake::Bytes>{{9, 8, 7, 6, 5, 4, 3, 2}};
   });
-  auto opened = HidDevice::open(hid_devices()->front());
-  REQUIRE_MESSAGE(opened, to_text(opened.error()));
-  CHECK(!opened->read(8, milliseconds(20))->has_value());
+  auto opened = must(HidDevice::open(hid_devices()->front()));
+  CHECK(!opened.read(8, milliseconds(20))->has_value());
   const Bytes query{1, 2, 3, 4, 5, 6, 7, 8};
-  REQUIRE(opened->write(0, query));
-  const auto reply = opened->read(8, milliseconds(1000));
-  REQUIRE(reply);
-  REQUIRE(reply->has_value());
-  CHECK(**reply == Bytes{9, 8, 7, 6, 5, 4, 3, 2});
+  REQUIRE(opened.write(0, query));
+  CHECK(must(must(opened.read(8, milliseconds(1000)))) == Bytes{9, 8, 7, 6, 5, 4, 3, 2});
   CHECK(arrived == fake::Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8});
 }
 
@@ -83,11 +77,7 @@ TEST_CASE("a feature report is asked for by its number, and comes without the 0 
   fake::DeviceSpec spec = fake::pedal_spec();
   spec.feature = {0, 0xAA, 0xBB, 0xCC};
   const auto device = bus.plug(spec);
-  auto opened = HidDevice::open(hid_devices()->front());
-  REQUIRE(opened);
-  const auto feature = opened->feature(0, 3);
-  REQUIRE_MESSAGE(feature, to_text(feature.error()));
-  CHECK(*feature == Bytes{0xAA, 0xBB, 0xCC});
+  CHECK(must(must(HidDevice::open(hid_devices()->front())).feature(0, 3)) == Bytes{0xAA, 0xBB, 0xCC});
 }
 
 TEST_CASE("without permission the message names the udev rule") {
@@ -104,16 +94,14 @@ TEST_CASE("without permission the message names the udev rule") {
   CHECK(opened.error().kind == ProblemKind::link);
   const std::string& message = opened.error().message;
   CHECK(message.find("no permission for 16c0:27db") == 0);
-  CHECK(message.find("/etc/udev/rules.d/70-ecs.rules") != std::string::npos);
-  CHECK(message.find("ATTRS{idVendor}==\"16c0\", ATTRS{idProduct}==\"27db\"") != std::string::npos);
+  check_holds(message, {"/etc/udev/rules.d/70-ecs.rules", "ATTRS{idVendor}==\"16c0\", ATTRS{idProduct}==\"27db\""});
 }
 
 TEST_CASE("a press is a press once, however much the contact bounces") {
   fake::Bus bus;
   const auto device = bus.plug(fake::pedal_spec());
-  auto port = DevicePort::open(pedal());
-  REQUIRE_MESSAGE(port, to_text(port.error()));
-  Trigger trigger(std::move(*port));
+  auto port = must(DevicePort::open(pedal()));
+  Trigger trigger(std::move(port));
   std::thread foot([&] {
     fake::press_bouncing(*device, 3);
     fake::press_bouncing(*device, 3);
@@ -125,9 +113,8 @@ TEST_CASE("a press is a press once, however much the contact bounces") {
 TEST_CASE("an unplugged trigger is reported once, waited for, and works again under another path") {
   fake::Bus bus;
   auto device = bus.plug(fake::pedal_spec());
-  auto port = DevicePort::open(pedal());
-  REQUIRE(port);
-  Trigger trigger(std::move(*port));
+  auto port = must(DevicePort::open(pedal()));
+  Trigger trigger(std::move(port));
   fake::press(*device);
   CHECK(presses_within(trigger, 0.2) == 1);
   device->unplug();
@@ -158,15 +145,13 @@ TEST_CASE("of two alike, the one whose serial number is said is opened; unsaid, 
   fake::Bus bus;
   const auto left = bus.plug(fake::pedal_spec("LEFT"));
   const auto right = bus.plug(fake::pedal_spec("RIGHT"));
-  const auto unsaid = DevicePort::open(pedal());
-  REQUIRE(!unsaid);
-  CHECK(unsaid.error().message.find("2 devices fit foot switch") == 0);
-  CHECK(unsaid.error().message.find("serial RIGHT") != std::string::npos);
+  const auto unsaid = must_fail(DevicePort::open(pedal()));
+  CHECK(unsaid.message.find("2 devices fit foot switch") == 0);
+  CHECK(contains(unsaid.message, "serial RIGHT"));
   DeviceDescription said = pedal();
   said.match.serial = "RIGHT";
-  auto port = DevicePort::open(said);
-  REQUIRE_MESSAGE(port, to_text(port.error()));
-  Trigger trigger(std::move(*port));
+  auto port = must(DevicePort::open(said));
+  Trigger trigger(std::move(port));
   fake::press(*left);
   CHECK(presses_within(trigger, 0.15) == 0);
   fake::press(*right);
@@ -177,9 +162,8 @@ TEST_CASE("a TEMPer stick of the older protocol gives air, and the table's probe
   fake::Bus bus;
   const auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x13, 0x50, 0x14, 0x80, 0, 0}});
-  auto port = DevicePort::open(builtin_named("temper-fm75").at(0));
-  REQUIRE_MESSAGE(port, to_text(port.error()));
-  Sensor sensor(std::move(*port), 1.0);
+  auto port = must(DevicePort::open(builtin_named("temper-fm75").at(0)));
+  Sensor sensor(std::move(port), 1.0);
   const Values values = values_of(sensor);
   CHECK(values.at(Quantity::air_degC) == Approx(19.3125));
   CHECK(values.at(Quantity::material_degC) == Approx(20.5));
@@ -190,9 +174,8 @@ TEST_CASE("a TEMPer stick of the newer protocol answers with two reports") {
   const auto stick = bus.plug(fake::temper_spec(0x1A86, 0xE025));
   fake::answer_like_temper(*stick,
                            {{0x80, 0x80, 0x08, 0x5F, 0x4E, 0x20, 0, 0}, {0x80, 0x01, 0x07, 0x8B, 0x4E, 0x20, 0, 0}});
-  auto port = DevicePort::open(builtin_named("temper-hundredths").at(0));
-  REQUIRE(port);
-  Sensor sensor(std::move(*port), 1.0);
+  auto port = must(DevicePort::open(builtin_named("temper-hundredths").at(0)));
+  Sensor sensor(std::move(port), 1.0);
   const Values values = values_of(sensor);
   CHECK(values.at(Quantity::air_degC) == Approx(21.43));
   CHECK(values.at(Quantity::material_degC) == Approx(19.31));
@@ -203,14 +186,12 @@ TEST_CASE("a described sensor with a feature report is read without waiting for 
   fake::DeviceSpec spec = fake::pedal_spec();
   spec.feature = {0, 0x00, 0x08, 0x34};  // 0x0834 = 2100
   const auto device = bus.plug(spec);
-  const auto description = parse_device(
+  const auto description = must(parse_device(
       "name = \"probe\"\nkind = \"environment\"\n[match]\nvendor_id = 0x16c0\nproduct_id = 0x27db\n[report]\ntype = "
       "\"feature\"\nlength = 3\n[[field]]\nquantity = \"material_degC\"\nbyte = 1\norder = \"big\"\nscale = 0.01\n",
-      "probe.toml");
-  REQUIRE_MESSAGE(description, to_text(description.error()));
-  auto port = DevicePort::open(*description);
-  REQUIRE(port);
-  Sensor sensor(std::move(*port), 1.0);
+      "probe.toml"));
+  auto port = must(DevicePort::open(description));
+  Sensor sensor(std::move(port), 1.0);
   CHECK(values_of(sensor).at(Quantity::material_degC) == Approx(21.0));
 }
 
@@ -219,9 +200,8 @@ TEST_CASE("a sensor that answers nothing is silent, and its old values age") {
   const auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   DeviceDescription description = builtin_named("temper-fm75").at(0);
   description.report.timeout_ms = 50;
-  auto port = DevicePort::open(description);
-  REQUIRE(port);
-  Sensor sensor(std::move(*port), 0.05);
+  auto port = must(DevicePort::open(description));
+  Sensor sensor(std::move(port), 0.05);
   for (const double end = steady_s() + 0.5; steady_s() < end;) {
     sensor.attend(steady_s());
     std::this_thread::sleep_for(milliseconds(5));
@@ -233,9 +213,8 @@ TEST_CASE("a sensor that answers nothing is silent, and its old values age") {
 TEST_CASE("a gauge that sends by itself keeps the value it sent last") {
   fake::Bus bus;
   const auto device = bus.plug(fake::gauge_spec());
-  auto port = DevicePort::open(*read_device("samples/devices/gauge.toml"));
-  REQUIRE_MESSAGE(port, to_text(port.error()));
-  Sensor sensor(std::move(*port), 1.0);
+  auto port = must(DevicePort::open(*read_device("samples/devices/gauge.toml")));
+  Sensor sensor(std::move(port), 1.0);
   fake::show(*device, -12.3);
   CHECK(values_of(sensor).at(Quantity::reading_um) == Approx(-12.3));
 }

@@ -1,7 +1,6 @@
 // A capture on the screen, typed, and with a foot switch, a gauge and a thermometer: run under umockdev-wrapper.
 #include <filesystem>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "app/screens/forms/rows.hpp"
@@ -80,14 +79,13 @@ TEST_CASE(
     REQUIRE(taken);
   }
   REQUIRE(shows(screen, "18 readings of 18 targets written", 30, 120));
-  const auto set = laser::read_measurement_set(out);
-  REQUIRE(set);
-  REQUIRE(set->readings.size() == 18);
+  const auto set = must(laser::read_measurement_set(out));
+  REQUIRE(set.readings.size() == 18);
   for (std::size_t k = 0; k < 18; ++k) {
-    CHECK(set->readings[k].error == doctest::Approx(0.5 * static_cast<double>(k)));
-    CHECK(set->readings[k].run == static_cast<int>(k / 6) + 1);
-    CHECK(set->readings[k].sensors_degC.at("t_air_degC") == 20.5);
-    CHECK(set->readings[k].sensors_degC.at("t_material_degC") == 19.25);
+    CHECK(set.readings[k].error == Approx(0.5 * static_cast<double>(k)));
+    CHECK(set.readings[k].run == static_cast<int>(k / 6) + 1);
+    CHECK(set.readings[k].sensors_degC.at("t_air_degC") == 20.5);
+    CHECK(set.readings[k].sensors_degC.at("t_material_degC") == 19.25);
   }
 }
 
@@ -104,8 +102,7 @@ std::unique_ptr<Screen> typed_capture(const StateFolder& folder) {
                              {"--output", (folder.path / "x.csv").string()}},
                             true);
   REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
-  enter(*screen, "0.5");
-  REQUIRE(shows(*screen, "next: X forward to 50 mm (2 of 2"));
+  REQUIRE(shows_after(*screen, "0.5\n", "next: X forward to 50 mm (2 of 2"));
   return screen;
 }
 
@@ -113,8 +110,7 @@ TEST_CASE("a capture leads through its targets on the screen and ends with its f
   const StateFolder folder;
   const auto screen = typed_capture(folder);
   CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
-  enter(*screen, "u");
-  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
+  REQUIRE(shows_after(*screen, "u\n", "next: X forward to 0 mm (1 of 2"));
   for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
   REQUIRE(shows(*screen, "4 readings of 4 targets written"));
   CHECK(std::filesystem::exists(folder.path / "x.csv"));

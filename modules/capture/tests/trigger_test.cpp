@@ -1,8 +1,5 @@
-#include <algorithm>
-
-#include <doctest/doctest.h>
-
 #include "modules/capture/port.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::devices {
 namespace {
@@ -39,42 +36,38 @@ std::vector<TimedReport> pressed(int presses, const Make& report) {
 }
 
 TEST_CASE("learning finds the bit, its active level and the length of the report") {
-  const auto high = learned(pressed(3,
-                                    [](bool held, int) {
-                                      return Bytes{0, held ? std::uint8_t{8} : std::uint8_t{0}, 7};
-                                    }),
-                            3, false);
-  REQUIRE(high);
-  CHECK(high->trigger.byte == 1);
-  CHECK(high->trigger.mask == 0x08);
-  CHECK(high->trigger.active_high);
-  CHECK(high->report_bytes == 3);
-  const auto low = learned(
-      pressed(4, [](bool held, int) { return Bytes{held ? std::uint8_t{0xFE} : std::uint8_t{0xFF}}; }), 4, false);
-  REQUIRE(low);
-  CHECK(low->trigger.mask == 0x01);
-  CHECK(!low->trigger.active_high);
+  const auto high = must(learned(pressed(3,
+                                         [](bool held, int) {
+                                           return Bytes{0, held ? std::uint8_t{8} : std::uint8_t{0}, 7};
+                                         }),
+                                 3, false));
+  CHECK(high.trigger.byte == 1);
+  CHECK(high.trigger.mask == 0x08);
+  CHECK(high.trigger.active_high);
+  CHECK(high.report_bytes == 3);
+  const auto low = must(learned(
+      pressed(4, [](bool held, int) { return Bytes{held ? std::uint8_t{0xFE} : std::uint8_t{0xFF}}; }), 4, false));
+  CHECK(low.trigger.mask == 0x01);
+  CHECK(!low.trigger.active_high);
 }
 
 TEST_CASE("learning takes a key code of several bits as one mask") {
-  const auto key = learned(pressed(3,
-                                   [](bool held, int) {
-                                     return Bytes{0, 0, held ? std::uint8_t{0x05} : std::uint8_t{0}};
-                                   }),
-                           3, false);
-  REQUIRE(key);
-  CHECK(key->trigger.byte == 2);
-  CHECK(key->trigger.mask == 0x05);
+  const auto key = must(learned(pressed(3,
+                                        [](bool held, int) {
+                                          return Bytes{0, 0, held ? std::uint8_t{0x05} : std::uint8_t{0}};
+                                        }),
+                                3, false));
+  CHECK(key.trigger.byte == 2);
+  CHECK(key.trigger.mask == 0x05);
 }
 
 TEST_CASE("learning gives the number of the report and ignores other reports") {
   auto reports = pressed(3, [](bool held, int) { return Bytes{2, held ? std::uint8_t{1} : std::uint8_t{0}}; });
   for (int k = 0; k < 5; ++k) reports.push_back({0.01 * k, Bytes{1, 0x55}});
   std::sort(reports.begin(), reports.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
-  const auto found = learned(reports, 3, true);
-  REQUIRE(found);
-  CHECK(found->report_number == 2);
-  CHECK(found->trigger.byte == 1);
+  const auto found = must(learned(reports, 3, true));
+  CHECK(found.report_number == 2);
+  CHECK(found.trigger.byte == 1);
 }
 
 TEST_CASE("learning counts a bouncing contact once and asks for twice its bounce") {
@@ -85,23 +78,21 @@ TEST_CASE("learning counts a bouncing contact once and asks for twice its bounce
         const bool held = (begin == k * 1.0) == (bounce % 2 == 0);
         reports.push_back({begin + bounce * 0.005, Bytes{held ? std::uint8_t{1} : std::uint8_t{0}}});
       }
-  const auto found = learned(reports, 3, false);
-  REQUIRE(found);
-  CHECK(found->trigger.mask == 1);
-  CHECK(found->bounce_ms == doctest::Approx(20.0));
-  CHECK(found->trigger.debounce_ms == 40);
+  const auto found = must(learned(reports, 3, false));
+  CHECK(found.trigger.mask == 1);
+  CHECK(found.bounce_ms == Approx(20.0));
+  CHECK(found.trigger.debounce_ms == 40);
 }
 
 TEST_CASE("learning refuses a counter that moves with the button, and says which bits they are") {
-  const auto found =
+  const auto found = must_fail(
       learned(pressed(3,
                       [](bool held, int n) {
                         return Bytes{held ? std::uint8_t{1} : std::uint8_t{0}, static_cast<std::uint8_t>(n + 1)};
                       }),
-              3, false);
-  REQUIRE(!found);
-  CHECK(found.error().kind == ProblemKind::refused);
-  CHECK(found.error().message.find("bit 0 of byte 0 and bit 0 of byte 1 changed together") == 0);
+              3, false));
+  CHECK(found.kind == ProblemKind::refused);
+  CHECK(found.message.find("bit 0 of byte 0 and bit 0 of byte 1 changed together") == 0);
 }
 
 TEST_CASE("learning refuses two buttons that were pressed as often, one after the other") {
@@ -113,17 +104,14 @@ TEST_CASE("learning refuses two buttons that were pressed as often, one after th
     reports.push_back({at + 0.5, Bytes{2}});
     reports.push_back({at + 0.7, Bytes{0}});
   }
-  const auto found = learned(reports, 3, false);
-  REQUIRE(!found);
-  CHECK(found.error().message.find("but not together") != std::string::npos);
+  CHECK(contains(must_fail(learned(reports, 3, false)).message, "but not together"));
 }
 
 TEST_CASE("learning says how often a bit changed when that is not what was asked for") {
-  const auto found =
-      learned(pressed(2, [](bool held, int) { return Bytes{held ? std::uint8_t{1} : std::uint8_t{0}}; }), 3, false);
-  REQUIRE(!found);
-  CHECK(found.error().message.find("no bit changed 6 times") == 0);
-  CHECK(found.error().message.find("bit 0 of byte 0 4 times") != std::string::npos);
+  const auto found = must_fail(
+      learned(pressed(2, [](bool held, int) { return Bytes{held ? std::uint8_t{1} : std::uint8_t{0}}; }), 3, false));
+  CHECK(found.message.find("no bit changed 6 times") == 0);
+  CHECK(contains(found.message, "bit 0 of byte 0 4 times"));
   CHECK(learned({}, 3, false).error().message.find("nothing came") == 0);
 }
 

@@ -1,9 +1,6 @@
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <sstream>
-
-#include <doctest/doctest.h>
 
 #include "modules/controllers/curve.hpp"
 #include "modules/controllers/format.hpp"
@@ -11,8 +8,6 @@
 
 namespace ecs::controllers {
 namespace {
-
-using doctest::Approx;
 
 /// Functions and values of a file, without our reader.
 struct Plain {
@@ -42,15 +37,14 @@ TEST_CASE("the file holds errors: minus the compensation, mm and rad, the mean o
   source.parameters.measurement_lines_mm = {};
   add_table(source, Component::EXX, {0, 100}, {4, 10}, {2, 6});
   add_table(source, Component::ECY, {0, 200}, {20, -40}, {20, -40});
-  const auto made = etalon_export(source, {});
-  REQUIRE(made);
-  const Plain file = plain(made->files.front().content);
+  const auto made = must(etalon_export(source, {}));
+  const Plain file = plain(made.files.front().content);
   CHECK(file.function.at("EXX").at(0) == Approx(-0.003));
   CHECK(file.function.at("EXX").at(100) == Approx(-0.008));
   CHECK(file.function.at("ECY").at(200) == Approx(40e-6));
   CHECK(file.value.at("C0Y") == Approx(30e-6));
   CHECK(file.value.at("B0Z") == Approx(-20e-6));
-  CHECK(leaves(*made, "half the reversal"));
+  CHECK(leaves(made, "half the reversal"));
 }
 
 TEST_CASE("curves are brought from their lines to the machine zero, so that the same levers act") {
@@ -58,25 +52,21 @@ TEST_CASE("curves are brought from their lines to the machine zero, so that the 
   // a rotation about Y while X moves: E_X = EBX·(Z − 100)
   add_table(source, Component::EXX, {0, 200}, {0, 0}, {0, 0});
   add_table(source, Component::EBX, {0, 200}, {100, 100}, {100, 100});  // error −100 um/m
-  const auto made = etalon_export(source, {});
-  REQUIRE(made);
-  const Plain file = plain(made->files.front().content);
+  const auto made = must(etalon_export(source, {}));
+  const Plain file = plain(made.files.front().content);
   // at Z = 0 the error is −100e-6·(0 − 100 mm) = +10 um, all of it in EXX now
   CHECK(file.function.at("EXX").at(0) == Approx(0.010));
   // at Z = 150 it is −100e-6·(150 − 100 mm) = −5 um
   CHECK(file.function.at("EXX").at(0) + file.function.at("EBX").at(0) * 150.0 == Approx(-0.005));
-  const auto as_measured = etalon_export(source, {"e", false, 0});
-  REQUIRE(as_measured);
-  CHECK(plain(as_measured->files.front().content).function.at("EXX").at(0) == Approx(0.0));
+  const auto as_measured = must(etalon_export(source, {"e", false, 0}));
+  CHECK(plain(as_measured.files.front().content).function.at("EXX").at(0) == Approx(0.0));
 }
 
 TEST_CASE("the control does over the whole volume what the unit does, but for the reversal") {
   const ExportSource source = whole_machine();
-  const auto made = etalon_export(source, {});
-  REQUIRE(made);
-  const auto left = residuals(source, made->applied, {}, errors_of_map(source));
-  REQUIRE(left);
-  const ResidualRow& volume = left->back();
+  const auto made = must(etalon_export(source, {}));
+  const auto left = must(residuals(source, made.applied, {}, errors_of_map(source)));
+  const ResidualRow& volume = left.back();
   CHECK(volume.where == "volume");
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     CHECK(volume.unit.largest_um[axis] == Approx(0.0));
@@ -100,9 +90,8 @@ double at(const Plain& file, const std::string& name, double p, double unit) {
 TEST_CASE("the errors of a TXYZ machine, computed from the file by the rigid-body formulas, are those of the map") {
   ExportSource source = whole_machine();
   source.parameters.configuration = {'T', 'X', 'Y', 'Z', 0};
-  const auto made = etalon_export(source, {});
-  REQUIRE(made);
-  const Plain file = plain(made->files.front().content);
+  const auto made = must(etalon_export(source, {}));
+  const Plain file = plain(made.files.front().content);
   for (const Vector3& p : {Vector3{0, 0, 0}, Vector3{200, 0, 0}, Vector3{75, 130, 20}, Vector3{200, 200, 200}}) {
     const auto um = [&](const char* name, std::size_t axis) { return at(file, name, p[axis], 1e-3); };
     const auto um_per_mm = [&](const char* name, std::size_t axis) { return at(file, name, p[axis], 1e-3); };  // rad
@@ -114,25 +103,22 @@ TEST_CASE("the errors of a TXYZ machine, computed from the file by the rigid-bod
                      um_per_mm("EAY", 1) * p[2] - square("A0Z") * p[2];
     const double z = um("EZX", 0) + um("EZY", 1) + um("EZZ", 2) + um_per_mm("EAX", 0) * p[1];
     const PerAxis<Approach> parked{Approach::unknown, Approach::unknown, Approach::unknown};
-    const auto error = errors_of_map(source)({{p, parked}});
-    REQUIRE(error);
-    CHECK(x == Approx((*error)[0][0]).epsilon(1e-4));
-    CHECK(y == Approx((*error)[0][1]).epsilon(1e-4));
-    CHECK(z == Approx((*error)[0][2]).epsilon(1e-4));
+    const auto error = must(errors_of_map(source)({{p, parked}}));
+    CHECK(x == Approx(error[0][0]).epsilon(1e-4));
+    CHECK(y == Approx(error[0][1]).epsilon(1e-4));
+    CHECK(z == Approx(error[0][2]).epsilon(1e-4));
   }
 }
 
 TEST_CASE("what was written comes back: means of the map, squareness, on the lines of the parameters") {
   const ExportSource source = whole_machine();
   for (const bool zero : {true, false}) {
-    const auto made = etalon_export(source, {"e.txt", zero, 0});
-    REQUIRE(made);
-    const auto read = parse_etalon(made->files.front().content, "e.txt");
-    REQUIRE(read);
-    CHECK(read->squareness[index_of(Component::A0Z)] == Approx(10.0));
-    REQUIRE(read->levers_from_lines);
-    CHECK(*read->levers_from_lines == !zero);
-    const laser::ErrorMap back = at_measurement_lines(map_of(*read).map, source.parameters, *read->levers_from_lines);
+    const auto made = must(etalon_export(source, {"e.txt", zero, 0}));
+    const auto read = must(parse_etalon(made.files.front().content, "e.txt"));
+    CHECK(read.squareness[index_of(Component::A0Z)] == Approx(10.0));
+    REQUIRE(read.levers_from_lines);
+    CHECK(*read.levers_from_lines == !zero);
+    const laser::ErrorMap back = at_measurement_lines(map_of(read).map, source.parameters, *read.levers_from_lines);
     for (std::size_t c = 0; c < kCurves; ++c)
       for (const double p : {0.0, 50.0, 75.0, 100.0, 200.0}) {
         const auto component = static_cast<Component>(c);
@@ -144,13 +130,12 @@ TEST_CASE("what was written comes back: means of the map, squareness, on the lin
 }
 
 TEST_CASE("a straightness of two points stays the straightness that it is, its constant part with it") {
-  const auto read = parse_etalon(
+  const auto read = must(parse_etalon(
       "[EXY]\nGridpoints = {\n 0 -0.004\n 200 -0.010\n}\n[C0Y]\nVALUE = 0.00003\n[EYZ]\nGridpoints = {\n 0 0.001\n 100 "
       "0.001\n}\n",
-      "e");
-  REQUIRE(read);
-  CHECK_FALSE(read->levers_from_lines);
-  const ReadMap map = map_of(*read);
+      "e"));
+  CHECK_FALSE(read.levers_from_lines);
+  const ReadMap map = map_of(read);
   REQUIRE(map.map.tables.size() == 2);
   CHECK(map.map.tables[0].component == Component::EXY);
   CHECK(map.map.tables[0].compensation[0] == Approx(4.0));
@@ -176,31 +161,26 @@ TEST_CASE("points closer than a nanometre are merged, and the deviation is repor
   ExportSource source = small_machine();
   source.parameters.measurement_lines_mm = {};
   add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});
-  const auto made = etalon_export(source, {});
-  REQUIRE(made);
-  CHECK(made->tables[0].points == 2);
-  CHECK(made->tables[0].deviation == Approx(50.0));
+  const auto made = must(etalon_export(source, {}));
+  CHECK(made.tables[0].points == 2);
+  CHECK(made.tables[0].deviation == Approx(50.0));
 }
 
 TEST_CASE("positions and values that no machine has are refused by table and point") {
   for (const double far : {1e308, -1e308}) {
     ExportSource source = small_machine();
     add_table(source, Component::EXX, far < 0 ? std::vector{far, 0.0} : std::vector{0.0, far}, {0, 5}, {0, 5});
-    const auto made = etalon_export(source, {});
-    REQUIRE_FALSE(made);
-    CHECK(made.error().kind == ProblemKind::refused);
-    CHECK(made.error().file.empty());
-    CHECK(made.error().message.find(far < 0 ? "EXX forward, point 1 at -1e+308 mm"
-                                            : "EXX forward, point 2 at 1e+308") != std::string::npos);
+    const auto made = must_fail(etalon_export(source, {}));
+    CHECK(made.kind == ProblemKind::refused);
+    CHECK(made.file.empty());
+    CHECK(contains(made.message, far < 0 ? "EXX forward, point 1 at -1e+308 mm" : "EXX forward, point 2 at 1e+308"));
   }
 }
 
 TEST_CASE("printed signs are refused: the format is ISO 230-1") {
   ExportSource source = whole_machine();
   source.parameters.convention = Convention::as_printed;
-  const auto made = etalon_export(source, {});
-  REQUIRE_FALSE(made);
-  CHECK(made.error().kind == ProblemKind::refused);
+  CHECK(must_fail(etalon_export(source, {})).kind == ProblemKind::refused);
 }
 
 TEST_CASE("files of others are read: any case, braces on lines of their own, falling positions, rotary axes left out") {
@@ -209,8 +189,7 @@ TEST_CASE("files of others are read: any case, braces on lines of their own, fal
       "[A0B]\r\nVALUE = 0.0000476\r\n[EXC]\r\nGridpoints = { 0 0.001 }\r\n[C0Y]\r\nValue = 0.0000105\r\n",
       "e");
   REQUIRE(read);
-  REQUIRE(read->tables.size() == 1);
-  CHECK(read->tables[0].position_mm == std::vector<double>{0, 100});
+  CHECK(only(read->tables).position_mm == std::vector<double>{0, 100});
   CHECK(read->tables[0].compensation[1] == Approx(-1.2));
   CHECK(read->squareness[index_of(Component::C0Y)] == Approx(10.5));
   CHECK(laser::says(read->notes, "A0B"));
@@ -218,20 +197,13 @@ TEST_CASE("files of others are read: any case, braces on lines of their own, fal
 }
 
 TEST_CASE("what is wrong is named with its line, all at once") {
-  const auto read = parse_etalon(
-      "[EXX]\nGridpoints = {\n 0 0,5\n 10\n 20 0.1\n 20 0.1\n}\n[QQQ]\nVALUE = 1\nhello\n[C0Y]\nVALUE = "
-      "big\n[EYY]\nGridpoints = {\n 0 99\n",
-      "e");
-  REQUIRE_FALSE(read);
-  const std::string said = to_text(read.error());
-  CHECK(said.find("e:3:") != std::string::npos);
-  CHECK(said.find("e:4:4: expected a value behind the position") != std::string::npos);
-  CHECK(said.find("e:6: EXX: the positions do not rise") != std::string::npos);
-  CHECK(said.find("e:8:1: expected a name such as EXX") != std::string::npos);
-  CHECK(said.find("e:10:1: expected [NAME]") != std::string::npos);
-  CHECK(said.find("e:12:9: expected a number, found \"big\"") != std::string::npos);
-  CHECK(said.find("do not end with }") != std::string::npos);
-  CHECK(said.find("99 at 0 is no error") != std::string::npos);
+  const std::string said = to_text(must_fail(
+      parse_etalon("[EXX]\nGridpoints = {\n 0 0,5\n 10\n 20 0.1\n 20 0.1\n}\n[QQQ]\nVALUE = 1\nhello\n[C0Y]\nVALUE = "
+                   "big\n[EYY]\nGridpoints = {\n 0 99\n",
+                   "e")));
+  check_holds(said, {"e:3:", "e:4:4: expected a value behind the position", "e:6: EXX: the positions do not rise",
+                     "e:8:1: expected a name such as EXX", "e:10:1: expected [NAME]",
+                     "e:12:9: expected a number, found \"big\"", "do not end with }", "99 at 0 is no error"});
 }
 
 TEST_CASE("an empty file has no errors") { CHECK_FALSE(parse_etalon("", "e")); }

@@ -1,6 +1,5 @@
 #include <filesystem>
 
-#include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include "tests/commissioning/support/output_files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -17,13 +17,12 @@ TEST_CASE("several files are written together, and each says whether it replaced
   const Folder folder;
   (void)folder.with("y.comp", "old y");
   ::chmod((folder / "y.comp").c_str(), 0640);
-  const auto written = write_together(three(folder));
-  REQUIRE(written);
+  const auto written = must(write_together(three(folder)));
   CHECK(content_of(folder / "x.comp") == "new x");
   CHECK(content_of(folder / "y.comp") == "new y");
   CHECK(entries_in(folder) == 3);
-  CHECK(written_files_cell(*written).text == "written: " + (folder / "x.comp") + "\nreplaced: " + (folder / "y.comp") +
-                                                 "\nwritten: " + (folder / "z.comp") + "\n");
+  CHECK(written_files_cell(written).text == "written: " + (folder / "x.comp") + "\nreplaced: " + (folder / "y.comp") +
+                                                "\nwritten: " + (folder / "z.comp") + "\n");
   struct stat now {};
   REQUIRE(::stat((folder / "y.comp").c_str(), &now) == 0);
   CHECK((now.st_mode & 07777) == 0640);
@@ -33,11 +32,10 @@ TEST_CASE("where one of the names is a folder, no file is changed") {
   const Folder folder;
   (void)folder.with("x.comp", "old x");
   (void)folder.with("z.comp/inside", "a folder stands there");
-  const auto written = write_together(three(folder));
-  REQUIRE_FALSE(written);
-  CHECK(written.error().kind == ProblemKind::output);
-  CHECK(written.error().file == folder / "z.comp");
-  CHECK(written.error().message == "cannot write: a folder of that name is there; no file was changed");
+  const auto written = must_fail(write_together(three(folder)));
+  CHECK(written.kind == ProblemKind::output);
+  CHECK(written.file == folder / "z.comp");
+  CHECK(written.message == "cannot write: a folder of that name is there; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
   CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
   CHECK(entries_in(folder) == 2);
@@ -52,9 +50,8 @@ TEST_CASE("two names that lead to one file are refused, and a link stays a link"
   CHECK(std::filesystem::is_symlink(folder / "x.comp"));
   std::filesystem::remove(folder / "z.comp");
   std::filesystem::create_symlink(folder / "real", folder / "z.comp");
-  const auto twice = write_together({{folder / "x.comp", "1"}, {folder / "z.comp", "2"}});
-  REQUIRE_FALSE(twice);
-  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
+  const auto twice = must_fail(write_together({{folder / "x.comp", "1"}, {folder / "z.comp", "2"}}));
+  CHECK(contains(twice.message, "leads to the same file; no file was changed"));
   CHECK(content_of(folder / "real") == "new x");
 }
 
@@ -66,9 +63,8 @@ TEST_CASE("a link to a file that is not there yet stays a link, and its target i
   CHECK(content_of(folder / "later") == "new x");
   std::filesystem::create_symlink("nowhere", folder / "a");
   std::filesystem::create_symlink("nowhere", folder / "b");
-  const auto twice = write_together({{folder / "a", "1"}, {folder / "b", "2"}});
-  REQUIRE_FALSE(twice);
-  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
+  const auto twice = must_fail(write_together({{folder / "a", "1"}, {folder / "b", "2"}}));
+  CHECK(contains(twice.message, "leads to the same file; no file was changed"));
   CHECK_FALSE(std::filesystem::exists(folder / "nowhere"));
 }
 
@@ -86,9 +82,7 @@ TEST_CASE("in a folder that may not be written, nothing is changed") {
   (void)folder.with("x.comp", "old x");
   ::chmod((folder / "").c_str(), 0555);
   const OrdinaryUser user;
-  const auto written = write_together(three(folder));
-  REQUIRE_FALSE(written);
-  CHECK(written.error().message == "cannot write: Permission denied; no file was changed");
+  CHECK(must_fail(write_together(three(folder))).message == "cannot write: Permission denied; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
 }
 

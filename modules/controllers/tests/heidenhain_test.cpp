@@ -1,9 +1,6 @@
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <sstream>
-
-#include <doctest/doctest.h>
 
 #include "modules/controllers/curve.hpp"
 #include "modules/controllers/format.hpp"
@@ -11,8 +8,6 @@
 
 namespace ecs::controllers {
 namespace {
-
-using doctest::Approx;
 
 /// Values by heading and position, without our reader: cells under their headings.
 std::map<std::string, std::map<double, double>> com_values(const std::string& text) {
@@ -25,8 +20,7 @@ std::map<std::string, std::map<double, double>> com_values(const std::string& te
     const double p = std::stod(line.substr(heading.find("AXISPOS"), 14));
     std::istringstream names(heading);
     for (std::string name; names >> name;) {
-      const std::size_t at =
-          heading.find(" " + name + " ") == std::string::npos ? 0 : heading.find(" " + name + " ") + 1;
+      const std::size_t at = !contains(heading, " " + name + " ") ? 0 : heading.find(" " + name + " ") + 1;
       if (at > 0 && at < line.size() && line.substr(at, 14).find_first_not_of(' ') != std::string::npos)
         all[name][p] = std::stod(line.substr(at, 14));
     }
@@ -41,26 +35,23 @@ TEST_CASE("a table holds errors in mm, the reverse approach in BACKLASH, and ang
   add_table(source, Component::EXX, {0, 100}, {4, 10}, {2, 6});
   add_table(source, Component::EYX, {0, 100}, {-3, 5}, {-1, 7});
   add_table(source, Component::ECX, {0, 100}, {20, -40}, {20, -40});
-  const auto made = heidenhain_export(source, {});
-  REQUIRE(made);
-  const std::string& text = file_named(*made, "x.com").content;
+  const auto made = must(heidenhain_export(source, {}));
+  const std::string& text = file_named(made, "x.com").content;
   CHECK(text.starts_with("BEGIN X.COM MM\nNR   AXISPOS       BACKLASH      X             C2            C6"));
   const auto values = com_values(text);
   CHECK(values.at("X").at(0) == Approx(-0.004));
   CHECK(values.at("BACKLASH").at(100) == Approx(-0.006));
   CHECK(values.at("C2").at(0) == Approx(0.002));  // the mean of -3 and -1 um of compensation
   CHECK(values.at("C6").at(100) == Approx(40e-6 * 180 / std::numbers::pi).epsilon(1e-3));
-  CHECK(leaves(*made, "half the reversal of straightness"));
-  CHECK(file_named(*made, "config.cma").content.find("0    *       x.com") != std::string::npos);
+  CHECK(leaves(made, "half the reversal of straightness"));
+  CHECK(contains(file_named(made, "config.cma").content, "0    *       x.com"));
 }
 
 TEST_CASE("the kinematics entries stand above their axis and their number is given") {
-  const auto made = heidenhain_export(whole_machine(), {});
-  REQUIRE(made);
-  REQUIRE(made->settings.size() == 4);
-  CHECK(made->settings[1].find("above MachAxis Y: Trans X with C1 (EXY)") != std::string::npos);
-  CHECK(made->settings[1].find("Trans C with C6 (ECY)") != std::string::npos);
-  CHECK(made->settings[3].starts_with("15 entries in COMPTAB"));
+  const auto made = must(heidenhain_export(whole_machine(), {}));
+  REQUIRE(made.settings.size() == 4);
+  check_holds(made.settings[1], {"above MachAxis Y: Trans X with C1 (EXY)", "Trans C with C6 (ECY)"});
+  CHECK(made.settings[3].starts_with("15 entries in COMPTAB"));
 }
 
 /// Rotation about one axis, small angle, of a vector: v + w x v.
@@ -78,15 +69,14 @@ double joined_by_lines(const std::map<double, double>& points, double p) {
 
 TEST_CASE("a chain from the tool to the table with these entries moves the tool as the machine errs") {
   const ExportSource source = whole_machine();  // XYTZ: from the tool Z, the base, X, Y
-  const auto made = heidenhain_export(source, {});
-  REQUIRE(made);
+  const auto made = must(heidenhain_export(source, {}));
   const Vector3 place{50.0, 100.0, 200.0};
   // from the tool: the entries above each axis, then its movement
   Vector3 actual{}, ideal{};
   for (const Axis axis : {Axis::Z, Axis::X, Axis::Y}) {
     const auto i = index_of(axis);
     const char letter = "xyz"[i];
-    const auto values = com_values(file_named(*made, std::string(1, letter) + ".com").content);
+    const auto values = com_values(file_named(made, std::string(1, letter) + ".com").content);
     const auto at = [&](const std::string& name) {
       return values.contains(name) ? joined_by_lines(values.at(name), place[i]) : 0.0;
     };
@@ -99,33 +89,30 @@ TEST_CASE("a chain from the tool to the table with these entries moves the tool 
   }
   const TermTable terms = *terms_of(*chain_of("XYTZ"), Convention::iso, CurveKind::measured);
   MachinePlace parked{place, {Approach::unknown, Approach::unknown, Approach::unknown}};
-  const Vector3 compensation = compensation_by(made->applied, terms, parked, {}, {});
+  const Vector3 compensation = compensation_by(made.applied, terms, parked, {}, {});
   for (std::size_t d = 0; d < 3; ++d) CHECK((actual[d] - ideal[d]) * 1000.0 == Approx(-compensation[d]).epsilon(0.001));
 }
 
 TEST_CASE("over the whole volume the control does what the unit does, but for reversal of straightness and angles") {
   const ExportSource source = whole_machine();
-  const auto made = heidenhain_export(source, {});
-  REQUIRE(made);
-  const auto left = residuals(source, made->applied, {}, errors_of_map(source));
-  REQUIRE(left);
-  CHECK(left->back().before.largest_um[3] > 50.0);
-  CHECK(left->back().control.largest_um[3] < 6.0);
+  const auto made = must(heidenhain_export(source, {}));
+  const auto left = must(residuals(source, made.applied, {}, errors_of_map(source)));
+  CHECK(left.back().before.largest_um[3] > 50.0);
+  CHECK(left.back().control.largest_um[3] < 6.0);
 }
 
 TEST_CASE("plain tables carry straightness in the columns of the axes, and no rotation") {
   HeidenhainOptions plain;
   plain.kinematics = false;
-  const auto made = heidenhain_export(whole_machine(), plain);
-  REQUIRE(made);
-  const auto values = com_values(file_named(*made, "y.com").content);
+  const auto made = must(heidenhain_export(whole_machine(), plain));
+  const auto values = com_values(file_named(made, "y.com").content);
   CHECK(values.contains("Z"));
   CHECK_FALSE(values.contains("C4"));
-  CHECK(leaves(*made, "EAX"));
-  CHECK_FALSE(leaves(*made, "C0Y"));
+  CHECK(leaves(made, "EAX"));
+  CHECK_FALSE(leaves(made, "C0Y"));
   // C0Y = 30 um/m: at Y = 200 mm the error along X is -6 um beside EXY; of the map 4/3 um at 200, 0 at 0
   CHECK(values.at("X").at(200) - values.at("X").at(0) == Approx(-0.006 - (4.0 / 3.0) / 1000.0).epsilon(0.1));
-  CHECK(made->settings.empty());
+  CHECK(made.settings.empty());
 }
 
 TEST_CASE("tables of more points than asked are thinned together") {
@@ -140,31 +127,24 @@ TEST_CASE("tables of more points than asked are thinned together") {
   add_table(source, Component::EYX, p, wave, wave);
   HeidenhainOptions options;
   options.most_points = 40;
-  const auto made = heidenhain_export(source, options);
-  REQUIRE(made);
-  CHECK(com_values(file_named(*made, "x.com").content).at("C2").size() <= 40);
-  for (const ExportedTable& table : made->tables) CHECK(table.deviation < 0.5);
+  const auto made = must(heidenhain_export(source, options));
+  CHECK(com_values(file_named(made, "x.com").content).at("C2").size() <= 40);
+  for (const ExportedTable& table : made.tables) CHECK(table.deviation < 0.5);
 }
 
 TEST_CASE("broken tables are refused with line and column") {
-  const auto refused = [](const std::string& text) {
-    const auto read = parse_heidenhain(text, "x.com", {});
-    REQUIRE_FALSE(read);
-    return to_text(read.error());
-  };
+  const auto refused = [](const std::string& text) { return to_text(must_fail(parse_heidenhain(text, "x.com", {}))); };
   const std::string head = "BEGIN X.COM MM\nNR   AXISPOS       BACKLASH      X             C4\n";
   const std::string good = "0    +0.000000                   +0.0010       +0.000100\n";
-  CHECK(refused(head + good + "1    ten                         +0.0\n[END]\n").find("x.com:4:6") != std::string::npos);
-  CHECK(refused(head + good + good + "[END]\n").find("expected a position above 0") != std::string::npos);
-  CHECK(refused(head + good + "1    +10.000000                  +0.0010       +0.0001\n").find("is it cut") !=
-        std::string::npos);
-  CHECK(refused(head + good + "1    +10.000000                  +90.0\n[END]\n").find("implausibly") !=
-        std::string::npos);
-  CHECK(refused("BEGIN X.COM INCH\n").find("found INCH") != std::string::npos);
-  CHECK(refused("BEGIN AXIS-X.COM  DATUM:+0.0000 DISTANCE:+100.0000\nNR X\n").find("DATUM") != std::string::npos);
-  CHECK(refused("BEGIN X.COM MM\nNR   X\n[END]\n").find("AXISPOS") != std::string::npos);
-  CHECK(refused(head + "0    +0.0          +0.001\n1    +1.0          +0.002\n[END]\n").find("BACKLASH has values") !=
-        std::string::npos);
+  CHECK(contains(refused(head + good + "1    ten                         +0.0\n[END]\n"), "x.com:4:6"));
+  CHECK(contains(refused(head + good + good + "[END]\n"), "expected a position above 0"));
+  CHECK(contains(refused(head + good + "1    +10.000000                  +0.0010       +0.0001\n"), "is it cut"));
+  CHECK(contains(refused(head + good + "1    +10.000000                  +90.0\n[END]\n"), "implausibly"));
+  CHECK(contains(refused("BEGIN X.COM INCH\n"), "found INCH"));
+  CHECK(contains(refused("BEGIN AXIS-X.COM  DATUM:+0.0000 DISTANCE:+100.0000\nNR X\n"), "DATUM"));
+  CHECK(contains(refused("BEGIN X.COM MM\nNR   X\n[END]\n"), "AXISPOS"));
+  CHECK(
+      contains(refused(head + "0    +0.0          +0.001\n1    +1.0          +0.002\n[END]\n"), "BACKLASH has values"));
   CHECK(
       parse_heidenhain("BEGIN CONFIG.CMA MM\nNR ACTIVE X\n0  *      x.com\n[END]\n", "config.cma", {})->notes.size() ==
       1);
@@ -174,9 +154,7 @@ TEST_CASE("the axis of a table is the last letter of its name, or the one given"
   const std::string rows = "NR   AXISPOS       X\n0    +0.0          +0.001\n1    +10.0         +0.002\n[END]\n";
   CHECK(parse_heidenhain("BEGIN AXIS_Y.COM MM\n" + rows, "t.com", {})->tables.at(0).component == Component::EXY);
   CHECK_FALSE(parse_heidenhain("BEGIN TABLE.COM MM\n" + rows, "t.com", {}));
-  HeidenhainOptions given;
-  given.axis = Axis::Z;
-  given.holds_errors = false;
+  HeidenhainOptions given{.holds_errors = false, .axis = Axis::Z};
   const auto read = parse_heidenhain("BEGIN TABLE.COM MM\n" + rows, "t.com", given);
   CHECK(read->tables.at(0).component == Component::EXZ);
   CHECK(read->tables.at(0).compensation.at(1) == Approx(2.0));

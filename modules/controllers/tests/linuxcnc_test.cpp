@@ -1,14 +1,10 @@
 #include <sstream>
 
-#include <doctest/doctest.h>
-
 #include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {
-
-using doctest::Approx;
 
 /// Compensation: +4 um forward and +7 um reverse at 50 mm, as in the manual's example.
 ExportSource linuxcnc_example() {
@@ -20,48 +16,41 @@ ExportSource linuxcnc_example() {
 LinuxCncReadOptions as(int type, Axis axis = Axis::X) { return {axis, type, MachineUnits::mm, false}; }
 
 TEST_CASE("type 1 holds what is added, in mm: nominal, forward trim, reverse trim") {
-  const auto made = linuxcnc_export(linuxcnc_example(), {});
-  REQUIRE(made);
-  CHECK(file_named(*made, "x.comp").content ==
+  const auto made = must(linuxcnc_export(linuxcnc_example(), {}));
+  CHECK(file_named(made, "x.comp").content ==
         "0.000000 0.000000 0.003000\n50.000000 0.004000 0.007000\n100.000000 0.009000 0.013000\n");
-  CHECK(made->settings == std::vector<std::string>{"[JOINT_0]", "COMP_FILE = x.comp", "COMP_FILE_TYPE = 1"});
+  CHECK(made.settings == std::vector<std::string>{"[JOINT_0]", "COMP_FILE = x.comp", "COMP_FILE_TYPE = 1"});
 }
 
 TEST_CASE("type 0 holds where the machine really is: nominal minus compensation") {
-  const auto made = linuxcnc_export(linuxcnc_example(), {0, MachineUnits::mm, 256});
-  REQUIRE(made);
-  CHECK(file_named(*made, "x.comp").content ==
+  CHECK(file_named(must(linuxcnc_export(linuxcnc_example(), {0, MachineUnits::mm, 256})), "x.comp").content ==
         "0.000000 0.000000 -0.003000\n50.000000 49.996000 49.993000\n100.000000 99.991000 99.987000\n");
 }
 
 TEST_CASE("a machine in inches gets inches, values and positions") {
-  const auto made = linuxcnc_export(linuxcnc_example(), {1, MachineUnits::inch, 256});
-  REQUIRE(made);
-  std::istringstream file(file_named(*made, "x.comp").content);
+  const auto made = must(linuxcnc_export(linuxcnc_example(), {1, MachineUnits::inch, 256}));
+  std::istringstream file(file_named(made, "x.comp").content);
   std::string line;
   std::getline(file, line);
   std::getline(file, line);
   CHECK(line == "1.96850394 0.00015748 0.00027559");  // 50/25.4, 0.004/25.4, 0.007/25.4
   const auto read =
-      parse_linuxcnc(file_named(*made, "x.comp").content, "x.comp", {Axis::X, 1, MachineUnits::inch, false});
-  REQUIRE(read);
-  CHECK(compensation_at(read->tables[1], 50.0) == Approx(7.0).epsilon(1e-4));
+      must(parse_linuxcnc(file_named(made, "x.comp").content, "x.comp", {Axis::X, 1, MachineUnits::inch, false}));
+  CHECK(compensation_at(read.tables[1], 50.0) == Approx(7.0).epsilon(1e-4));
 }
 
 TEST_CASE("what was written comes back, whatever the type") {
   for (const int type : {0, 1}) {
     const ExportSource source = whole_machine();
-    const auto made = linuxcnc_export(source, {type, MachineUnits::mm, 256});
-    REQUIRE(made);
+    const auto made = must(linuxcnc_export(source, {type, MachineUnits::mm, 256}));
     for (const Axis axis : kAllAxes) {
       const std::string name = {static_cast<char>('x' + static_cast<int>(axis)), '.', 'c', 'o', 'm', 'p'};
-      const auto read = parse_linuxcnc(file_named(*made, name).content, name, as(type, axis));
-      REQUIRE(read);
-      CHECK(read->warnings.empty());
+      const auto read = must(parse_linuxcnc(file_named(made, name).content, name, as(type, axis)));
+      CHECK(read.warnings.empty());
       const Component component = curve_of(static_cast<Sense>(axis), axis);
       for (const Approach approach : {Approach::forward, Approach::reverse}) {
         const laser::MapTable& own = *table_of(source.map, component, approach);
-        const laser::MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
+        const laser::MapTable& back = read.tables[approach == Approach::forward ? 0 : 1];
         CHECK(back.position_mm == own.position_mm);
         for (std::size_t i = 0; i < own.compensation.size(); ++i)
           CHECK(back.compensation[i] == Approx(own.compensation[i]).epsilon(1e-3));
@@ -73,20 +62,17 @@ TEST_CASE("what was written comes back, whatever the type") {
 TEST_CASE("points closer than a nanometre are merged, and the deviation is reported") {
   ExportSource source = small_machine();
   add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});
-  const auto made = linuxcnc_export(source, {});
-  REQUIRE(made);
-  CHECK(made->tables[0].points == 2);
-  CHECK(made->tables[0].deviation == Approx(50.0));
+  const auto made = must(linuxcnc_export(source, {}));
+  CHECK(made.tables[0].points == 2);
+  CHECK(made.tables[0].deviation == Approx(50.0));
 }
 
 TEST_CASE("lines that end in CR alone are read, with a note on what LinuxCNC would do") {
   LinuxCncReadOptions options;
   options.type = 1;
-  const auto read = parse_linuxcnc("0 0.001 0.001\r100 0.002 0.002\r", "x.comp", options);
-  REQUIRE(read);
-  CHECK(read->tables[0].position_mm == std::vector<double>{0, 100});
-  REQUIRE(read->warnings.size() == 1);
-  CHECK(read->warnings[0].message.find("CR alone") != std::string::npos);
+  const auto read = must(parse_linuxcnc("0 0.001 0.001\r100 0.002 0.002\r", "x.comp", options));
+  CHECK(read.tables[0].position_mm == std::vector<double>{0, 100});
+  CHECK(contains(only(read.warnings).message, "CR alone"));
   CHECK(parse_linuxcnc("0 0.001 0.001\r\n100 0.002 0.002\r\n", "x.comp", options)->warnings.empty());
 }
 
@@ -99,30 +85,27 @@ TEST_CASE("more points than LinuxCNC takes are thinned to 256, and the deviation
     reverse.push_back(0.0);
   }
   add_table(source, Component::EXX, p, forward, reverse);
-  const auto made = linuxcnc_export(source, {});
-  REQUIRE(made);
-  CHECK(made->tables[0].map_points == 400);
-  CHECK(made->tables[0].points <= 256);
-  CHECK(made->tables[0].deviation > 0.4);
-  CHECK(made->tables[0].deviation <= 1.0);
+  const auto made = must(linuxcnc_export(source, {}));
+  CHECK(made.tables[0].map_points == 400);
+  CHECK(made.tables[0].points <= 256);
+  CHECK(made.tables[0].deviation > 0.4);
+  CHECK(made.tables[0].deviation <= 1.0);
 }
 
 TEST_CASE("points closer than the last digit do not repeat a nominal position") {
   ExportSource source = small_machine();
   add_table(source, Component::EXX, {0, 1e-8, 10}, {1, 2, 3}, {1, 2, 3});
-  const auto made = linuxcnc_export(source, {});
-  REQUIRE(made);
-  CHECK(file_named(*made, "x.comp").content == "0.000000 0.001000 0.001000\n10.000000 0.003000 0.003000\n");
+  const auto made = must(linuxcnc_export(source, {}));
+  CHECK(file_named(made, "x.comp").content == "0.000000 0.001000 0.001000\n10.000000 0.003000 0.003000\n");
 }
 
 TEST_CASE("everything but positioning stays behind, and is named with its size") {
-  const auto made = linuxcnc_export(whole_machine(), {});
-  REQUIRE(made);
-  CHECK(made->not_carried.size() == 15 + 3);
-  CHECK(leaves(*made, "EYX"));
-  CHECK(leaves(*made, "ECX"));
-  CHECK(leaves(*made, "C0Y"));
-  CHECK_FALSE(leaves(*made, "EXX"));
+  const auto made = must(linuxcnc_export(whole_machine(), {}));
+  CHECK(made.not_carried.size() == 15 + 3);
+  CHECK(leaves(made, "EYX"));
+  CHECK(leaves(made, "ECX"));
+  CHECK(leaves(made, "C0Y"));
+  CHECK_FALSE(leaves(made, "EXX"));
 }
 
 TEST_CASE("maps that cannot be a table are refused with every reason") {
@@ -130,74 +113,64 @@ TEST_CASE("maps that cannot be a table are refused with every reason") {
   auto made = linuxcnc_export(source, {});
   REQUIRE_FALSE(made);
   CHECK(made.error().kind == ProblemKind::refused);
-  CHECK(made.error().message.find("no tables") != std::string::npos);
+  CHECK(contains(made.error().message, "no tables"));
   source.map.tables.push_back({Component::EXX, Approach::forward, {0}, {1}});
   made = linuxcnc_export(source, {});
   REQUIRE_FALSE(made);
-  CHECK(to_text(made.error()).find("a table of one point") != std::string::npos);
-  CHECK(to_text(made.error()).find("one approach only") != std::string::npos);
+  CHECK(contains(to_text(made.error()), "a table of one point"));
+  CHECK(contains(to_text(made.error()), "one approach only"));
   source.map.tables = {{Component::EYX, Approach::unknown, {0, 1}, {1, 1}}};
   made = linuxcnc_export(source, {});
   REQUIRE_FALSE(made);
-  CHECK(made.error().message.find("no positioning table") != std::string::npos);
+  CHECK(contains(made.error().message, "no positioning table"));
 }
 
 TEST_CASE("the reader reports where LinuxCNC stops without a message") {
   const std::string text = "# X\n0 0 0\n50 0.004 0.007\n\n100 0.009 0.013\n";
-  const auto whole = parse_linuxcnc(text, "x.comp", as(1));
-  REQUIRE(whole);
-  CHECK(whole->tables[0].position_mm == std::vector<double>{0, 50, 100});
-  REQUIRE(whole->warnings.size() == 1);
-  CHECK(whole->warnings[0].line == 1);
-  CHECK(whole->warnings[0].message.find("a comment") != std::string::npos);
+  const auto whole = must(parse_linuxcnc(text, "x.comp", as(1)));
+  CHECK(whole.tables[0].position_mm == std::vector<double>{0, 50, 100});
+  CHECK(only(whole.warnings).line == 1);
+  CHECK(contains(whole.warnings[0].message, "a comment"));
 
   LinuxCncReadOptions loaded = as(1);
   loaded.as_loaded = true;
   CHECK_FALSE(parse_linuxcnc(text, "x.comp", loaded));  // it takes nothing of this file
-  const auto part = parse_linuxcnc(text.substr(4), "x.comp", loaded);
-  REQUIRE(part);
-  CHECK(part->tables[0].position_mm == std::vector<double>{0, 50});
-  REQUIRE(part->warnings.size() == 1);
-  CHECK(part->warnings[0].line == 3);
-  CHECK(part->warnings[0].message.find("an empty line") != std::string::npos);
+  const auto part = must(parse_linuxcnc(text.substr(4), "x.comp", loaded));
+  CHECK(part.tables[0].position_mm == std::vector<double>{0, 50});
+  CHECK(only(part.warnings).line == 3);
+  CHECK(contains(part.warnings[0].message, "an empty line"));
 }
 
 TEST_CASE("an empty last line has no effect and is not mentioned") {
-  const auto read = parse_linuxcnc("0 0 0\r\n50 0.004 0.007\r\n\r\n", "x.comp", as(1));
-  REQUIRE(read);
-  CHECK(read->warnings.empty());
-  CHECK(read->tables[0].position_mm == std::vector<double>{0, 50});
+  const auto read = must(parse_linuxcnc("0 0 0\r\n50 0.004 0.007\r\n\r\n", "x.comp", as(1)));
+  CHECK(read.warnings.empty());
+  CHECK(read.tables[0].position_mm == std::vector<double>{0, 50});
 }
 
 TEST_CASE("rows that do not rise, text after three numbers, and points after 256 give warnings") {
-  const auto read = parse_linuxcnc("0 0 0\n50 0.1 0.1 ; half way\n50 0.2 0.2\n100 0 0\n", "x.comp", as(1));
-  REQUIRE(read);
-  CHECK(read->tables[0].position_mm == std::vector<double>{0, 50, 100});
-  REQUIRE(read->warnings.size() == 2);
-  CHECK(read->warnings[0].line == 2);
-  CHECK(read->warnings[1].line == 3);
-  CHECK(read->warnings[1].message.find("does not increase") != std::string::npos);
+  const auto read = must(parse_linuxcnc("0 0 0\n50 0.1 0.1 ; half way\n50 0.2 0.2\n100 0 0\n", "x.comp", as(1)));
+  CHECK(read.tables[0].position_mm == std::vector<double>{0, 50, 100});
+  REQUIRE(read.warnings.size() == 2);
+  CHECK(read.warnings[0].line == 2);
+  CHECK(read.warnings[1].line == 3);
+  CHECK(contains(read.warnings[1].message, "does not increase"));
 
   std::string many;
   for (int i = 0; i < 300; ++i) many += std::to_string(i) + " 0.001 0.002\n";
-  const auto all = parse_linuxcnc(many, "x.comp", as(1));
-  REQUIRE(all);
-  CHECK(all->tables[0].position_mm.size() == 300);
-  REQUIRE(all->warnings.size() == 1);
-  CHECK(all->warnings[0].line == 257);
+  const auto all = must(parse_linuxcnc(many, "x.comp", as(1)));
+  CHECK(all.tables[0].position_mm.size() == 300);
+  CHECK(only(all.warnings).line == 257);
   LinuxCncReadOptions loaded = as(1);
   loaded.as_loaded = true;
   CHECK(parse_linuxcnc(many, "x.comp", loaded)->tables[0].position_mm.size() == 256);
 }
 
 TEST_CASE("typing errors are refused all at once, with line and column") {
-  const auto read = parse_linuxcnc("0 0 0\n1O0 0 0\n200 0,5 0\n300 1\n400 nan 0\n", "x.comp", as(1));
-  REQUIRE_FALSE(read);
-  const std::string said = to_text(read.error());
-  CHECK(said.find("x.comp:2:1: expected a number, found \"1O0\"") != std::string::npos);
-  CHECK(said.find("x.comp:3:5: expected a number, found \"0,5\" (decimals take a point") != std::string::npos);
-  CHECK(said.find("x.comp:4:6: expected three numbers, found 2") != std::string::npos);
-  CHECK(said.find("x.comp:5:5: expected a number, found \"nan\"") != std::string::npos);
+  const auto read = must_fail(parse_linuxcnc("0 0 0\n1O0 0 0\n200 0,5 0\n300 1\n400 nan 0\n", "x.comp", as(1)));
+  const std::string said = to_text(read);
+  check_holds(said, {"x.comp:2:1: expected a number, found \"1O0\"",
+                     "x.comp:3:5: expected a number, found \"0,5\" (decimals take a point",
+                     "x.comp:4:6: expected three numbers, found 2", "x.comp:5:5: expected a number, found \"nan\""});
 }
 
 TEST_CASE("an empty file and implausible values are refused") {
@@ -210,21 +183,17 @@ TEST_CASE("the type shows in the numbers, unless they leave it open") {
   const LinuxCncReadOptions open{Axis::X, std::nullopt, MachineUnits::mm, false};
   CHECK(compensation_at(parse_linuxcnc("0 0 0\n50 49.996 49.993\n", "x", open)->tables[0], 50.0) == Approx(4.0));
   CHECK(compensation_at(parse_linuxcnc("0 0 0\n50 0.004 0.007\n", "x", open)->tables[0], 50.0) == Approx(4.0));
-  const auto unclear = parse_linuxcnc("0 0 0\n0.01 0.005 0.006\n", "x", open);
-  REQUIRE_FALSE(unclear);
-  CHECK(unclear.error().message.find("--type") != std::string::npos);
+  CHECK(contains(must_fail(parse_linuxcnc("0 0 0\n0.01 0.005 0.006\n", "x", open)).message, "--type"));
 }
 
 TEST_CASE("the table that LinuxCNC ships for its simulated machine is read, its bad point and all") {
-  const auto text = read_file("tests/data/real/linuxcnc-comp/screwcompX.dat");
-  REQUIRE(text);
-  const auto read = parse_linuxcnc(*text, "screwcompX.dat", {Axis::X, std::nullopt, MachineUnits::mm, false});
-  REQUIRE(read);
-  REQUIRE(read->tables.size() == 2);
-  CHECK(read->tables[0].position_mm.size() == 11);
-  CHECK(read->tables[0].compensation[0] == Approx(1.0));    // −10 − (−10.001) mm
-  CHECK(read->tables[1].compensation[0] == Approx(-1.0));   // −10 − (−9.999)
-  CHECK(read->tables[0].compensation[3] == Approx(200.0));  // −4 − (−4.2)
+  const auto text = must(read_file("tests/data/real/linuxcnc-comp/screwcompX.dat"));
+  const auto read = must(parse_linuxcnc(text, "screwcompX.dat", {Axis::X, std::nullopt, MachineUnits::mm, false}));
+  REQUIRE(read.tables.size() == 2);
+  CHECK(read.tables[0].position_mm.size() == 11);
+  CHECK(read.tables[0].compensation[0] == Approx(1.0));    // −10 − (−10.001) mm
+  CHECK(read.tables[1].compensation[0] == Approx(-1.0));   // −10 − (−9.999)
+  CHECK(read.tables[0].compensation[3] == Approx(200.0));  // −4 − (−4.2)
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <set>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -45,10 +44,9 @@ TEST_CASE("every controller format has words, options with help, and an id of it
 }
 
 TEST_CASE("the documentation has the row of every controller format") {
-  const auto text = read_file("modules/controllers/README.md");
-  REQUIRE(text);
+  const auto text = must(read_file("modules/controllers/README.md"));
   for (const ControllerFormat* format : controller_formats())
-    CHECK_MESSAGE(text->find(holds_row(*format)) != std::string::npos, holds_row(*format));
+    CHECK_MESSAGE(contains(text, holds_row(*format)), holds_row(*format));
 }
 
 TEST_CASE("what a controller format writes is recognised as that format, by name and content") {
@@ -56,10 +54,9 @@ TEST_CASE("what a controller format writes is recognised as that format, by name
   for (const ControllerFormat* format : controller_formats()) {
     if (!format->write) continue;
     CAPTURE(format->id);
-    const auto made = format->write(source, OptionValues(format->write_options));
-    REQUIRE(made);
-    CHECK_FALSE(made->files.empty());
-    for (const ExportFile& file : made->files) {
+    const auto made = must(format->write(source, OptionValues(format->write_options)));
+    CHECK_FALSE(made.files.empty());
+    for (const ExportFile& file : made.files) {
       CHECK(recognised_format(file.content) == format);
       if (format->is_file) CHECK(format->is_file(file.name));
     }
@@ -71,9 +68,8 @@ TEST_CASE("reading gives back what a controller format was given, within its res
   const ExportSource source = whole_machine();
   for (const ControllerFormat* format : controller_formats()) {
     if (!format->write) continue;
-    const auto made = format->write(source, OptionValues(format->write_options));
-    REQUIRE(made);
-    const laser::ErrorMap again = read_back(*format, *made, source);
+    const auto made = must(format->write(source, OptionValues(format->write_options)));
+    const laser::ErrorMap again = read_back(*format, made, source);
     for (const Component component : {Component::EXX, Component::EYY, Component::EZZ}) {
       CAPTURE(format->id);
       CAPTURE(name_of(component));
@@ -98,19 +94,17 @@ TEST_CASE("a controller format refuses a file of another kind, with the file nam
   const std::string text = "axis,sense,reading\nX,EX,1\n";
   for (const ControllerFormat* format : controller_formats()) {
     CAPTURE(format->id);
-    const auto read = format->read({"x.csv", text, text, true, OptionValues(format->read_options)});
-    REQUIRE_FALSE(read);
-    CHECK(read.error().file == "x.csv");
-    CHECK_FALSE(read.error().message.empty());
+    const auto read = must_fail(format->read({"x.csv", text, text, true, OptionValues(format->read_options)}));
+    CHECK(read.file == "x.csv");
+    CHECK_FALSE(read.message.empty());
   }
 }
 
 TEST_CASE("every controller format has a fuzzer and seeds for it") {
-  const auto list = read_file("tests/fuzz/CMakeLists.txt");
-  REQUIRE(list);
+  const auto list = must(read_file("tests/fuzz/CMakeLists.txt"));
   for (const ControllerFormat* format : controller_formats()) {
     CAPTURE(format->id);
-    CHECK(list->find(" " + std::string(format->id)) != std::string::npos);
+    CHECK(contains(list, " " + std::string(format->id)));
     CHECK(std::filesystem::is_directory("tests/fuzz/corpus/" + std::string(format->id)));
   }
 }

@@ -1,15 +1,8 @@
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "modules/controllers/format.hpp"
 #include "modules/controllers/tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {
-
-using doctest::Approx;
 
 /// Compensation: +4 um forward and +7 um reverse at 50 mm, as in modules/controllers/README.md.
 ExportSource twincat_example() {
@@ -27,9 +20,8 @@ const char* const kTwoPoints =
     "kw.ssfk.table[1].setpoint 500000\nkw.ssfk.table[1].pos -40\nkw.ssfk.table[1].neg -70\n";
 
 TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table for each direction") {
-  const auto made = twincat_export(twincat_example(), {});
-  REQUIRE(made);
-  CHECK(file_named(*made, "achskw1.lis").content ==
+  const auto made = must(twincat_export(twincat_example(), {}));
+  CHECK(file_named(made, "achskw1.lis").content ==
         "# EXX error of X, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
         "# sign after the manual's example, tried on no control: check one axis with the laser before use (--ssfk-sign "
         "adds turns it)\n"
@@ -38,45 +30,38 @@ TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table 
         "kw.ssfk.table[0].setpoint 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg -30\n"
         "kw.ssfk.table[1].setpoint 500000\nkw.ssfk.table[1].pos -40\nkw.ssfk.table[1].neg -70\n"
         "kw.ssfk.table[2].setpoint 1000000\nkw.ssfk.table[2].pos -90\nkw.ssfk.table[2].neg -130\n");
-  CHECK(made->tables[0].deviation == Approx(0.04));  // 9.04 um became 9.0
-  CHECK(made->settings[1] == "start-up list: achs_kw_log_ax_nr[0] 1, achs_kw[0] achskw1.lis");
-  CHECK(made->settings[2] == "list of axis 1: lr_param.ssfk 1");
-}
-
-bool notes_hold(const std::vector<std::string>& notes, const std::string& part) {
-  return std::any_of(notes.begin(), notes.end(),
-                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+  CHECK(made.tables[0].deviation == Approx(0.04));  // 9.04 um became 9.0
+  CHECK(made.settings[1] == "start-up list: achs_kw_log_ax_nr[0] 1, achs_kw[0] achskw1.lis");
+  CHECK(made.settings[2] == "list of axis 1: lr_param.ssfk 1");
 }
 
 TEST_CASE("each axis whose list is not zero at the reference position steps when it becomes active, and that is said") {
   ExportSource source = twincat_example();
   add_table(source, Component::EYY, {0, 100}, {0, 5}, {0, 5});
-  const auto at_zero = twincat_export(source, {});
-  REQUIRE(at_zero);
-  CHECK(notes_hold(at_zero->notes,
-                   "at the reference position of X (0 mm) the list holds 0.0 um in pos, -3.0 um in neg: the axis steps "
-                   "by it when the compensation becomes active"));
-  CHECK_FALSE(notes_hold(at_zero->notes, "reference position of Y"));
+  const auto at_zero = must(twincat_export(source, {}));
+  CHECK(
+      laser::says(at_zero.notes,
+                  "at the reference position of X (0 mm) the list holds 0.0 um in pos, -3.0 um in neg: the axis steps "
+                  "by it when the compensation becomes active"));
+  CHECK_FALSE(laser::says(at_zero.notes, "reference position of Y"));
   source.parameters.axes[index_of(Axis::Y)].datum.reference_position_mm = 50.0;
-  CHECK(notes_hold(twincat_export(source, {})->notes,
-                   "at the reference position of Y (50 mm) the list holds -2.5 um: the axis steps by it"));
-  CHECK(notes_hold(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list holds 2.5 um:"));
+  CHECK(laser::says(twincat_export(source, {})->notes,
+                    "at the reference position of Y (50 mm) the list holds -2.5 um: the axis steps by it"));
+  CHECK(laser::says(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list holds 2.5 um:"));
 }
 
 TEST_CASE("the parameter that selects backlash compensation is named, not the one that holds its size") {
-  const auto made = twincat_export(twincat_example(), {});
-  REQUIRE(made);
-  CHECK(notes_hold(made->notes,
-                   "no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0)"));
+  CHECK(laser::says(must(twincat_export(twincat_example(), {})).notes,
+                    "no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0)"));
 }
 
 TEST_CASE("values that do not fit 16 bit are named: 3276.7 um is the last that TwinCAT 2 takes") {
   ExportSource source = small_machine();
   add_table(source, Component::EXX, {0, 100}, {0, 3276.7}, {0, -3276.7});
-  CHECK_FALSE(notes_hold(twincat_export(source, {})->notes, "TwinCAT 2"));
+  CHECK_FALSE(laser::says(twincat_export(source, {})->notes, "TwinCAT 2"));
   source.map.tables[1].compensation[1] = -3276.9;
-  CHECK(notes_hold(twincat_export(source, {})->notes,
-                   "achskw1.lis holds values up to 3276.9 um: beyond 3276.7 um they do not fit TwinCAT 2 (16 bit)"));
+  CHECK(laser::says(twincat_export(source, {})->notes,
+                    "achskw1.lis holds values up to 3276.9 um: beyond 3276.7 um they do not fit TwinCAT 2 (16 bit)"));
 }
 
 TEST_CASE("the writer's own file names are known, others are not") {
@@ -86,37 +71,35 @@ TEST_CASE("the writer's own file names are known, others are not") {
 }
 
 TEST_CASE("the worked example of the manual is read as it says: short by 10.2 um forward, long by 8.0 um in reverse") {
-  const auto read = parse_twincat(
-      "kopf.log_achs_nr                     2\nkopf.log_achs_name                   Y-ACHSE\n"
-      "kw.ssfk.interval                     0\nkw.ssfk.kw_startpos                 -200000\n"
-      "kw.ssfk.kw_nr_max                    3\nkw.ssfk.unit                         1\n"
-      "kw.ssfk.bilateral                    1\n"
-      "kw.ssfk.table[0].setpoint           -200000\nkw.ssfk.table[1].setpoint           -199306\n"
-      "kw.ssfk.table[2].setpoint           -198667\n"
-      "kw.ssfk.table[0].pos                 0\nkw.ssfk.table[1].pos                 24\n"
-      "kw.ssfk.table[2].pos                -102\n"
-      "kw.ssfk.table[0].neg                 0\nkw.ssfk.table[1].neg                 67\n"
-      "kw.ssfk.table[2].neg                 80\n",
-      "achskw2.lis", {});
-  REQUIRE_MESSAGE(read, to_text(read.error()));
-  REQUIRE(read->tables.size() == 2);
-  CHECK(read->tables[0].component == Component::EYY);
-  CHECK(read->tables[0].position_mm[2] == Approx(-19.8667));
+  const auto read =
+      must(parse_twincat("kopf.log_achs_nr                     2\nkopf.log_achs_name                   Y-ACHSE\n"
+                         "kw.ssfk.interval                     0\nkw.ssfk.kw_startpos                 -200000\n"
+                         "kw.ssfk.kw_nr_max                    3\nkw.ssfk.unit                         1\n"
+                         "kw.ssfk.bilateral                    1\n"
+                         "kw.ssfk.table[0].setpoint           -200000\nkw.ssfk.table[1].setpoint           -199306\n"
+                         "kw.ssfk.table[2].setpoint           -198667\n"
+                         "kw.ssfk.table[0].pos                 0\nkw.ssfk.table[1].pos                 24\n"
+                         "kw.ssfk.table[2].pos                -102\n"
+                         "kw.ssfk.table[0].neg                 0\nkw.ssfk.table[1].neg                 67\n"
+                         "kw.ssfk.table[2].neg                 80\n",
+                         "achskw2.lis", {}));
+  REQUIRE(read.tables.size() == 2);
+  CHECK(read.tables[0].component == Component::EYY);
+  CHECK(read.tables[0].position_mm[2] == Approx(-19.8667));
   // Programmed 19866.7 um, reached 19856.5 and 19874.7: what is to be added is what is lacking.
-  CHECK(compensation_at(read->tables[0], -19.8667) == Approx(19866.7 - 19856.5));
-  CHECK(compensation_at(read->tables[1], -19.8667) == Approx(19866.7 - 19874.7));
+  CHECK(compensation_at(read.tables[0], -19.8667) == Approx(19866.7 - 19856.5));
+  CHECK(compensation_at(read.tables[1], -19.8667) == Approx(19866.7 - 19874.7));
 }
 
 TEST_CASE("a control that adds the values gets the other sign, and its lists are read with it") {
   const TwinCatOptions options{{1, 2, 3}, kTwinCatMostPoints, true};
-  const auto made = twincat_export(twincat_example(), options);
-  REQUIRE(made);
-  const std::string& text = file_named(*made, "achskw1.lis").content;
+  const auto made = must(twincat_export(twincat_example(), options));
+  const std::string& text = file_named(made, "achskw1.lis").content;
   CHECK(text.starts_with("# EXX error of X, nominal minus actual"));
-  CHECK(text.find("\n# sign against the manual's example, tried on no control") != std::string::npos);
-  CHECK(text.find("kw.ssfk.table[1].pos 40\nkw.ssfk.table[1].neg 70\n") != std::string::npos);
+  check_holds(text, {"\n# sign against the manual's example, tried on no control",
+                     "kw.ssfk.table[1].pos 40\nkw.ssfk.table[1].neg 70\n"});
   CHECK(compensation_at(parse_twincat(text, "a.lis", options)->tables[1], 50.0) == Approx(7.0));
-  CHECK(compensation_at(made->applied.tables[1], 50.0) == Approx(7.0));
+  CHECK(compensation_at(made.applied.tables[1], 50.0) == Approx(7.0));
 }
 
 TEST_CASE("our own list is read with its own sign and refused with another") {
@@ -124,22 +107,18 @@ TEST_CASE("our own list is read with its own sign and refused with another") {
   subtracts.adds = false;
   adds.adds = true;
   for (const bool sign : {false, true}) {
-    const auto made = twincat_export(twincat_example(), sign ? adds : subtracts);
-    REQUIRE(made);
-    const std::string& text = file_named(*made, "achskw1.lis").content;
+    const auto made = must(twincat_export(twincat_example(), sign ? adds : subtracts));
+    const std::string& text = file_named(made, "achskw1.lis").content;
     CHECK(compensation_at(parse_twincat(text, "a.lis", {})->tables[1], 50.0) == Approx(7.0));
     CHECK(compensation_at(parse_twincat(text, "a.lis", sign ? adds : subtracts)->tables[1], 50.0) == Approx(7.0));
-    const auto wrong = parse_twincat(text, "a.lis", sign ? subtracts : adds);
-    REQUIRE_FALSE(wrong);
-    CHECK(to_text(wrong.error())
-              .starts_with("a.lis:1:1: the list was written with --ssfk-sign " +
-                           std::string(sign ? "adds" : "subtracts")));
+    const auto wrong = must_fail(parse_twincat(text, "a.lis", sign ? subtracts : adds));
+    CHECK(to_text(wrong).starts_with("a.lis:1:1: the list was written with --ssfk-sign " +
+                                     std::string(sign ? "adds" : "subtracts")));
     const auto both =
-        parse_twincat(text + "# EXX error of X, " + (sign ? "actual minus nominal" : "nominal minus actual") +
-                          ", in 0.1 um; pos and neg: direction of motion\n",
-                      "a.lis", {});
-    REQUIRE_FALSE(both);
-    CHECK(both.error().message.find("another sign than the one before it") != std::string::npos);
+        must_fail(parse_twincat(text + "# EXX error of X, " + (sign ? "actual minus nominal" : "nominal minus actual") +
+                                    ", in 0.1 um; pos and neg: direction of motion\n",
+                                "a.lis", {}));
+    CHECK(contains(both.message, "another sign than the one before it"));
   }
   CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", {})->tables[1], 50.0) == Approx(7.0));
   CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", adds)->tables[1], 50.0) == Approx(-7.0));
@@ -148,16 +127,14 @@ TEST_CASE("our own list is read with its own sign and refused with another") {
 TEST_CASE("what was written comes back, to a tenth of a micrometre") {
   const ExportSource source = whole_machine();
   const TwinCatOptions options{{4, 7, 2}, kTwinCatMostPoints, false};
-  const auto made = twincat_export(source, options);
-  REQUIRE(made);
+  const auto made = must(twincat_export(source, options));
   for (const Axis axis : kAllAxes) {
     const std::string name = "achskw" + std::to_string(options.axis_number[index_of(axis)]) + ".lis";
-    const auto read = parse_twincat(file_named(*made, name).content, name, options);
-    REQUIRE(read);
+    const auto read = must(parse_twincat(file_named(made, name).content, name, options));
     const Component component = curve_of(static_cast<Sense>(axis), axis);
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
       const laser::MapTable& own = *table_of(source.map, component, approach);
-      const laser::MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
+      const laser::MapTable& back = read.tables[approach == Approach::forward ? 0 : 1];
       CHECK(back.component == component);
       CHECK(back.approach == approach);
       CHECK(back.position_mm == own.position_mm);
@@ -168,38 +145,32 @@ TEST_CASE("what was written comes back, to a tenth of a micrometre") {
 }
 
 TEST_CASE("even steps and a table for both directions are read as well, whatever the case and the comments") {
-  const auto read = parse_twincat(
+  const auto read = must(parse_twincat(
       "# ***\nKOPF.ACHS_NR 3 ( the Z axis\nkopf.log_achs_name  Z_1\nKW.SSFK.UNIT 1 # metric\nkw.ssfk.interval 100000\n"
       "kw.ssfk.kw_startpos -200000 /* -20 mm\nkw.ssfk.kw_nr_max 3\nkw.ssfk.manual_activation 0\n"
       "kw.ssfk.table[2].pos 30 last\nkw.ssfk.table[0].pos 10\r\nkw.ssfk.table[1].pos 20\n"
       "kw.crosscomp.unit 1\nkw.crosscomp.table[0].correction 3\n",
-      "achskw3.lis", {});
-  REQUIRE_MESSAGE(read, to_text(read.error()));
-  CHECK(read->tables[0].component == Component::EZZ);
-  CHECK(read->tables[0].position_mm == std::vector<double>{-20, -10, 0});
-  CHECK(read->tables[0].compensation == std::vector<double>{-1, -2, -3});
-  CHECK(read->tables[1].compensation == read->tables[0].compensation);
-  REQUIRE(read->notes.size() == 1);
-  CHECK(read->notes[0].find("kw.crosscomp is no leadscrew compensation, left out") != std::string::npos);
+      "achskw3.lis", {}));
+  CHECK(read.tables[0].component == Component::EZZ);
+  CHECK(read.tables[0].position_mm == std::vector<double>{-20, -10, 0});
+  CHECK(read.tables[0].compensation == std::vector<double>{-1, -2, -3});
+  CHECK(read.tables[1].compensation == read.tables[0].compensation);
+  CHECK(contains(only(read.notes), "kw.crosscomp is no leadscrew compensation, left out"));
 }
 
 TEST_CASE("a list whose name and number say different axes is not guessed at") {
   const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 1\nkopf.log_achs_name Y-ACHSE\n");
-  const auto open = parse_twincat(text, "a.lis", {});
-  REQUIRE_FALSE(open);
-  CHECK(open.error().message.find("the name of the axis says Y, its number 1 is that of X") != std::string::npos);
+  const auto open = must_fail(parse_twincat(text, "a.lis", {}));
+  CHECK(contains(open.message, "the name of the axis says Y, its number 1 is that of X"));
   CHECK(parse_twincat(text, "a.lis", {{2, 1, 3}, 10, false})->tables[0].component == Component::EYY);
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
-  const auto unknown = parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 9\n"), "a.lis", {});
-  REQUIRE_FALSE(unknown);
-  CHECK(unknown.error().message.find("the axis is unknown") != std::string::npos);
+  const auto unknown = must_fail(parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 9\n"), "a.lis", {}));
+  CHECK(contains(unknown.message, "the axis is unknown"));
 }
 
 TEST_CASE("a list of an axis not named X, Y or Z is refused, whatever its number, unless an axis is given") {
   const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name B-ACHSE\n");
-  const auto rotary = parse_twincat(text, "a.lis", {});
-  REQUIRE_FALSE(rotary);
-  CHECK(to_text(rotary.error()) ==
+  CHECK(to_text(must_fail(parse_twincat(text, "a.lis", {}))) ==
         "a.lis:2:1: the list is of axis \"B-ACHSE\": a map holds X, Y and Z; give --axis if it is one of them");
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
   for (const char* name : {"c", "U1"})
@@ -219,23 +190,20 @@ TEST_CASE("increments, rotary axes, and a list for one direction that says two t
   CHECK(refused(good) == "taken");
   CHECK(refused("kopf.achs_nr 1\nkw.ssfk.kw_nr_max 2\nkw.ssfk.bilateral 1\n" + std::string(kTwoPoints))
             .find("increments of an encoder") != std::string::npos);
-  CHECK(refused(good + "kw.ssfk.modulo 1\n").find("a rotary axis") != std::string::npos);
+  CHECK(contains(refused(good + "kw.ssfk.modulo 1\n"), "a rotary axis"));
   CHECK(refused("kopf.achs_nr 1\nkw.ssfk.unit 1\nkw.ssfk.kw_nr_max 2\n" + std::string(kTwoPoints))
             .find("a.lis:9:1: neg differs from pos in a list for one direction") != std::string::npos);
 }
 
 TEST_CASE("broken lists are refused all at once, with their places") {
-  const auto read = parse_twincat(
-      "kopf.achs_nr one\nkw.ssfk.unit 1\nkw.ssfk.colour 3\nG01 X5\nkw.ssfk.table[x].pos 3\n"
-      "kw.ssfk.table[0].pos 1,5\nkw.ssfk.unit 1\n",
-      "a.lis", {});
-  REQUIRE_FALSE(read);
-  const std::string said = to_text(read.error());
-  for (const char* part :
-       {"a.lis:1:14: expected a number, found \"one\"", "a.lis:3:1: expected an entry of kw.ssfk",
-        "a.lis:4:1: expected an entry such as kw.ssfk.unit 1", "a.lis:5:1: expected kw.ssfk.table[0] and so on",
-        "a.lis:6:22: expected a number, found \"1,5\"", "a.lis:7:1: unit occurs twice (also in line 2)"})
-    CHECK_MESSAGE(said.find(part) != std::string::npos, said);
+  const std::string said = to_text(
+      must_fail(parse_twincat("kopf.achs_nr one\nkw.ssfk.unit 1\nkw.ssfk.colour 3\nG01 X5\nkw.ssfk.table[x].pos 3\n"
+                              "kw.ssfk.table[0].pos 1,5\nkw.ssfk.unit 1\n",
+                              "a.lis", {})));
+  check_holds(said,
+              {"a.lis:1:14: expected a number, found \"one\"", "a.lis:3:1: expected an entry of kw.ssfk",
+               "a.lis:4:1: expected an entry such as kw.ssfk.unit 1", "a.lis:5:1: expected kw.ssfk.table[0] and so on",
+               "a.lis:6:22: expected a number, found \"1,5\"", "a.lis:7:1: unit occurs twice (also in line 2)"});
 }
 
 TEST_CASE("points that are missing, fall back, are too many or too large are refused") {
@@ -243,10 +211,9 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
     const auto read = parse_twincat(list(rows, points), "a.lis", {});
     return read ? std::string("taken") : to_text(read.error());
   };
-  CHECK(said(kTwoPoints, 3).find("kw.ssfk.table[2].setpoint is missing") != std::string::npos);
-  CHECK(said(kTwoPoints, 1).find("table[1] lies beyond the 1 points") != std::string::npos);
-  CHECK(said("kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\n", 1).find("table[0].neg is missing") !=
-        std::string::npos);
+  CHECK(contains(said(kTwoPoints, 3), "kw.ssfk.table[2].setpoint is missing"));
+  CHECK(contains(said(kTwoPoints, 1), "table[1] lies beyond the 1 points"));
+  CHECK(contains(said("kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\n", 1), "table[0].neg is missing"));
   const std::string first = "kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg 0\n";
   CHECK(said(first + "kw.ssfk.table[1].setpoint 5\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n", 2)
             .find("does not rise") != std::string::npos);
@@ -257,11 +224,10 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
       said(first + "kw.ssfk.table[1].setpoint 3\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n" + third +
                "kw.ssfk.table[3].setpoint 10\nkw.ssfk.table[3].pos 0\n" + "kw.ssfk.table[6].pos 0\n",
            6);
-  for (const char* part : {"position 0.0003 mm does not rise", "an error of", "table[3].neg is missing",
-                           "table[4].setpoint is missing", "table[6] lies beyond the 6 points"})
-    CHECK_MESSAGE(all.find(part) != std::string::npos, all);
-  CHECK(all.find("table[5]") == std::string::npos);  // a first missing row stands for the rest
-  CHECK(said("", 0).find("expected the number of points") != std::string::npos);
+  check_holds(all, {"position 0.0003 mm does not rise", "an error of", "table[3].neg is missing",
+                    "table[4].setpoint is missing", "table[6] lies beyond the 6 points"});
+  CHECK(!contains(all, "table[5]"));  // a first missing row stands for the rest
+  CHECK(contains(said("", 0), "expected the number of points"));
   CHECK_FALSE(parse_twincat("", "a.lis", {}, Axis::X));
 }
 
@@ -275,25 +241,21 @@ TEST_CASE("more points than a list takes are thinned, and points that fall toget
   }
   p[1] = 0.00002;  // rounds to the point before it
   add_table(source, Component::EXX, p, forward, reverse);
-  const auto made = twincat_export(source, {});
-  REQUIRE(made);
-  CHECK(made->tables[0].map_points == 2000);
-  CHECK(made->tables[0].points <= kTwinCatMostPoints);
-  CHECK(made->tables[0].deviation < 1.0);
-  const auto few = twincat_export(source, {{1, 2, 3}, 20, false});
-  REQUIRE(few);
-  CHECK(few->tables[0].points <= 20);
+  const auto made = must(twincat_export(source, {}));
+  CHECK(made.tables[0].map_points == 2000);
+  CHECK(made.tables[0].points <= kTwinCatMostPoints);
+  CHECK(made.tables[0].deviation < 1.0);
+  CHECK(must(twincat_export(source, {{1, 2, 3}, 20, false})).tables[0].points <= 20);
 }
 
 TEST_CASE("everything but positioning stays behind, and a map without positioning is refused") {
-  const auto made = twincat_export(whole_machine(), {});
-  REQUIRE(made);
-  CHECK(made->not_carried.size() == 15 + 3);
-  CHECK(leaves(*made, "EYX"));
-  CHECK(leaves(*made, "C0Y"));
+  const auto made = must(twincat_export(whole_machine(), {}));
+  CHECK(made.not_carried.size() == 15 + 3);
+  CHECK(leaves(made, "EYX"));
+  CHECK(leaves(made, "C0Y"));
   ExportSource source = small_machine();
   source.map.tables = {{Component::EYX, Approach::unknown, {0, 1}, {1, 1}}};
-  CHECK(twincat_export(source, {}).error().message.find("no positioning table") != std::string::npos);
+  CHECK(contains(twincat_export(source, {}).error().message, "no positioning table"));
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include <list>
 
-#include <doctest/doctest.h>
-
 #include "tests/support/short_lathe.hpp"
 #include "tests/support/unit_model.hpp"
 #include "tests/support/verb_run.hpp"
@@ -59,8 +57,8 @@ TEST_CASE("of fifty units, dead, slow and wrong ones stop no other, and a second
   CHECK(exit_code_of(reports) == 4);
   REQUIRE(!told.empty());
   CHECK(told.back().units_done == 50);
-  CHECK(told.back().share == doctest::Approx(1.0));
-  CHECK(told.back().seconds_left == doctest::Approx(0.0));
+  CHECK(told.back().share == Approx(1.0));
+  CHECK(told.back().seconds_left == Approx(0.0));
 
   const auto again = run_batch(plan, BatchMode::send, kUsualLines);
   CHECK(count_of(again, BatchState::held) == 43);

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <map>
-#include <string>
-#include <vector>
 
 #include "base/text.hpp"
 #include "modules/fleet/result.hpp"
@@ -39,10 +37,9 @@ struct FleetFolder {
   [[nodiscard]] std::map<std::string, commissioning::FleetResult> answers() const {
     std::map<std::string, commissioning::FleetResult> all;
     for (const std::string& line : lines()) {
-      auto result = commissioning::result_in(line);
-      REQUIRE(result);
-      result->processor_s = 0.0;
-      CHECK_MESSAGE(all.emplace(result->id, *result).second, "more than one line for ", result->id);
+      auto result = must(commissioning::result_in(line));
+      result.processor_s = 0.0;
+      CHECK_MESSAGE(all.emplace(result.id, result).second, "more than one line for ", result.id);
     }
     return all;
   }

@@ -1,16 +1,13 @@
-#include <cmath>
 #include <random>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "base/random.hpp"
 #include "modules/fleet/result.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
-
-using doctest::Approx;
 
 FleetResult healthy(const std::string& id, const std::string& type, const std::string& batch) {
   return {id, "h", "adequate", {}, type, batch, 0.1, {}, false};
@@ -60,8 +57,7 @@ TEST_CASE("the chance of a shared cause is that of Fisher's exact test") {
 TEST_CASE("results without p-values count by the inverse of their e-values, enough for one, not among a thousand") {
   std::vector<FleetResult> results{with_cause("odd", "b", "cyclic:X:EX", 150.0)};
   const FleetNames alone = fleet_names(results, 0.05);
-  REQUIRE(alone.named.size() == 1);
-  CHECK(*alone.named[0].q_value == Approx(1.0 / 150.0));
+  CHECK(*only(alone.named).q_value == Approx(1.0 / 150.0));
   for (int i = 0; i < 999; ++i) results.push_back(healthy(fmt::format("{}", i), "mill", "b"));
   const FleetNames among = fleet_names(results, 0.05);
   CHECK(among.named.empty());
@@ -77,25 +73,20 @@ TEST_CASE("the p-value of a machine counts, that of a cause beside the others na
   std::vector<FleetResult> results{two};
   for (int i = 0; i < 99; ++i) results.push_back(healthy(fmt::format("{}", i), "mill", "b"));
   const FleetNames names = fleet_names(results, 0.05);
-  REQUIRE(names.named.size() == 1);
-  CHECK(names.named[0].cause == "scale");
+  CHECK(only(names.named).cause == "scale");
   CHECK(*names.named[0].q_value == Approx(1e-5 * 100.0));
-  REQUIRE(names.unconfirmed.size() == 1);
-  CHECK(names.unconfirmed[0].cause == "cyclic:X:EX");
+  CHECK(only(names.unconfirmed).cause == "cyclic:X:EX");
   results[0].p_value = 1e-3;
   CHECK(fleet_names(results, 0.05).named.empty());
 }
 
 TEST_CASE("a machine without an answer takes no part, one without any evidence is not confirmed") {
-  FleetResult unread;
-  unread.id = "gone";
-  unread.error = "no such file";
+  FleetResult unread{.id = "gone", .error = "no such file"};
   FleetResult weighed_by_noise = with_cause("m", "b", "scale", 1.0);
   weighed_by_noise.causes[0].e_value.reset();
   const FleetNames names = fleet_names({unread, weighed_by_noise, with_cause("n", "b", "scale", 1e6)}, 0.05);
   CHECK(names.machines == 2);
-  REQUIRE(names.unconfirmed.size() == 1);
-  CHECK_FALSE(names.unconfirmed[0].q_value);
+  CHECK_FALSE(only(names.unconfirmed).q_value);
   CHECK(names.named.size() == 1);
 }
 
@@ -109,8 +100,7 @@ TEST_CASE("a further cause of a named machine needs the evidence of a machine of
   REQUIRE(names.named.size() == 2);
   CHECK(names.named[1].cause == "backlash:X");
   CHECK(*names.named[1].q_value == Approx(100.0 / 1e6));
-  REQUIRE(names.unconfirmed.size() == 1);
-  CHECK(names.unconfirmed[0].cause == "cyclic:X:EX");
+  CHECK(only(names.unconfirmed).cause == "cyclic:X:EX");
 }
 
 TEST_CASE("a bad batch is listed, and its type is not listed for it") {
@@ -124,8 +114,7 @@ TEST_CASE("a bad batch is listed, and its type is not listed for it") {
     results.push_back(one);
   }
   const FleetNames names = fleet_names(results, 0.05);
-  REQUIRE(names.groups.size() == 1);
-  CHECK(names.groups[0].by == "batch");
+  CHECK(only(names.groups).by == "batch");
   CHECK(names.groups[0].value == "2026-04");
   CHECK(names.groups[0].cause == "cyclic:X:EX");
   CHECK(names.groups[0].machines == 7);
@@ -142,8 +131,7 @@ TEST_CASE("changes since last time are listed by machine and by cause, except of
   CHECK_FALSE(changes.machines[0].is_new);
   CHECK(changes.machines[1].id == "d");
   CHECK(changes.machines[1].is_new);
-  REQUIRE(changes.causes.size() == 1);
-  CHECK(changes.causes[0].is_new == 1);
+  CHECK(only(changes.causes).is_new == 1);
   CHECK(changes.causes[0].gone == 1);
 }
 

@@ -1,7 +1,5 @@
 #include "modules/fleet/run.hpp"
 
-#include <doctest/doctest.h>
-
 #include "base/file.hpp"
 #include "base/process.hpp"
 #include "modules/fleet/result.hpp"
@@ -18,41 +16,38 @@ Result<Manifest> manifest_of(const std::string& text) {
 
 TEST_CASE("a manifest takes its columns in any order and leaves others alone") {
   const auto manifest =
-      manifest_of("\xEF\xBB\xBF# of the night\ndata,site,id\n\na.csv,\"Hall 1, west\",m1\r\nb.csv,,m2");
-  REQUIRE(manifest);
-  REQUIRE(manifest->size() == 2);
-  CHECK(manifest->row(0)->cells == std::vector<std::string>{"m1", "a.csv", ""});
-  CHECK(manifest->row(1)->id() == "m2");
-  CHECK(manifest->row(1)->line == 5);
-  CHECK(manifest->from_folder("sets/a.csv") == "/fleet/sets/a.csv");
+      must(manifest_of("\xEF\xBB\xBF# of the night\ndata,site,id\n\na.csv,\"Hall 1, west\",m1\r\nb.csv,,m2"));
+  REQUIRE(manifest.size() == 2);
+  CHECK(manifest.row(0)->cells == std::vector<std::string>{"m1", "a.csv", ""});
+  CHECK(manifest.row(1)->id() == "m2");
+  CHECK(manifest.row(1)->line == 5);
+  CHECK(manifest.from_folder("sets/a.csv") == "/fleet/sets/a.csv");
 }
 
 TEST_CASE("a manifest without a needed column or without rows is refused with its line") {
-  CHECK(manifest_of("id,batch\nm1,b\n").error().message.find("found no data") != std::string::npos);
-  CHECK(manifest_of("# x\nid,dta\nm1,a.csv\n").error().message.find("did you mean data") != std::string::npos);
+  CHECK(contains(manifest_of("id,batch\nm1,b\n").error().message, "found no data"));
+  CHECK(contains(manifest_of("# x\nid,dta\nm1,a.csv\n").error().message, "did you mean data"));
   CHECK(manifest_of("# x\nid,dta\nm1,a.csv\n").error().line == 2);
-  CHECK(manifest_of("id,data,id\nm1,a,b\n").error().message.find("found id twice") != std::string::npos);
+  CHECK(contains(manifest_of("id,data,id\nm1,a,b\n").error().message, "found id twice"));
   CHECK_FALSE(manifest_of("id,data\n"));
   CHECK_FALSE(manifest_of(""));
 }
 
 TEST_CASE("a wrong row of a manifest spoils no other") {
-  const auto manifest = manifest_of("id,data\nm1,a.csv,b.csv\n,a.csv\nm3,\n\"m4,a.csv\nm5,a.csv\n");
-  REQUIRE(manifest);
-  CHECK(manifest->row(0).error().message.find("expected 2 cells") != std::string::npos);
-  CHECK(manifest->row(1).error().message.find("id: expected a value") != std::string::npos);
-  CHECK(manifest->row(2).error().line == 4);
-  CHECK_FALSE(manifest->row(3));
-  CHECK(manifest->row(4)->id() == "m5");
+  const auto manifest = must(manifest_of("id,data\nm1,a.csv,b.csv\n,a.csv\nm3,\n\"m4,a.csv\nm5,a.csv\n"));
+  CHECK(contains(manifest.row(0).error().message, "expected 2 cells"));
+  CHECK(contains(manifest.row(1).error().message, "id: expected a value"));
+  CHECK(manifest.row(2).error().line == 4);
+  CHECK_FALSE(manifest.row(3));
+  CHECK(manifest.row(4)->id() == "m5");
 }
 
 TEST_CASE("rows of a manifest with the id of an earlier one are known with its line") {
-  const auto manifest = manifest_of("id,data\nm1,a.csv\nm2,b.csv\nm1,c.csv\nm1,d.csv\n");
-  REQUIRE(manifest);
-  CHECK_FALSE(manifest->doubles_line(0));
-  CHECK_FALSE(manifest->doubles_line(1));
-  CHECK(manifest->doubles_line(2) == 2);
-  CHECK(manifest->doubles_line(3) == 2);
+  const auto manifest = must(manifest_of("id,data\nm1,a.csv\nm2,b.csv\nm1,c.csv\nm1,d.csv\n"));
+  CHECK_FALSE(manifest.doubles_line(0));
+  CHECK_FALSE(manifest.doubles_line(1));
+  CHECK(manifest.doubles_line(2) == 2);
+  CHECK(manifest.doubles_line(3) == 2);
 }
 
 using app::FleetFolder;
@@ -60,9 +55,7 @@ using app::FleetFolder;
 Result<FleetReport> run_of(const FleetFolder& fleet, const std::string& rows, FleetOptions options = {},
                            const FleetWatch& watch = {}) {
   options.noise_replicates = 50;
-  const auto manifest = Manifest::read(fleet.manifest(rows), fleet_columns());
-  REQUIRE(manifest);
-  return run_fleet(*manifest, fleet.results, options, watch);
+  return run_fleet(must(Manifest::read(fleet.manifest(rows), fleet_columns())), fleet.results, options, watch);
 }
 
 std::string four_rows() {
@@ -84,10 +77,9 @@ TEST_CASE("a run that was killed in the middle of a line goes on without loss") 
   const auto whole = fleet.answers();
   const auto lines = fleet.lines();
   std::ofstream(fleet.results) << lines[0] << '\n' << lines[1] << '\n' << lines[2].substr(0, 40);
-  const auto again = run_of(fleet, four_rows(), {.threads = 1});
-  REQUIRE(again);
-  CHECK(again->skipped == 2);
-  CHECK(again->diagnosed == 2);
+  const auto again = must(run_of(fleet, four_rows(), {.threads = 1}));
+  CHECK(again.skipped == 2);
+  CHECK(again.diagnosed == 2);
   CHECK(fleet.answers() == whole);
   CHECK_FALSE(std::filesystem::exists(fleet.results + ".work"));
 }
@@ -97,15 +89,12 @@ TEST_CASE("a link or a file of another program beside the results is refused, an
   const std::string precious = fleet.results + ".precious", work = fleet.results + ".work";
   std::ofstream(precious) << "keep me\n";
   std::filesystem::create_symlink(precious, work);
-  const auto through_link = run_of(fleet, FleetFolder::row(0));
-  REQUIRE_FALSE(through_link);
-  CHECK(through_link.error().kind == ProblemKind::refused);
-  CHECK(through_link.error().message.find("symbolic link") != std::string::npos);
+  const auto through_link = must_fail(run_of(fleet, FleetFolder::row(0)));
+  CHECK(through_link.kind == ProblemKind::refused);
+  CHECK(contains(through_link.message, "symbolic link"));
   std::filesystem::remove(work);
   std::filesystem::copy_file(precious, work);
-  const auto over_file = run_of(fleet, FleetFolder::row(0));
-  REQUIRE_FALSE(over_file);
-  CHECK(over_file.error().message.find("no file of `ecs fleet diagnose`") != std::string::npos);
+  CHECK(contains(must_fail(run_of(fleet, FleetFolder::row(0))).message, "no file of `ecs fleet diagnose`"));
   for (const std::string& file : {precious, work}) CHECK(read_file(file) == "keep me\n");
 }
 
@@ -118,9 +107,8 @@ TEST_CASE("a signal stops a fleet in good order") {
   REQUIRE(stopped);
   CHECK(stopped->stopped);
   CHECK(stopped->diagnosed == 0);
-  const auto rest = run_of(fleet, four_rows());
-  REQUIRE(rest);
-  CHECK(rest->skipped + rest->diagnosed == 4);
+  const auto rest = must(run_of(fleet, four_rows()));
+  CHECK(rest.skipped + rest.diagnosed == 4);
   CHECK(fleet.answers().size() == 4);
 }
 
@@ -128,10 +116,9 @@ TEST_CASE("changed content is diagnosed anew, a changed batch is not") {
   const FleetFolder fleet;
   REQUIRE(run_of(fleet, four_rows()));
   static_cast<void>(fleet.folder.with("1.csv", app::measured_x(app::cyclic_x, {.seed = 99})));
-  const auto again = run_of(fleet, FleetFolder::row(0, "other") + FleetFolder::row(1));
-  REQUIRE(again);
-  CHECK(again->diagnosed == 1);
-  CHECK(again->skipped == 1);
+  const auto again = must(run_of(fleet, FleetFolder::row(0, "other") + FleetFolder::row(1)));
+  CHECK(again.diagnosed == 1);
+  CHECK(again.skipped == 1);
   const auto third = run_of(fleet, FleetFolder::row(0, "other") + FleetFolder::row(1));  // leaves replaced lines out
   CHECK(third->skipped == 2);
   CHECK(fleet.answers().at("m0").batch == "other");
@@ -152,12 +139,10 @@ TEST_CASE("the hash is of the content, wherever it lies") {
 TEST_CASE("files that end the program three times are left out, told, and tried again by the next run") {
   const FleetFolder fleet;
   static_cast<void>(fleet.folder.with("results.jsonl.work", "W 2 m1\nW 0 m0\nK 1 m3\n"));
-  const auto report = run_of(fleet, four_rows(), {.threads = 1});
-  REQUIRE(report);
-  CHECK(report->diagnosed == 3);
-  REQUIRE(report->errors.size() == 1);
-  CHECK(report->errors[0].line == 3);
-  CHECK(report->errors[0].message.find("ended 3 times") != std::string::npos);
+  const auto report = must(run_of(fleet, four_rows(), {.threads = 1}));
+  CHECK(report.diagnosed == 3);
+  CHECK(only(report.errors).line == 3);
+  CHECK(contains(report.errors[0].message, "ended 3 times"));
   CHECK(commissioning::result_in(fleet.lines()[0])->id == "m2");  // those that were under way come last
   CHECK(run_of(fleet, four_rows())->diagnosed == 1);
 }
@@ -175,24 +160,18 @@ TEST_CASE("parts of a manifest together are the whole") {
 
 TEST_CASE("two runs do not write the same results") {
   const FleetFolder fleet;
-  auto first = UnderWay::open(fleet.results + ".work", 1);
-  REQUIRE(first);
-  const auto second = run_of(fleet, four_rows());
-  REQUIRE_FALSE(second);
-  CHECK(second.error().kind == ProblemKind::refused);
-  first->remove();
+  auto first = must(UnderWay::open(fleet.results + ".work", 1));
+  CHECK(must_fail(run_of(fleet, four_rows())).kind == ProblemKind::refused);
+  first.remove();
 }
 
 TEST_CASE("a machine that takes too long is an error, and the others go on") {
   const FleetFolder fleet;
-  app::MeasuredAxis large;
-  large.runs = 20;
-  large.targets = 80;
+  app::MeasuredAxis large{.runs = 20, .targets = 80};
   static_cast<void>(fleet.folder.with("0.csv", app::measured_x(app::cyclic_x, large)));
-  const auto report = run_of(fleet, FleetFolder::row(0) + FleetFolder::row(1), {.threads = 2, .most_s = 0.01});
-  REQUIRE(report);
-  REQUIRE_FALSE(report->errors.empty());
-  CHECK(report->errors[0].message.find("stopped after 0.01 s") != std::string::npos);
+  const auto report = must(run_of(fleet, FleetFolder::row(0) + FleetFolder::row(1), {.threads = 2, .most_s = 0.01}));
+  REQUIRE_FALSE(report.errors.empty());
+  CHECK(contains(report.errors[0].message, "stopped after 0.01 s"));
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 // Hidden cases: what is hidden is what docs/physics.md says, as large as asked for, and stays hidden.
-#include <cmath>
 #include <functional>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "modules/hidden_cases/tests/hidden_cases.hpp"
@@ -169,8 +167,7 @@ TEST_CASE("what is hidden adds to the readings what its formula says") {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       CAPTURE(seed);
       const HiddenCase c = case_of(request_for(seed, CaseKind::single, kind));
-      REQUIRE(c.hidden.size() == 1);
-      const PlacedEffect& effect = c.hidden[0].effect;
+      const PlacedEffect& effect = only(c.hidden).effect;
       CHECK(effect.kind->id == kind);
       std::vector<double> wrong = difference_made(c);
       const double size = rms(wrong);
@@ -178,7 +175,7 @@ TEST_CASE("what is hidden adds to the readings what its formula says") {
         if (c.scene.stops[k].sense == *effect.sense) wrong[k] -= formula(At{c.scene, effect, c.scene.stops[k]});
       const bool air = kind == "air_refraction" || kind == "dead_path";
       CHECK(rms(wrong) < (air ? 0.05 : 1e-3) * size + 1e-3);  // exact matrices bend what is straight by less
-      CHECK(c.hidden[0].rms_um == doctest::Approx(size).epsilon(1e-3));
+      CHECK(c.hidden[0].rms_um == Approx(size).epsilon(1e-3));
     }
   }
 }
@@ -216,7 +213,7 @@ TEST_CASE("a rotation acts through the levers that the exact matrices give its c
         const Stop& stop = c.scene.stops[k];
         const double lever_m = (stop.position_mm[row.lever] - line.value_or(0.0)) * 1e-3;
         const double angle = value_at(effect.curve, At{c.scene, effect, stop}.p());
-        CHECK(change[k] == doctest::Approx(row.sign * angle * lever_m).epsilon(5e-3).scale(c.hidden[0].rms_um));
+        CHECK(change[k] == Approx(row.sign * angle * lever_m).epsilon(5e-3).scale(c.hidden[0].rms_um));
       }
     }
   }
@@ -235,7 +232,7 @@ TEST_CASE("squareness tilts one axis against another with the signs of docs/phys
       if (effect.code == Component::B0Z && stop.sense == Sense::EX) expected = stop.position_mm[2];
       if (effect.code == Component::A0Z && stop.sense == Sense::EY) expected = -stop.position_mm[2];
       expected *= effect.parameters.at("um_per_m") * 1e-3;
-      CHECK(change[k] == doctest::Approx(expected).epsilon(1e-3).scale(c.hidden[0].rms_um));
+      CHECK(change[k] == Approx(expected).epsilon(1e-3).scale(c.hidden[0].rms_um));
     }
   }
 }
@@ -289,7 +286,7 @@ TEST_CASE("a fault of the unit changes the readings by what it makes of the map"
           if (kind == "map_direction_swap" && table.axis == stop.axis)
             expected += in_map(c.scene, table, p_mm, -way) - map;
         }
-        CHECK(change[k] == doctest::Approx(expected).epsilon(1e-6).scale(1.0));
+        CHECK(change[k] == Approx(expected).epsilon(1e-6).scale(1.0));
       }
     }
   }
@@ -307,7 +304,7 @@ TEST_CASE("the signal to noise asked for is what an independent least squares fi
       CAPTURE(seed);
       CAPTURE(kind);
       const double left_um = rms(left_of(difference_made(c), *columns));
-      CHECK(left_um / c.noise.sigma_um == doctest::Approx(2.5).epsilon(0.005));
+      CHECK(left_um / c.noise.sigma_um == Approx(2.5).epsilon(0.005));
       CHECK(left_um * left_um >= 0.04 * c.hidden[0].rms_um * c.hidden[0].rms_um);  // never all but absorbed
       ++checked;
     }
@@ -326,7 +323,7 @@ TEST_CASE("the noise of a reading is what the truth says") {
     ++counted;
   }
   CHECK(counted >= 30);
-  CHECK(sum / counted == doctest::Approx(1.0).epsilon(0.1));
+  CHECK(sum / counted == Approx(1.0).epsilon(0.1));
 }
 
 TEST_CASE("every law of noise has the size that the truth says, and its own marks") {
@@ -348,7 +345,7 @@ TEST_CASE("every law of noise has the size that the truth says, and its own mark
       for (std::size_t k = 0; law == NoiseLaw::doubled && k < c.readings.size(); k += 2)
         CHECK(c.readings[k] == c.readings[k + 1]);
     }
-    CHECK(sum == doctest::Approx(law == NoiseLaw::rounded ? 1.7 : 1.0).epsilon(0.45));
+    CHECK(sum == Approx(law == NoiseLaw::rounded ? 1.7 : 1.0).epsilon(0.45));
   }
 }
 
@@ -359,7 +356,7 @@ TEST_CASE(
     HiddenCaseRequest request = request_for(seed, CaseKind::single);
     request.free_base = true;
     const HiddenCase c = case_of(request);
-    CHECK(files_of(c).at("model.toml").find("parameters") == std::string::npos);
+    CHECK(!contains(files_of(c).at("model.toml"), "parameters"));
     for (const PlacedEffect& effect : c.base) held.emplace(effect.kind->id);
   }
   for (const char* id : {"cyclic", "progressive", "warm_up", "reversal_spike", "step", "cosine", "thermal_bend"})
@@ -407,7 +404,7 @@ TEST_CASE("structure that is in no library says on which columns it depends") {
     kinds.insert(c.structure.text);
     REQUIRE(!c.structure.variables.empty());
     const std::string data = files_of(c).at("data.csv");
-    for (const std::string& name : c.structure.variables) CHECK_MESSAGE(data.find(name) != std::string::npos, name);
+    for (const std::string& name : c.structure.variables) CHECK_MESSAGE(contains(data, name), name);
   }
   CHECK(kinds.size() >= 6);
   CHECK(structures().size() == 30);

@@ -1,9 +1,5 @@
 // An artefact set up turned, and a bed bent by the difference of two temperatures: the errors file, and the hidden case
 // that asks for it.
-
-#include <algorithm>
-
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "modules/hidden_cases/tests/hidden_cases.hpp"
@@ -26,21 +22,19 @@ TEST_CASE("a turned set-up gives each axis of the plane a straightness in the di
   MachineState state;
   state.position_mm = {500.0, 300.0, -250.0};
   const ComponentValues values = errors.at(state);
-  CHECK(values[index_of(Component::EZX)] == doctest::Approx(-40.0 * 0.5));
-  CHECK(values[index_of(Component::EXZ)] == doctest::Approx(40.0 * -0.25));
+  CHECK(values[index_of(Component::EZX)] == Approx(-40.0 * 0.5));
+  CHECK(values[index_of(Component::EXZ)] == Approx(40.0 * -0.25));
   CHECK(values[index_of(Component::EXX)] == 0.0);
   CHECK(values[index_of(Component::EYX)] == 0.0);
 }
 
 TEST_CASE("a turned set-up has a code EA, EB or EC and no place besides") {
   const auto refusal = [](const std::string& keys) {
-    const auto errors = TrueErrors::parse(turned(keys), "errors.toml", ".");
-    REQUIRE(!errors.has_value());
-    return to_text(errors.error());
+    return to_text(must_fail(TrueErrors::parse(turned(keys), "errors.toml", ".")));
   };
-  CHECK(refusal("code = 'ECX'").find("code: expected EA, EB or EC") != std::string::npos);
-  CHECK(refusal("").find("code: expected EA, EB or EC") != std::string::npos);
-  CHECK(refusal("code = 'EC'\naxis = 'X'").find("axis: set_up_rotation has a code alone") != std::string::npos);
+  CHECK(contains(refusal("code = 'ECX'"), "code: expected EA, EB or EC"));
+  CHECK(contains(refusal(""), "code: expected EA, EB or EC"));
+  CHECK(contains(refusal("code = 'EC'\naxis = 'X'"), "axis: set_up_rotation has a code alone"));
 }
 
 TEST_CASE("a turned set-up is hidden where asked for, in both senses of its plane") {
@@ -58,7 +52,7 @@ TEST_CASE("a turned set-up is hidden where asked for, in both senses of its plan
       double expected = 0.0;
       if (stop.sense == static_cast<Sense>(one)) expected = -c_um_per_mm * c.scene.p_mm(stop, other);
       if (stop.sense == static_cast<Sense>(other)) expected = c_um_per_mm * c.scene.p_mm(stop, one);
-      REQUIRE(values[k] == doctest::Approx(expected));
+      REQUIRE(values[k] == Approx(expected));
     }
     const auto truth = nlohmann::json::parse(truth_of(c));
     CHECK(truth["effects"][0]["name"] == name_of(effect));
@@ -66,10 +60,6 @@ TEST_CASE("a turned set-up is hidden where asked for, in both senses of its plan
     CHECK(truth["effects"][0]["sense"].is_null());
   }
 }
-
-using namespace ecs;
-using namespace ecs::emulator;
-using namespace ecs::emulator::test;
 
 namespace {
 
@@ -79,11 +69,7 @@ std::string bend(const std::string& keys) {
   return "[[effect]]\nid = 'thermal_bend'\n" + keys + "\nparameters = { um_per_m2_degC = 2 }\n" + kTemperatures;
 }
 
-std::string refusal(const std::string& text) {
-  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE(!errors.has_value());
-  return to_text(errors.error());
-}
+std::string refusal(const std::string& text) { return to_text(must_fail(TrueErrors::parse(text, "errors.toml", "."))); }
 
 }  // namespace
 
@@ -94,21 +80,18 @@ TEST_CASE("a bed bends with the square of the position and the difference of two
   errors.put_on(place);
   MachineState state;
   state.position_mm = {1400.0, 0.0, 0.0};  // 1.5 m from the datum
-  CHECK(errors.at(state)[index_of(Component::EZX)] == doctest::Approx(2.0 * 2.25 * 5.0));
+  CHECK(errors.at(state)[index_of(Component::EZX)] == Approx(2.0 * 2.25 * 5.0));
   state.time_s = 7200.0;
-  CHECK(errors.at(state)[index_of(Component::EZX)] == doctest::Approx(2.0 * 2.25 * 7.0));
+  CHECK(errors.at(state)[index_of(Component::EZX)] == Approx(2.0 * 2.25 * 7.0));
   CHECK(errors.at(state)[index_of(Component::EXX)] == 0.0);
 }
 
 TEST_CASE("a thermal bend needs a sense across its axis and two sensors") {
   const std::string sensors = "\nsensor = 'top'\nsensor2 = 'foot'";
-  CHECK(refusal(bend("axis = 'X'\nsense = 'EX'" + sensors)).find("sense: thermal_bend acts across its axis") !=
-        std::string::npos);
-  CHECK(refusal(bend("axis = 'X'\nsense = 'EB'" + sensors)).find("sense: thermal_bend acts across its axis") !=
-        std::string::npos);
-  CHECK(refusal(bend("sense = 'EY'" + sensors)).find("axis: expected X, Y or Z") != std::string::npos);
-  CHECK(refusal(bend("axis = 'X'\nsense = 'EY'\nsensor = 'top'")).find("sensor2: expected a sensor") !=
-        std::string::npos);
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EX'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EB'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(contains(refusal(bend("sense = 'EY'" + sensors)), "axis: expected X, Y or Z"));
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EY'\nsensor = 'top'")), "sensor2: expected a sensor"));
 }
 
 TEST_CASE("a thermal bend is hidden where asked for, as its formula says, and drawn nowhere else") {
@@ -128,7 +111,7 @@ TEST_CASE("a thermal bend is hidden where asked for, as its formula says, and dr
           stop.weather.degC[*c.scene.sensor(effect.sensor)] - stop.weather.degC[*c.scene.sensor(effect.sensor2)];
       const double expected =
           stop.sense == *effect.sense ? effect.parameters.at("um_per_m2_degC") * p_m * p_m * difference_degC : 0.0;
-      REQUIRE(values[k] == doctest::Approx(expected));
+      REQUIRE(values[k] == Approx(expected));
     }
     const auto truth = nlohmann::json::parse(truth_of(c));
     CHECK(truth["effects"][0]["name"] == name_of(effect));

@@ -1,7 +1,6 @@
 // A hidden case on disc: readable by others, sealed against accident, whole or not there at all.
 #include <filesystem>
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
@@ -18,22 +17,16 @@ namespace fs = std::filesystem;
 TEST_CASE("a case is a folder of files that others can read, and the truth is not read by accident") {
   const Folder folder;
   HiddenCaseRequest request = request_for(7, CaseKind::single, "map_gain");
-  const auto written = write_hidden_cases(request, 1, folder.path / "case");
-  REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
+  const auto written = must(write_hidden_cases(request, 1, folder.path / "case"));
   const HiddenCase c = case_of(request);
-  const auto data = laser::read_measurement_set(folder.path / "case/data.csv");
-  REQUIRE_MESSAGE(data.has_value(), (data ? "" : to_text(data.error())));
-  CHECK(data->readings.size() == c.readings.size());
-  const auto machine = params::read_machine(folder.path / "case/machine.toml");
-  REQUIRE_MESSAGE(machine.has_value(), (machine ? "" : to_text(machine.error())));
-  CHECK(machine->warnings.empty());
+  CHECK(must(laser::read_measurement_set(folder.path / "case/data.csv")).readings.size() == c.readings.size());
+  CHECK(must(params::read_machine(folder.path / "case/machine.toml")).warnings.empty());
   CHECK(fs::exists(folder.path / "case/map.csv"));
   const std::string sealed = *read_file(folder.path / "case/truth.sealed");
-  for (const char* secret : {"map_gain", "single", "snr", "Hidden"}) CHECK(sealed.find(secret) == std::string::npos);
-  for (const char* secret : {"map_gain", "single"}) CHECK(written->at(0).find(secret) == std::string::npos);
-  const auto opened = unsealed(sealed, "truth.sealed");
-  REQUIRE(opened.has_value());
-  const auto truth = nlohmann::json::parse(*opened);
+  for (const char* secret : {"map_gain", "single", "snr", "Hidden"}) CHECK(!contains(sealed, secret));
+  for (const char* secret : {"map_gain", "single"}) CHECK(!contains(written.at(0), secret));
+  const auto opened = must(unsealed(sealed, "truth.sealed"));
+  const auto truth = nlohmann::json::parse(opened);
   CHECK(truth["kind"] == "single");
   CHECK(truth["effects"][0]["name"] == name_of(c.hidden[0].effect));
   CHECK(truth["effects"][0]["parameters"].contains("gain"));
@@ -51,9 +44,7 @@ TEST_CASE("many cases are written to numbered folders, with seeds that count up"
 TEST_CASE("a folder with something in it is not touched") {
   const Folder folder;
   REQUIRE(write_file(folder.path / "mine.txt", "mine").has_value());
-  const auto written = write_hidden_cases(request_for(1, CaseKind::blank), 1, folder.path);
-  REQUIRE(!written.has_value());
-  CHECK(written.error().kind == ProblemKind::usage);
+  CHECK(must_fail(write_hidden_cases(request_for(1, CaseKind::blank), 1, folder.path)).kind == ProblemKind::usage);
   CHECK(*read_file(folder.path / "mine.txt") == "mine");
   CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
 }
@@ -61,11 +52,10 @@ TEST_CASE("a folder with something in it is not touched") {
 TEST_CASE("what cannot be hidden is refused and leaves nothing behind") {
   const Folder folder;
   const auto refusal = [&](const HiddenCaseRequest& request) {
-    const auto written = write_hidden_cases(request, 2, folder.path / "case");
-    REQUIRE(!written.has_value());
-    CHECK(written.error().kind == ProblemKind::usage);
+    const auto written = must_fail(write_hidden_cases(request, 2, folder.path / "case"));
+    CHECK(written.kind == ProblemKind::usage);
     CHECK(fs::is_empty(folder.path));
-    return written.error().message;
+    return written.message;
   };
   CHECK(refusal(request_for(1, CaseKind::blank, "step")).find("effect") == 0);
   CHECK(refusal(request_for(1, CaseKind::confounded, "cyclic")).find("effect") == 0);

@@ -1,8 +1,6 @@
 // The emulator's list of effects, walked: what every definition owes to hidden cases and errors files.
-#include <cmath>
 #include <set>
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "ecs_emulator/effects/definition.hpp"
@@ -34,10 +32,7 @@ class PlainConditions final : public Conditions {
 };
 
 PlacedEffect with_parameters(const EffectDefinition& kind) {
-  PlacedEffect effect;
-  effect.kind = &kind;
-  effect.sensor = "first";
-  effect.sensor2 = "second";
+  PlacedEffect effect{.kind = &kind, .sensor = "first", .sensor2 = "second"};
   double value = 2.0;
   for (const ParameterDefinition& parameter : kind.parameters) effect.parameters[std::string(parameter.name)] = value++;
   return effect;
@@ -117,18 +112,14 @@ TEST_CASE("every contribution is finite and grows with its parameters as they sa
       const double value = kind->value(effect, PlainConditions(p_mm));
       CHECK(std::isfinite(value));
       if (kind->curve == CurveOf::nothing)
-        CHECK(kind->value(scaled(effect, 3.0), PlainConditions(p_mm)) == doctest::Approx(3.0 * value));
+        CHECK(kind->value(scaled(effect, 3.0), PlainConditions(p_mm)) == Approx(3.0 * value));
     }
     CHECK(kind->value(effect, PlainConditions(1250.0)) != 0.0);
   }
 }
 
 TEST_CASE("every effect of the machine reads from an errors file what its definition computes") {
-  MachineState state;
-  state.position_mm = {300.0, 0.0, 0.0};
-  state.feed_mm_min = 3000.0;
-  state.load_kg = 250.0;
-  state.time_s = 1800.0;
+  MachineState state{.position_mm = {300.0, 0.0, 0.0}, .feed_mm_min = 3000.0, .load_kg = 250.0, .time_s = 1800.0};
   state.travel_since_reversal_mm[0] = 12.0;
   class StateOfFile final : public Conditions {
    public:
@@ -149,10 +140,10 @@ TEST_CASE("every effect of the machine reads from an errors file what its defini
     const auto errors = TrueErrors::parse(text, "errors.toml", ".");
     CHECK(errors.has_value() == kind->elsewhere.empty());
     if (!errors) {
-      CHECK(to_text(errors.error()).find(kind->elsewhere) != std::string::npos);
+      CHECK(contains(to_text(errors.error()), kind->elsewhere));
       continue;
     }
-    CHECK(errors->at(state)[index_of(component_in_table(*kind))] == doctest::Approx(kind->value(effect, expected)));
+    CHECK(errors->at(state)[index_of(component_in_table(*kind))] == Approx(kind->value(effect, expected)));
   }
 }
 

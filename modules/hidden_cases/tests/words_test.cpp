@@ -1,6 +1,5 @@
 // Sentences about a diagnosis: what the first line says, and that no sentence contradicts its own numbers; the remark
 // on targets at equal steps.
-
 #include "model/diagnosis/words.hpp"
 
 #include <chrono>
@@ -18,7 +17,7 @@ using namespace ecs::model::test;
 
 namespace {
 
-bool contains_text(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+bool contains_text(const std::string& text, std::string_view part) { return contains(text, part); }
 
 ParameterEstimate estimate(std::string name, std::string unit, double value) {
   return {std::move(name), std::move(unit), value, {}, false, false};
@@ -68,9 +67,7 @@ Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
   REQUIRE(set);
   REQUIRE(machine);
   DiagnoseOptions options{.noise_replicates = 50};
-  const auto found = diagnose(*model, observations_of(*set, *model, machine->machine), options);
-  REQUIRE(found);
-  return *found;
+  return must(diagnose(*model, observations_of(*set, *model, machine->machine), options));
 }
 
 }  // namespace
@@ -150,10 +147,9 @@ TEST_CASE("too few readings, or even targets without a pitch, are said in place 
 
   laser::MeasurementSet set = measured({}, kNoise_um, nothing);
   for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
-  const auto found = diagnose(straight(), observations_of(set, straight(), std::nullopt));
-  REQUIRE(found);
-  CHECK(found->verdict == Verdict::adequate);
-  CHECK_MESSAGE(found->headline.starts_with("Periods below 50 mm along X cannot be told"), found->headline);
+  const auto found = must(diagnose(straight(), observations_of(set, straight(), std::nullopt)));
+  CHECK(found.verdict == Verdict::adequate);
+  CHECK_MESSAGE(found.headline.starts_with("Periods below 50 mm along X cannot be told"), found.headline);
 }
 
 TEST_CASE("two causes of which each needs the other are proved together") {
@@ -178,18 +174,12 @@ TEST_CASE("no sentence contradicts its own numbers in the answers of hidden case
   }
 }
 
-using namespace ecs;
-using namespace ecs::model;
-using namespace ecs::model::test;
-
 namespace {
 
 laser::MeasurementSet line_at(const std::vector<double>& targets_mm, Axis axis = Axis::X) {
   laser::MeasurementSet set;
   for (const double target_mm : targets_mm) {
-    laser::Reading r;
-    r.row = static_cast<int>(set.readings.size()) + 1;
-    r.axis = axis;
+    laser::Reading r{.row = static_cast<int>(set.readings.size()) + 1, .axis = axis};
     r.position_mm[index_of(axis)] = target_mm;
     set.readings.push_back(r);
   }
@@ -201,11 +191,9 @@ const std::vector<double> kEven{0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0};
 }  // namespace
 
 TEST_CASE("even targets call for a remark with the periods that they do not show") {
-  const auto note = even_targets_note(observations_of(line_at(kEven), Model{}, std::nullopt));
-  REQUIRE(note);
-  CHECK(note->find("targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones") ==
-        0);
-  CHECK(note->find("pitch") == std::string::npos);
+  const auto note = must(even_targets_note(observations_of(line_at(kEven), Model{}, std::nullopt)));
+  CHECK(note.find("targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones") == 0);
+  CHECK(!contains(note, "pitch"));
 }
 
 TEST_CASE("a pitch of the machine that even targets do not show is named") {
@@ -213,9 +201,8 @@ TEST_CASE("a pitch of the machine that even targets do not show is named") {
   REQUIRE(machine.axes[0]);
   machine.axes[0]->screw_pitch_mm = 10.0;
   machine.axes[0]->scale_pitch_mm.reset();
-  const auto note = even_targets_note(observations_of(line_at(kEven), Model{}, machine));
-  REQUIRE(note);
-  CHECK(note->find("longer ones, the screw pitch of 10 mm among them") != std::string::npos);
+  const auto note = must(even_targets_note(observations_of(line_at(kEven), Model{}, machine)));
+  CHECK(contains(note, "longer ones, the screw pitch of 10 mm among them"));
 }
 
 TEST_CASE("moved targets call for no remark, nor even ones that another run moved") {
@@ -232,8 +219,6 @@ TEST_CASE("each axis whose targets are even is named once") {
       r.sense = sense;
       set.readings.push_back(r);
     }
-  const auto note = even_targets_note(observations_of(set, Model{}, std::nullopt));
-  REQUIRE(note);
-  CHECK(note->find("even at 50 mm along X (EX)") != std::string::npos);
-  CHECK(note->find("; targets are even at 20 mm along Y (EX, EY): periods below 40 mm") != std::string::npos);
+  check_holds(must(even_targets_note(observations_of(set, Model{}, std::nullopt))),
+              {"even at 50 mm along X (EX)", "; targets are even at 20 mm along Y (EX, EY): periods below 40 mm"});
 }

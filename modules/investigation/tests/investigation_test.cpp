@@ -1,15 +1,13 @@
 // The loop of an investigation, against a machine of one axis whose errors are known: the runs it begins with, its
 // readings; stopped and gone on with, and its ledger as rows of a screen.
-
 #include "modules/investigation/investigation.hpp"
 
 #include <atomic>
 #include <numbers>
 
-#include <doctest/doctest.h>
-
 #include "model/fit/fit.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -34,9 +32,9 @@ TEST_CASE("the first look keeps inside the travel, ascending, on steps that diff
 TEST_CASE("the programme of ISO 230-2 is five runs both ways over 25 targets, set-up included") {
   const IsoProgramme programme = iso_programme({{Axis::X, Sense::EX}}, one_axis_machine(), workshop_times());
   CHECK(programme.targets == 25);
-  CHECK(programme.set_up_minutes == doctest::Approx(3.0));
+  CHECK(programme.set_up_minutes == Approx(3.0));
   // 250 readings of 3 s, ten passes of 990 mm at 2000 mm/min, and the ways to the overruns
-  CHECK(programme.minutes == doctest::Approx(3.0 + 250 * 3.0 / 60.0 + 10 * 0.99 / 2.0).epsilon(0.02));
+  CHECK(programme.minutes == Approx(3.0 + 250 * 3.0 / 60.0 + 10 * 0.99 / 2.0).epsilon(0.02));
 }
 
 TEST_CASE("a model names its lines; positioning of the axes that it does not speak of comes last") {
@@ -44,8 +42,7 @@ TEST_CASE("a model names its lines; positioning of the axes that it does not spe
   machine.axes[1] = machine.axes[0];
   model::Model model = usual_model();
   const auto lines = lines_of_model(model, machine);
-  REQUIRE(lines.size() == 1);
-  CHECK(lines.front() == InvestigatedLine{Axis::X, Sense::EX});
+  CHECK(only(lines) == InvestigatedLine{Axis::X, Sense::EX});
   CHECK(other_lines(lines, machine) == std::vector<InvestigatedLine>{{Axis::Y, Sense::EY}});
   CHECK(lines_of_model({}, machine).size() == 2);
 }
@@ -60,15 +57,14 @@ TEST_CASE("a squareness is looked at along its second axis, against a square; th
   model::Model model;
   model.effects = {squareness};
   const auto lines = lines_of_model(model, machine);
-  REQUIRE(lines.size() == 1);
-  CHECK(lines.front() == InvestigatedLine{Axis::Y, Sense::EX, true});
+  CHECK(only(lines) == InvestigatedLine{Axis::Y, Sense::EX, true});
   const auto look = first_look(lines.front(), machine, workshop_times());
   CHECK(look.reversed == false);
   CHECK(look.sentence.find("Measure EX along Y against a square, first look") == 0);
   CHECK_FALSE(first_look({Axis::X, Sense::EX}, machine, workshop_times()).reversed.has_value());
   const auto turned = look_turned_over(look, workshop_times());
   CHECK(turned.reversed == true);
-  CHECK(turned.set_up_minutes == doctest::Approx(4.0));
+  CHECK(turned.set_up_minutes == Approx(4.0));
 }
 
 model::MeasurementProposal a_run() {
@@ -88,9 +84,7 @@ TEST_CASE("a second run of a line has a zero of its own, which is no part of the
   const model::Model with = readings.model_with_zeros();
   REQUIRE(with.effects.size() == 4);
   CHECK(is_zero_of_run(to_text(with.effects.back())));
-  const auto fit = model::fit(with, readings.observations(one_axis_machine()));
-  REQUIRE(fit.has_value());
-  CHECK(fit->rms_um < 0.05);
+  CHECK(must(model::fit(with, readings.observations(one_axis_machine()))).rms_um < 0.05);
   CHECK(without_zeros(with).effects == usual_model().effects);
 }
 
@@ -116,7 +110,7 @@ TEST_CASE("rows, runs and times of a later run are numbered on") {
   const laser::Reading& last = readings.all().readings.back();
   CHECK(last.row == 24);
   CHECK(last.run == 2);
-  CHECK(*last.time_s == doctest::Approx(2.0 * end_s + 300.0 - *readings.all().readings.front().time_s));
+  CHECK(*last.time_s == Approx(2.0 * end_s + 300.0 - *readings.all().readings.front().time_s));
 }
 
 TEST_CASE("a run of another line begins with run 1") {
@@ -134,21 +128,16 @@ double waving_error(double x_mm, int approach) {
 }
 
 Investigation investigated(MadeWorkshop& workshop, double minutes) {
-  InvestigationOptions options;
-  options.minutes = minutes;
-  options.times = workshop_times();
-  const auto found = investigate(usual_model(), one_axis_machine(), workshop, options);
-  REQUIRE(found.has_value());
-  return *found;
+  InvestigationOptions options{.minutes = minutes, .times = workshop_times()};
+  return must(investigate(usual_model(), one_axis_machine(), workshop, options));
 }
 
 TEST_CASE("an investigation names the hidden period, adds it, and measures the line again with the new map") {
   MadeWorkshop workshop(waving_error);
   const Investigation found = investigated(workshop, 200.0);
   CHECK(found.verdict == model::Verdict::missing_effect);
-  REQUIRE(found.causes.size() == 1);
-  CHECK(found.causes.front().name == "cyclic:X:EX");
-  CHECK(found.causes.front().probability == doctest::Approx(1.0));
+  CHECK(only(found.causes).name == "cyclic:X:EX");
+  CHECK(found.causes.front().probability == Approx(1.0));
   CHECK(found.steps.back().set.size() == 1);
   CHECK(workshop.active.effects.size() == 4);  // zeros of runs are no part of it
   CHECK(workshop.asked.back().with_new_map);
@@ -161,7 +150,7 @@ TEST_CASE("minutes are those of the steps, and less than the programme of ISO 23
   const Investigation found = investigated(workshop, 200.0);
   double sum = 0.0;
   for (const InvestigationStep& step : found.steps) sum += step.minutes;
-  CHECK(found.minutes == doctest::Approx(sum));
+  CHECK(found.minutes == Approx(sum));
   CHECK(found.minutes < found.programme.minutes);
   CHECK(workshop.steps.size() == found.steps.size());
 }
@@ -179,8 +168,7 @@ TEST_CASE("a cause that shows only under a load is found: each line is looked at
   workshop.um_per_kg_m = 0.1;
   const Investigation found = investigated(workshop, 60.0);
   CHECK(found.verdict == model::Verdict::missing_effect);
-  REQUIRE(found.causes.size() == 1);
-  CHECK(found.causes.front().name == "load:X:EX");
+  CHECK(only(found.causes).name == "load:X:EX");
   CHECK(found.minutes < found.programme.minutes);
 }
 
@@ -199,7 +187,7 @@ TEST_CASE("no run begins that would take more than the minutes that remain") {
   CHECK_FALSE(found.verdict);
   CHECK(workshop.asked.empty());
   REQUIRE_FALSE(found.notes.empty());
-  CHECK(found.notes.front().find("3 minutes") != std::string::npos);
+  CHECK(contains(found.notes.front(), "3 minutes"));
 }
 
 TEST_CASE("a run that cannot be made is noted, and another is taken in its place") {
@@ -208,23 +196,23 @@ TEST_CASE("a run that cannot be made is noted, and another is taken in its place
   const Investigation found = investigated(workshop, 2000.0);
   CHECK(found.verdict == model::Verdict::adequate);
   CHECK(std::any_of(found.notes.begin(), found.notes.end(),
-                    [](const std::string& note) { return note.find("no load is at hand") != std::string::npos; }));
+                    [](const std::string& note) { return contains(note, "no load is at hand"); }));
 }
 
 TEST_CASE("a first run that cannot be made ends the investigation with the reason") {
   MadeWorkshop workshop(usual_error);
   workshop.refuse = [](const RequestedRun&) { return true; };
-  const auto found = investigate(usual_model(), one_axis_machine(), workshop, {60.0, workshop_times(), nullptr});
-  REQUIRE_FALSE(found.has_value());
-  CHECK(found.error().message == "no load is at hand");
+  const auto found =
+      must_fail(investigate(usual_model(), one_axis_machine(), workshop, {60.0, workshop_times(), nullptr}));
+  CHECK(found.message == "no load is at hand");
 }
 
 TEST_CASE("an investigation that is cancelled asks for nothing more") {
   MadeWorkshop workshop(usual_error);
   const std::atomic<bool> cancelled{true};
-  const auto found = investigate(usual_model(), one_axis_machine(), workshop, {60.0, workshop_times(), &cancelled});
-  REQUIRE_FALSE(found.has_value());
-  CHECK(found.error().kind == ProblemKind::refused);
+  const auto found =
+      must_fail(investigate(usual_model(), one_axis_machine(), workshop, {60.0, workshop_times(), &cancelled}));
+  CHECK(found.kind == ProblemKind::refused);
   CHECK(workshop.asked.empty());
 }
 
@@ -250,21 +238,19 @@ TEST_CASE("what was measured before a stop is not measured again") {
   CHECK(followed.progress().steps.size() == 1);
   cancelled = false;
   FollowedWorkshop workshop(followed, machine);
-  const auto found = investigate(usual_model(), one_axis_machine(), workshop, options_with(cancelled));
-  REQUIRE(found.has_value());
-  CHECK(found->causes.size() == 1);
-  CHECK(followed.progress().steps.size() == found->steps.size());
+  const auto found = must(investigate(usual_model(), one_axis_machine(), workshop, options_with(cancelled)));
+  CHECK(found.causes.size() == 1);
+  CHECK(followed.progress().steps.size() == found.steps.size());
   for (std::size_t k = asked; k < machine.asked.size(); ++k) CHECK(machine.asked[k].number != 1);
 }
 
 TEST_CASE("the ledger has a row a run, the members of the last set, and what is being done") {
   InvestigationProgress progress;
-  InvestigationStep step;
-  step.minutes = 8.0;
-  step.measured = "EX along X, first look: 13 targets, 2 runs both ways";
-  step.verdict = model::Verdict::missing_effect;
-  step.rms_um = 1.5;
-  step.set = {{"sag:X:EX", 0.9}, {"progressive:X:EX", 0.1}};
+  InvestigationStep step{.minutes = 8.0,
+                         .measured = "EX along X, first look: 13 targets, 2 runs both ways",
+                         .verdict = model::Verdict::missing_effect,
+                         .set = {{"sag:X:EX", 0.9}, {"progressive:X:EX", 0.1}},
+                         .rms_um = 1.5};
   progress.steps.push_back(step);
   step.minutes = 4.5;
   step.set = {{"sag:X:EX", 1.0}};
@@ -280,7 +266,7 @@ TEST_CASE("the ledger has a row a run, the members of the last set, and what is 
   constexpr std::size_t kColumns = 60;
   const auto lines = lines_of(view, kColumns);
   CHECK(lines.size() == 5);
-  CHECK(lines[1].find("##") != std::string::npos);
+  CHECK(contains(lines[1], "##"));
   for (const std::string& line : lines) CHECK(line.size() <= kColumns);
 }
 

@@ -23,10 +23,7 @@ inline laser::MeasurementSet made_readings(const model::MeasurementProposal& pro
   laser::MeasurementSet set;
   double zero = 0.0;
   for (const model::Stop& stop : model::stops_of(proposal)) {
-    laser::Reading reading;
-    reading.axis = proposal.axis;
-    reading.sense = proposal.sense;
-    reading.position_mm = proposal.parked_mm;
+    laser::Reading reading{.axis = proposal.axis, .position_mm = proposal.parked_mm, .sense = proposal.sense};
     reading.position_mm[index_of(proposal.axis)] = stop.target_mm;
     reading.approach = static_cast<Approach>(stop.approach);
     reading.run = 1 + stop.run - proposal.first_run;
@@ -79,12 +76,8 @@ class MadeWorkshop final : public commissioning::Workshop {
 
 /// X of 1000 mm alone.
 inline params::Machine one_axis_machine() {
-  params::Machine machine;
-  machine.name = "one axis";
-  machine.configuration = "TX";
-  params::MachineAxis axis;
-  axis.travel_mm = {0.0, 1000.0};
-  axis.screw_pitch_mm = 10.0;
+  params::Machine machine{.name = "one axis", .configuration = "TX"};
+  params::MachineAxis axis{.travel_mm = {0.0, 1000.0}, .screw_pitch_mm = 10.0};
   machine.axes[0] = axis;
   return machine;
 }
@@ -93,10 +86,7 @@ inline params::Machine one_axis_machine() {
 inline model::Model usual_model() {
   model::Model model;
   for (const char* id : {"offset", "scale", "backlash"}) {
-    model::EffectInstance effect;
-    effect.id = model::effect_named(id);
-    effect.axis = Axis::X;
-    effect.sense = Sense::EX;
+    model::EffectInstance effect{.id = model::effect_named(id), .axis = Axis::X, .sense = Sense::EX};
     model.effects.push_back(effect);
   }
   return model;

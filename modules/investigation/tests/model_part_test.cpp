@@ -17,14 +17,11 @@ TEST_CASE("an empty place investigates on the emulated machine of the link, over
     if (!offered) (void)press(screen, Key::Name::escape);
     return offered;
   }));
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(contains(picture(screen), "minutes that the runs may take"));
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "first look: "));
+  REQUIRE(contains(after(screen, "\n"), "minutes that the runs may take"));
+  REQUIRE(shows_after(screen, "\n", "first look: "));
   (void)press(screen, Key::Name::escape);
   REQUIRE(shows(screen, "stopped; what was measured is kept"));
-  (void)letter(screen, 'i');
-  CHECK_FALSE(contains(picture(screen), ".workshop"));
+  CHECK_FALSE(contains(after(screen, "i"), ".workshop"));
 }
 
 TEST_CASE("an empty place is refused where the link has no emulated machine, or that of another model") {
@@ -32,18 +29,14 @@ TEST_CASE("an empty place is refused where the link has no emulated machine, or 
   const MillModel mill(folder);
   SUBCASE("a real unit") {
     ModelScreen screen = mill.screen(kNoUnit);
-    (void)letter(screen, '5');
-    (void)letter(screen, 'i');
-    CHECK(contains(picture(screen), "workshop socket, or folder for readings:"));
-    (void)press(screen, Key::Name::enter);
-    CHECK(reads(picture(screen), "this link has no emulated machine: give the socket of a workshop, or a folder"));
+    CHECK(contains(after(screen, "5i"), "workshop socket, or folder for readings:"));
+    CHECK(reads(after(screen, "\n"), "this link has no emulated machine: give the socket of a workshop, or a folder"));
   }
   SUBCASE("another machine") {
     ModelScreen screen = mill.screen("emulator:samples/lathe/machine.toml");
     (void)letter(screen, '5');
     REQUIRE(until(screen, [&] {
-      (void)letter(screen, 'i');
-      (void)press(screen, Key::Name::enter);
+      type(screen, "i\n");
       return reads(picture(screen), "set the link to emulator:samples/mill/machine.toml in LINK (F3) first");
     }));
     CHECK(reads(picture(screen), "the machine file of the model is of moving column mill"));
@@ -55,9 +48,7 @@ TEST_CASE("without a machine file an investigation asks nothing before it is ref
   MillModel mill(folder);
   mill.files.machine.clear();
   ModelScreen screen = mill.screen(kNoUnit);
-  (void)letter(screen, '5');
-  (void)letter(screen, 'i');
-  CHECK(reads(picture(screen), "open the model with its machine file: an investigation needs"));
+  CHECK(reads(after(screen, "5i"), "open the model with its machine file: an investigation needs"));
   CHECK_FALSE(screen.typing());
 }
 

@@ -1,19 +1,17 @@
 // An investigation with the bundled emulator, whose port this program itself has open. A person brings files: right
 // ones, wrong ones, and stops in between.
-
 #include "modules/investigation/workshops.hpp"
 
 #include <chrono>
 #include <filesystem>
 #include <thread>
 
-#include <doctest/doctest.h>
-
 #include "commissioning/link/unit_connection.hpp"
 #include "laser/writers/writers.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -28,24 +26,19 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
   REQUIRE_MESSAGE(unit->newest(), unit->snapshot().problem);
   const WatchedUnit seen = unit->snapshot();
   REQUIRE_FALSE(seen.workshop.empty());
-  const auto machine = params::read_machine(machine_file);
-  REQUIRE(machine);
-  const auto model =
+  const auto machine = must(params::read_machine(machine_file));
+  const auto model = must(
       model::parse_model("[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { um_per_m = 20.0 }\n",
-                         "model.toml", folder.path);
-  REQUIRE_MESSAGE(model, to_text(model.error()));
+                         "model.toml", folder.path));
   JobControl control;
   NoMessages messages;
   SocketWorkshopOptions options;
   options.socket = seen.workshop;
   options.sources.machine = machine_file;
-  options.machine = machine->machine;
+  options.machine = machine.machine;
   SUBCASE("opened by itself it is refused") {
-    const auto workshop = SocketWorkshop::open(messages, options, control.cancelled);
-    REQUIRE(workshop);
-    const auto active = (*workshop)->activate(*model);
-    REQUIRE_FALSE(active);
-    CHECK(active.error().message.find("in use by") != std::string::npos);
+    const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
+    CHECK(contains(must_fail(workshop->activate(model)).message, "in use by"));
   }
   SUBCASE("over the open link the unit compensates afterwards") {
     options.open_unit = {seen.where, seen.workshop, [&](const auto& work) {
@@ -53,13 +46,10 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
                          }};
     SUBCASE("known by the socket") {}
     SUBCASE("known by the port") { options.open_unit.workshop.clear(); }
-    const auto workshop = SocketWorkshop::open(messages, options, control.cancelled);
-    REQUIRE(workshop);
-    const auto active = (*workshop)->activate(*model);
-    REQUIRE_MESSAGE(active, to_text(active.error()));
-    const auto status = unit->with_link(control, [](UnitLink& link) { return link.client().status(); });
-    REQUIRE(status);
-    CHECK(status->mode == UnitMode::compensating);
+    const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
+    (void)must(workshop->activate(model));
+    const auto status = must(unit->with_link(control, [](UnitLink& link) { return link.client().status(); }));
+    CHECK(status.mode == UnitMode::compensating);
   }
 }
 
@@ -67,7 +57,7 @@ class KeptMessages final : public MessageSink {
  public:
   void note(std::string_view text) override { all += std::string(text) + "\n"; }
   void warn(std::string_view text) override { all += "warning: " + std::string(text) + "\n"; }
-  [[nodiscard]] bool say(const std::string& words) const { return all.find(words) != std::string::npos; }
+  [[nodiscard]] bool say(const std::string& words) const { return contains(all, words); }
   std::string all;
 };
 
@@ -84,10 +74,7 @@ struct Watch {
   int idle = 0;
 
   [[nodiscard]] std::unique_ptr<WatchedFolder> opened() {
-    WatchedFolderOptions options;
-    options.folder = folder.path / "readings";
-    options.model = model;
-    options.machine = one_axis_machine();
+    WatchedFolderOptions options{.folder = folder.path / "readings", .model = model, .machine = one_axis_machine()};
     options.pause = [this](std::chrono::milliseconds) {
       constexpr int kLooks = 3;  // between two deeds: a file is taken when two looks find it the same
       if (++idle % kLooks != 0) return true;
@@ -95,18 +82,13 @@ struct Watch {
       deeds[done++]();
       return true;
     };
-    auto watched = WatchedFolder::open(messages, options, cancelled);
-    REQUIRE(watched.has_value());
-    return std::move(*watched);
+    return must(WatchedFolder::open(messages, options, cancelled));
   }
   void put(const std::string& name, const std::string& text) const { (void)folder.with("readings/" + name, text); }
 };
 
 RequestedRun run_of_x(int number = 1) {
-  RequestedRun run;
-  run.number = number;
-  run.proposal = first_look({Axis::X, Sense::EX}, one_axis_machine(), workshop_times());
-  return run;
+  return {.number = number, .proposal = first_look({Axis::X, Sense::EX}, one_axis_machine(), workshop_times())};
 }
 
 std::string right_file(unsigned seed = 1) {
@@ -116,11 +98,9 @@ std::string right_file(unsigned seed = 1) {
 TEST_CASE("a run is asked for in words, with its part program and its targets, and its file is taken") {
   Watch watch;
   watch.deeds = {[&] { watch.put("x.csv", right_file()); }};
-  const auto readings = watch.opened()->measure(run_of_x());
-  REQUIRE(readings.has_value());
-  CHECK(readings->set.readings.size() == 2 * 2 * run_of_x().proposal.targets_mm.size());
+  CHECK(must(watch.opened()->measure(run_of_x())).set.readings.size() == 2 * 2 * run_of_x().proposal.targets_mm.size());
   CHECK(watch.messages.say("Measure EX along X, first look: "));
-  CHECK(content_of(watch.folder / "readings/asked/run_01.nc").find("M08") != std::string::npos);
+  CHECK(contains(content_of(watch.folder / "readings/asked/run_01.nc"), "M08"));
   CHECK(std::filesystem::exists(watch.folder / "readings/asked/run_01_targets.csv"));
 }
 
@@ -128,8 +108,7 @@ TEST_CASE("a file that is half written is named, stays, and is taken once it is 
   Watch watch;
   const std::string whole = right_file();
   watch.deeds = {[&] { watch.put("x.csv", whole.substr(0, whole.size() / 2)); }, [&] { watch.put("x.csv", whole); }};
-  const auto readings = watch.opened()->measure(run_of_x());
-  REQUIRE(readings.has_value());
+  (void)must(watch.opened()->measure(run_of_x()));
   CHECK(watch.messages.say("x.csv is not taken and stays where it is"));
   CHECK(content_of(watch.folder / "readings/x.csv") == whole);
 }
@@ -220,9 +199,7 @@ TEST_CASE("a stop keeps the ledger, and the next start goes on after the runs th
   {
     auto opened = watch.opened();
     REQUIRE(opened->measure(run_of_x(1)).has_value());
-    const auto stopped = opened->measure(run_of_x(2));
-    REQUIRE_FALSE(stopped.has_value());
-    CHECK(stopped.error().message.find("ledger.json") != std::string::npos);
+    CHECK(contains(must_fail(opened->measure(run_of_x(2))).message, "ledger.json"));
   }
   watch.deeds.emplace_back([&] { watch.put("second.csv", right_file(2)); });
   auto opened = watch.opened();

@@ -1,5 +1,4 @@
 // The file of lengths: what is read, what is refused with its line.
-
 #include "modules/lengths/length_test.hpp"
 #include "tests/support/test.hpp"
 
@@ -11,36 +10,27 @@ const std::string kHead =
     "# set_up: L1 interferometer 2 0 0\n";
 const std::string kColumns = "set_up,run,tool,x_mm,y_mm,z_mm,approach_x,approach_y,approach_z,deviation_um\n";
 
-std::string refusal(const std::string& text) {
-  const auto test = parse_lengths(text, "lengths.csv");
-  REQUIRE(!test.has_value());
-  return to_text(test.error());
-}
+std::string refusal(const std::string& text) { return to_text(must_fail(parse_lengths(text, "lengths.csv"))); }
 
 TEST_CASE("a file comes back as it was written") {
   const std::string rows = "S1,1,A,0,0,0,1,1,1,1.5000\nL1,1,A,0,5,0,1,-1,1,0.0000\nL1,2,A,10,5,0,1,-1,1,-2.2500\n";
-  const auto test = parse_lengths(kHead + kColumns + rows, "lengths.csv");
-  REQUIRE_MESSAGE(test.has_value(), (test ? "" : to_text(test.error())));
-  CHECK(test->set_ups[1].place == Vector3{1.0, 0.0, 0.0});
-  CHECK(test->readings[1].approach == PerAxis<int>{1, -1, 1});
-  CHECK(test->readings[2].run == 2);
-  CHECK(point_of(*test, test->readings[0]) == Vector3{0.0, 0.0, -100.0});
-  const auto again = parse_lengths(to_csv(*test, false), "again.csv");
-  REQUIRE(again.has_value());
-  CHECK(to_csv(*again, false) == to_csv(*test, false));
-  const auto plan = parse_lengths(to_csv(*test, true), "plan.csv", true);
-  REQUIRE(plan.has_value());
-  CHECK(plan->readings.size() == 3);
+  const auto test = must(parse_lengths(kHead + kColumns + rows, "lengths.csv"));
+  CHECK(test.set_ups[1].place == Vector3{1.0, 0.0, 0.0});
+  CHECK(test.readings[1].approach == PerAxis<int>{1, -1, 1});
+  CHECK(test.readings[2].run == 2);
+  CHECK(point_of(test, test.readings[0]) == Vector3{0.0, 0.0, -100.0});
+  CHECK(to_csv(must(parse_lengths(to_csv(test, false), "again.csv")), false) == to_csv(test, false));
+  CHECK(must(parse_lengths(to_csv(test, true), "plan.csv", true)).readings.size() == 3);
 }
 
 TEST_CASE("every fault at once, with line and column") {
   const std::string said =
       refusal(kHead + kColumns + "S1,1,B,0,0,0,1,1,1,0\nS1,1,A,0,zero,0,1,0,1,0\nS9,1,A,0,0,0,1,1,1,9e9\n");
-  CHECK(contains(said, "lengths.csv:7:6: tool: expected a name of a line `# tool: ` in the head, found \"B\""));
-  CHECK(contains(said, "lengths.csv:8:10: y_mm: expected a number, found \"zero\""));
-  CHECK(contains(said, "approach_y: expected 1 or -1, the direction of the last motion, found 0"));
-  CHECK(contains(said, "lengths.csv:9:1: set_up: expected a name"));
-  CHECK(contains(said, "deviation_um: expected measured less nominal length"));
+  check_holds(said,
+              {"lengths.csv:7:6: tool: expected a name of a line `# tool: ` in the head, found \"B\"",
+               "lengths.csv:8:10: y_mm: expected a number, found \"zero\"",
+               "approach_y: expected 1 or -1, the direction of the last motion, found 0",
+               "lengths.csv:9:1: set_up: expected a name", "deviation_um: expected measured less nominal length"});
 }
 
 TEST_CASE("a run is a whole number, a name holds no separator, a ball bar's uncertainty is above 0") {
@@ -52,8 +42,8 @@ TEST_CASE("a run is a whole number, a name holds no separator, a ball bar's unce
 
 TEST_CASE("what the head lacks is named") {
   const std::string said = refusal(kColumns + "S1,1,A,0,0,0,1,1,1,0\n");
-  CHECK(contains(said, "expected a line `# tool: NAME X Y Z`"));
-  CHECK(contains(said, "expected a line `# set_up: NAME interferometer DX DY DZ`"));
+  check_holds(said,
+              {"expected a line `# tool: NAME X Y Z`", "expected a line `# set_up: NAME interferometer DX DY DZ`"});
   CHECK(contains(refusal("# set_up: S1 laser 1 2 3\n" + kColumns), "one of interferometer, tracker, ball_bar"));
   CHECK(contains(refusal(kHead + kColumns), "expected readings below the header, found none"));
   CHECK(contains(refusal(kHead + kColumns + "S1,1,A,0,0,0,1,1,1,0\n"), "set_up L1: expected readings of it"));
@@ -64,8 +54,7 @@ TEST_CASE("a step diagonal is no line: poses of an interferometer beside its lin
   const std::string said = refusal(kHead + kColumns +
                                    "S1,1,A,0,0,0,1,1,1,0\nL1,1,A,0,0,0,1,1,1,0\n"
                                    "L1,1,A,10,0,0,1,1,1,0\nL1,1,A,10,10,0,1,1,1,0\n");
-  CHECK(contains(said, "lengths.csv:10: set-up L1: expected a pose on the line of line 8"));
-  CHECK(contains(said, "10.000 mm off it"));
+  check_holds(said, {"lengths.csv:10: set-up L1: expected a pose on the line of line 8", "10.000 mm off it"});
 }
 
 TEST_CASE("a station at the tool is refused") {

@@ -1,12 +1,10 @@
 // All components from lengths alone: exact lengths give them back, what is not determined is named, uncertainties hold.
 // What it costs that variances of noise are estimates: against what is known in closed form.
-
 #include <fmt/format.h>
 
 #include "model/fit/statistics.hpp"
 #include "modules/lengths/shared_noise.hpp"
 #include "modules/lengths/tests/support/made_lengths.hpp"
-#include "tests/support/test.hpp"
 
 namespace ecs::test {
 namespace {
@@ -15,10 +13,7 @@ using model::Identification;
 using model::IdentifiedCurve;
 using model::IdentifySettings;
 
-IdentifySettings exact_lengths() {
-  IdentifySettings settings{.scale_um_per_m = 0.0};
-  return settings;
-}
+IdentifySettings exact_lengths() { return {.scale_um_per_m = 0.0}; }
 
 double farthest_from(const Identification& found, const MadeComponents& made, const params::Machine& machine) {
   double most = 0.0;
@@ -131,22 +126,18 @@ TEST_CASE("too few readings: nothing is computed, and every component that they 
   MadeLengths lengths = body_diagonals();
   lengths.test.readings.resize(62);
   lengths.measure(MadeComponents(7));
-  const auto refused = model::identify(lengths.test, lengths.machine, {});
-  REQUIRE(!refused.has_value());
-  CHECK(contains(to_text(refused.error()), "readings for"));
-  CHECK(contains(to_text(refused.error()), "EXX is not determined"));
+  const auto refused = must_fail(model::identify(lengths.test, lengths.machine, {}));
+  check_holds(to_text(refused), {"readings for", "EXX is not determined"});
 }
 
 TEST_CASE("another machine, another chain and poses beyond the travel are refused") {
   MadeLengths lengths("XYTZ");
   lengths.stations(5);
   lengths.test.readings[3].position_mm[0] = 900.0;
-  const auto beyond = model::identify(lengths.test, lengths.machine, {});
-  REQUIRE(!beyond.has_value());
-  CHECK(contains(to_text(beyond.error()), "made.csv:13: expected X within its travel 0 to 500 mm, found 900"));
-  const auto chain = model::identify(lengths.test, length_test_machine("TXYZ"), {});
-  REQUIRE(!chain.has_value());
-  CHECK(contains(to_text(chain.error()), "of a machine XYTZ, the machine file of TXYZ"));
+  const auto beyond = must_fail(model::identify(lengths.test, lengths.machine, {}));
+  CHECK(contains(to_text(beyond), "made.csv:13: expected X within its travel 0 to 500 mm, found 900"));
+  const auto chain = must_fail(model::identify(lengths.test, length_test_machine("TXYZ"), {}));
+  CHECK(contains(to_text(chain), "of a machine XYTZ, the machine file of TXYZ"));
   CHECK(contains(to_text(model::length_machine(length_test_machine("XTZ")).error()), "three-axis machines"));
 }
 
@@ -157,9 +148,8 @@ TEST_CASE("a reading that is wrong is named and left out") {
   lengths.measure(made, 0.2);
   lengths.test.readings[100].deviation_um += 10.0;
   const Identification found = identified(lengths, {});
-  REQUIRE(found.outliers.size() == 1);
-  CHECK(found.outliers[0].line == 110);
-  CHECK(found.outliers[0].residual_um == doctest::Approx(10.0).epsilon(0.15));
+  CHECK(only(found.outliers).line == 110);
+  CHECK(found.outliers[0].residual_um == Approx(10.0).epsilon(0.15));
   IdentifySettings keep{.keep_outliers = true};
   CHECK(identified(lengths, keep).readings == lengths.test.readings.size());
 }
@@ -192,7 +182,7 @@ TEST_CASE("a beam lost within a run is told with its line and size, and what is 
                                lengths.test.tools[lost.tool].name)));
     CHECK(contains(notes_in(found), fmt::format("at line {} and stay there", lost.line)));
     CHECK(found.outliers.empty());
-    CHECK(found.residual_um == doctest::Approx(before.residual_um).epsilon(0.05));
+    CHECK(found.residual_um == Approx(before.residual_um).epsilon(0.05));
     CHECK(farthest_from(found, made, lengths.machine) < 1.1 * farthest_from(before, made, lengths.machine) + 0.05);
   }
 }
@@ -256,7 +246,7 @@ TEST_CASE("uncertainties hold: with white noise values lie within the stated 95 
     const MadeComponents made(20 + seed);
     lengths.measure(made, 0.5, seed);
     const Identification found = identified(lengths, {});
-    CHECK(found.residual_um == doctest::Approx(0.5).epsilon(0.15));
+    CHECK(found.residual_um == Approx(0.5).epsilon(0.15));
     for (const IdentifiedCurve& curve : found.curves) {
       const auto& travel = lengths.machine.axes[index_of(moving_axis(curve.component))]->travel_mm;
       for (std::size_t i = 1; i < curve.position_mm.size(); ++i) {
@@ -288,8 +278,8 @@ TEST_CASE("angles that scatter at every stop are told from translations, and unc
       stated2 += square.u_um_per_m * square.u_um_per_m;
     }
   }
-  CHECK(translations == doctest::Approx(0.4).epsilon(0.25));
-  CHECK(angles == doctest::Approx(3.0).epsilon(0.15));
+  CHECK(translations == Approx(0.4).epsilon(0.25));
+  CHECK(angles == Approx(3.0).epsilon(0.15));
   CHECK(off2 < 1.8 * stated2);  // 24 values: beyond once in a hundred
   CHECK(off2 > 0.4 * stated2);
 }
@@ -313,9 +303,9 @@ TEST_CASE("the coverage factor is that of tables of Student's t at 95.45 %, and 
   // GUM table G.2
   const std::pair<double, double> table[] = {{1, 13.97}, {2, 4.53},  {3, 3.31}, {5, 2.65},
                                              {10, 2.28}, {20, 2.13}, {50, 2.05}};
-  for (const auto& [freedom, k] : table) CHECK(model::coverage_factor(freedom) == doctest::Approx(k).epsilon(0.0025));
+  for (const auto& [freedom, k] : table) CHECK(model::coverage_factor(freedom) == Approx(k).epsilon(0.0025));
   CHECK(model::coverage_factor(0.2) == model::coverage_factor(1.0));
-  CHECK(model::coverage_factor(1e5) == doctest::Approx(2.0).epsilon(1e-4));
+  CHECK(model::coverage_factor(1e5) == Approx(2.0).epsilon(1e-4));
   CHECK(model::coverage_factor(std::numeric_limits<double>::infinity()) == 2.0);
 }
 
@@ -326,9 +316,8 @@ TEST_CASE("noise of one variance has the degrees of freedom that the readings le
   lengths.line(0, 0, {0, 0, 0}, {500, 0, 0}, 11);
   model::CurveSettings settings;
   for (double& knots : settings.knots_mm) knots = 500.0;
-  const auto machine = model::length_machine(lengths.machine);
-  REQUIRE(machine.has_value());
-  const model::MachineCurves curves(*machine, settings);
+  const auto machine = must(model::length_machine(lengths.machine));
+  const model::MachineCurves curves(machine, settings);
   const Eigen::Index n = 22, p = 3;
   Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(n, 3);
   direction.col(0).setOnes();
@@ -343,9 +332,8 @@ TEST_CASE("noise of one variance has the degrees of freedom that the readings le
   const model::NoiseCertainty sure(shared, solution.basis, solution.back, {variance, 0.0, 0.0, 0.0, 0.0},
                                    {true, false, false, false, false});
   CHECK((sure.covariance() - solution.covariance).norm() < 1e-9 * solution.covariance.norm());
-  CHECK(sure.degrees_of_freedom(Eigen::VectorXd(Eigen::VectorXd::Ones(p)), 0) ==
-        doctest::Approx(static_cast<double>(n - p)));
-  CHECK(sure.spread()(0, 0) == doctest::Approx(2.0 * variance * variance / static_cast<double>(n - p)));
+  CHECK(sure.degrees_of_freedom(Eigen::VectorXd(Eigen::VectorXd::Ones(p)), 0) == Approx(static_cast<double>(n - p)));
+  CHECK(sure.spread()(0, 0) == Approx(2.0 * variance * variance / static_cast<double>(n - p)));
 }
 
 TEST_CASE("where several variances are estimated the covariance grows and the degrees of freedom are fewer") {

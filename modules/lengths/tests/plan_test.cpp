@@ -1,37 +1,31 @@
 // Plans of lengths: they reach what was asked, and measured they give the uncertainty that they promised.
-
 #include "modules/lengths/plan_lengths.hpp"
 #include "modules/lengths/tests/support/made_lengths.hpp"
-#include "tests/support/test.hpp"
 
 namespace ecs::test {
 namespace {
 
 model::LengthPlanSettings small_plan() {
-  model::LengthPlanSettings settings;
-  settings.volume_U_um = 1.0;
-  settings.scatter_um = 0.0;
-  settings.instrument_um = 0.5;
+  model::LengthPlanSettings settings{.volume_U_um = 1.0, .instrument_um = 0.5, .scatter_um = 0.0};
   for (auto& knots : settings.knots_mm) knots = 250.0;
   return settings;
 }
 
 TEST_CASE("a tracker's plan promises the uncertainty that its lengths then have") {
   MadeLengths lengths("XYTZ");
-  const auto plan = model::planned_lengths(lengths.machine, small_plan());
-  REQUIRE_MESSAGE(plan.has_value(), (plan ? "" : to_text(plan.error())));
-  CHECK(plan->reached);
-  CHECK(plan->volume_U_um <= 1.0);
-  CHECK(plan->minutes > plan->set_up_minutes);
-  CHECK(plan->single.reached);
-  CHECK(plan->minutes < plan->single.minutes);
-  lengths.test = plan->test;
+  const auto plan = must(model::planned_lengths(lengths.machine, small_plan()));
+  CHECK(plan.reached);
+  CHECK(plan.volume_U_um <= 1.0);
+  CHECK(plan.minutes > plan.set_up_minutes);
+  CHECK(plan.single.reached);
+  CHECK(plan.minutes < plan.single.minutes);
+  lengths.test = plan.test;
   const MadeComponents made(11);
   lengths.measure(made, 0.5, 3);
   const model::Identification found = identified(lengths, {});
   CHECK(found.whole());
   REQUIRE(found.volume_um.has_value());
-  CHECK(2.0 * *found.volume_um == doctest::Approx(plan->first_tool_U_um).epsilon(0.2));
+  CHECK(2.0 * *found.volume_um == Approx(plan.first_tool_U_um).epsilon(0.2));
 }
 
 TEST_CASE("half the uncertainty takes more minutes") {
@@ -50,11 +44,10 @@ TEST_CASE("an interferometer pays for each line, and its plan is whole too") {
   model::LengthPlanSettings settings = small_plan();
   settings.instrument = model::LengthInstrument::interferometer;
   settings.volume_U_um = 2.0;
-  const auto plan = model::planned_lengths(lengths.machine, settings);
-  REQUIRE(plan.has_value());
-  CHECK(plan->reached);
-  CHECK(plan->set_up_minutes >= 25.0 * static_cast<double>(plan->set_ups));
-  lengths.test = plan->test;
+  const auto plan = must(model::planned_lengths(lengths.machine, settings));
+  CHECK(plan.reached);
+  CHECK(plan.set_up_minutes >= 25.0 * static_cast<double>(plan.set_ups));
+  lengths.test = plan.test;
   lengths.measure(MadeComponents(12), 0.5, 4);
   CHECK(identified(lengths, {}).whole());
 }
@@ -72,35 +65,32 @@ model::LengthPlanSettings ball_bar_plan() {
 TEST_CASE(
     "a ball bar of known length: balls in the volume, the same poses with each tool, and all components come back") {
   MadeLengths lengths("XYTZ");
-  const auto plan = model::planned_lengths(lengths.machine, ball_bar_plan());
-  REQUIRE_MESSAGE(plan.has_value(), (plan ? "" : to_text(plan.error())));
-  CHECK(plan->reached);
-  CHECK(plan->undetermined.empty());
-  CHECK(plan->test.bar_um == 1.0);
-  for (const model::LengthReading& r : plan->test.readings) {
-    const Vector3 point = model::point_of(plan->test, r), ball = plan->test.set_ups[r.set_up].place;
-    CHECK(std::hypot(point[0] - ball[0], point[1] - ball[1], point[2] - ball[2]) ==
-          doctest::Approx(120.0).epsilon(1e-4));
+  const auto plan = must(model::planned_lengths(lengths.machine, ball_bar_plan()));
+  CHECK(plan.reached);
+  CHECK(plan.undetermined.empty());
+  CHECK(plan.test.bar_um == 1.0);
+  for (const model::LengthReading& r : plan.test.readings) {
+    const Vector3 point = model::point_of(plan.test, r), ball = plan.test.set_ups[r.set_up].place;
+    CHECK(std::hypot(point[0] - ball[0], point[1] - ball[1], point[2] - ball[2]) == Approx(120.0).epsilon(1e-4));
   }
-  lengths.test = plan->test;
+  lengths.test = plan.test;
   lengths.measure(MadeComponents(13), 0.2, 5);
   const model::Identification found = identified(lengths, {});
   CHECK(found.whole());
   REQUIRE(found.volume_um.has_value());
-  CHECK(2.0 * *found.volume_um == doctest::Approx(plan->first_tool_U_um).epsilon(0.2));
+  CHECK(2.0 * *found.volume_um == Approx(plan.first_tool_U_um).epsilon(0.2));
 }
 
 TEST_CASE("a ball bar whose length is not known leaves the scale that all axes share, and the plan says so") {
   MadeLengths lengths("XYTZ");
   model::LengthPlanSettings settings = ball_bar_plan();
   settings.bar_um = 0.0;
-  const auto plan = model::planned_lengths(lengths.machine, settings);
-  REQUIRE_MESSAGE(plan.has_value(), (plan ? "" : to_text(plan.error())));
+  const auto plan = must(model::planned_lengths(lengths.machine, settings));
   for (const char* name : {"EXX", "EYY", "EZZ"})
-    CHECK(std::find(plan->undetermined.begin(), plan->undetermined.end(), name) != plan->undetermined.end());
-  REQUIRE(!plan->notes.empty());
-  CHECK(contains(plan->notes[0], "EXX"));
-  lengths.test = plan->test;
+    CHECK(std::find(plan.undetermined.begin(), plan.undetermined.end(), name) != plan.undetermined.end());
+  REQUIRE(!plan.notes.empty());
+  CHECK(contains(plan.notes[0], "EXX"));
+  lengths.test = plan.test;
   lengths.measure(MadeComponents(14), 0.2, 6);
   const model::Identification found = identified(lengths, {});
   CHECK(contains(found.curves[index_of(Component::EXX)].why_not, "only together with"));
@@ -110,9 +100,8 @@ TEST_CASE("a ball bar that fits nowhere is refused") {
   model::LengthPlanSettings settings = small_plan();
   settings.instrument = model::LengthInstrument::ball_bar;
   settings.ball_bar_mm = 400.0;
-  const auto refused = model::planned_lengths(length_test_machine("XYTZ"), settings);
-  REQUIRE(!refused.has_value());
-  CHECK(contains(to_text(refused.error()), "expected a shorter ball bar"));
+  const auto refused = must_fail(model::planned_lengths(length_test_machine("XYTZ"), settings));
+  CHECK(contains(to_text(refused), "expected a shorter ball bar"));
 }
 
 }  // namespace

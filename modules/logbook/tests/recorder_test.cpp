@@ -1,9 +1,6 @@
 // Which logbook an entry goes to, and whose a file is. What is written without being asked: kept open in a burst, one
 // file afterwards. The file of the measuring instrument, read and written.
-
 #include "modules/logbook/recorder.hpp"
-
-#include <doctest/doctest.h>
 
 #include "base/file.hpp"
 #include "modules/logbook/place.hpp"
@@ -17,19 +14,14 @@ namespace ecs::commissioning {
 namespace {
 
 void begin(const std::filesystem::path& path, const LogOwner& owner) {
-  auto book = Logbook::open(path);
-  REQUIRE(book);
-  LogRecord record;
-  record.kind = "report";
-  record.machine = owner.machine;
-  record.serial_number = owner.serial_number;
-  REQUIRE(book->append(record));
+  auto book = must(Logbook::open(path));
+  LogRecord record{.kind = "report", .machine = owner.machine, .serial_number = owner.serial_number};
+  REQUIRE(book.append(record));
 }
 
 std::string chosen(const LogbookSetting& setting, const LogOwner& owner) {
-  const auto path = logbook_of(setting, owner);
-  REQUIRE(path);
-  return *path ? (*path)->filename().string() : "none";
+  const auto path = must(logbook_of(setting, owner));
+  return path ? path->filename().string() : "none";
 }
 
 TEST_CASE("parameters, machine files, maps and measurement sets say whose they are") {
@@ -63,12 +55,7 @@ TEST_CASE("a name that a unit's identity has cut is the same machine's") {
 }
 
 LogRecord about_the_lathe(const std::string& summary) {
-  LogRecord record;
-  record.kind = "test";
-  record.machine = "short lathe";
-  record.serial_number = "SL-1";
-  record.summary = summary;
-  return record;
+  return {.kind = "test", .machine = "short lathe", .serial_number = "SL-1", .summary = summary};
 }
 
 TEST_CASE("a logbook stays open while entries come, and is one file when it rests") {
@@ -125,13 +112,8 @@ TEST_CASE("files are kept as they are on the disc, and one that cannot be read s
 TEST_CASE("an instrument with any characters in its words is written and read again as the same") {
   for (const char* word : {"\n", "a\nb", "\t", "'", "\"", "\\", "\x01", "\xC2\xB5m", "'''\n\"\"\""}) {
     CAPTURE(word);
-    Instrument instrument;
-    instrument.name = word;
-    instrument.serial_number = word;
-    instrument.calibration_interval_days = 365;
-    const auto again = parse_instrument(to_toml(instrument), "instrument.toml");
-    REQUIRE(again);
-    CHECK(*again == instrument);
+    Instrument instrument{.name = word, .serial_number = word, .calibration_interval_days = 365};
+    CHECK(must(parse_instrument(to_toml(instrument), "instrument.toml")) == instrument);
   }
 }
 

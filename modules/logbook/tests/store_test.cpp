@@ -1,7 +1,6 @@
 // The file of a logbook: the chain of hashes, damage, crashes, two writers, no room, no permission.
 #include "modules/logbook/store.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -26,13 +25,12 @@ namespace ecs::commissioning {
 namespace {
 
 LogRecord entry_of(const std::string& summary, const std::string& content = "") {
-  LogRecord record;
-  record.kind = "measurement";
-  record.machine = "short lathe";
-  record.serial_number = "MCM-0107";
-  record.operator_name = "Jo Fitter";
-  record.summary = summary;
-  record.content = R"({"verb":"laser import"})";
+  LogRecord record{.kind = "measurement",
+                   .machine = "short lathe",
+                   .serial_number = "MCM-0107",
+                   .summary = summary,
+                   .content = R"({"verb":"laser import"})",
+                   .operator_name = "Jo Fitter"};
   if (!content.empty()) record.files.push_back({"input", "exx.csv", std::make_shared<const std::string>(content)});
   return record;
 }
@@ -47,10 +45,9 @@ std::string readings_of(int seed, std::size_t bytes) {
 }
 
 Logbook book_of(const std::string& path, int entries) {
-  auto book = Logbook::open(path);
-  REQUIRE(book);
-  for (int i = 0; i < entries; ++i) REQUIRE(book->append(entry_of(fmt::format("run {}", i + 1), readings_of(i, 600))));
-  return std::move(*book);
+  auto book = must(Logbook::open(path));
+  for (int i = 0; i < entries; ++i) REQUIRE(book.append(entry_of(fmt::format("run {}", i + 1), readings_of(i, 600))));
+  return book;
 }
 
 /// A number of the environment, for the long runs of scripts/logbook_endurance.
@@ -62,32 +59,28 @@ int count_or(const char* name, int otherwise) {
 TEST_CASE("each entry holds the hash of the one before, the first one zeros") {
   const Folder folder;
   const Logbook book = book_of(folder / "a.ecslog", 3);
-  const auto entries = book.entries();
-  REQUIRE(entries);
-  REQUIRE(entries->size() == 3);
-  CHECK((*entries)[0].previous == std::string(64, '0'));
+  const auto entries = must(book.entries());
+  REQUIRE(entries.size() == 3);
+  CHECK(entries[0].previous == std::string(64, '0'));
   for (std::size_t i = 0; i < 3; ++i) {
-    CHECK((*entries)[i].number == static_cast<std::int64_t>(i) + 1);
-    CHECK((*entries)[i].hash == hash_of((*entries)[i]));
-    if (i > 0) CHECK((*entries)[i].previous == (*entries)[i - 1].hash);
+    CHECK(entries[i].number == static_cast<std::int64_t>(i) + 1);
+    CHECK(entries[i].hash == hash_of(entries[i]));
+    if (i > 0) CHECK(entries[i].previous == entries[i - 1].hash);
   }
   CHECK(book.verified().whole());
-  CHECK(book.verified().last_hash == (*entries)[2].hash);
+  CHECK(book.verified().last_hash == entries[2].hash);
 }
 
 TEST_CASE("a file comes back as it was, and is named by its hash") {
   const Folder folder;
-  auto book = Logbook::open(folder / "a.ecslog");
-  REQUIRE(book);
+  auto book = must(Logbook::open(folder / "a.ecslog"));
   const std::string text = readings_of(7, 5000);
-  const auto entry = book->append(entry_of("one", text));
-  REQUIRE(entry);
-  const auto files = files_of(*entry);
-  REQUIRE(files.size() == 1);
-  CHECK(files[0].sha256 == sha256_hex(text));
+  const auto entry = must(book.append(entry_of("one", text)));
+  const auto files = files_of(entry);
+  CHECK(only(files).sha256 == sha256_hex(text));
   CHECK(files[0].bytes == text.size());
   CHECK(files[0].kept);
-  CHECK(book->original(files[0].sha256) == text);
+  CHECK(book.original(files[0].sha256) == text);
 }
 
 TEST_CASE("a logbook takes no entry of another machine") {
@@ -95,11 +88,9 @@ TEST_CASE("a logbook takes no entry of another machine") {
   Logbook book = book_of(folder / "a.ecslog", 1);
   LogRecord other = entry_of("other");
   other.serial_number = "MCM-0999";
-  const auto refused = book.append(other);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().kind == ProblemKind::refused);
-  CHECK(contains(refused.error().message, "short lathe, serial number MCM-0107"));
-  CHECK(contains(refused.error().message, "MCM-0999"));
+  const auto refused = must_fail(book.append(other));
+  CHECK(refused.kind == ProblemKind::refused);
+  check_holds(refused.message, {"short lathe, serial number MCM-0107", "MCM-0999"});
   CHECK(book.count() == 1U);
 }
 
@@ -117,15 +108,12 @@ TEST_CASE("an end that was removed is found by the last hash") {
   const Folder folder;
   { const Logbook three = book_of(folder / "a.ecslog", 3); }
   std::filesystem::copy_file(folder / "a.ecslog", folder / "shorter.ecslog");
-  auto book = Logbook::open(folder / "a.ecslog");
-  REQUIRE(book);
-  const auto last = book->append(entry_of("the last"));
-  REQUIRE(last);
-  CHECK(book->verified(last->hash).whole());
-  const auto shorter = Logbook::open_to_read(folder / "shorter.ecslog");
-  REQUIRE(shorter);
-  CHECK(shorter->verified().whole());
-  const LogVerdict verdict = shorter->verified(last->hash);
+  auto book = must(Logbook::open(folder / "a.ecslog"));
+  const auto last = must(book.append(entry_of("the last")));
+  CHECK(book.verified(last.hash).whole());
+  const auto shorter = must(Logbook::open_to_read(folder / "shorter.ecslog"));
+  CHECK(shorter.verified().whole());
+  const LogVerdict verdict = shorter.verified(last.hash);
   CHECK_FALSE(verdict.whole());
   CHECK(verdict.first == 4);
 }
@@ -194,9 +182,7 @@ TEST_CASE("a logbook that nobody has open is one file, whoever closed it last") 
   {
     const Logbook book = book_of(path, 2);
     CHECK(files() == std::vector<std::string>{"a.ecslog", "a.ecslog-shm", "a.ecslog-wal"});
-    const auto reads = Logbook::open_to_read(path);
-    REQUIRE(reads);
-    CHECK(reads->count() == 2U);
+    CHECK(must(Logbook::open_to_read(path)).count() == 2U);
   }
   CHECK(files() == std::vector<std::string>{"a.ecslog"});
   {
@@ -214,14 +200,13 @@ TEST_CASE("a logbook that nobody has open is one file, whoever closed it last") 
 
 TEST_CASE("several entries are one step: all of them, chained, or none") {
   const Folder folder;
-  auto book = Logbook::open(folder / "a.ecslog");
-  REQUIRE(book);
-  REQUIRE(book->append_all({entry_of("first"), entry_of("second"), entry_of("third")}));
+  auto book = must(Logbook::open(folder / "a.ecslog"));
+  REQUIRE(book.append_all({entry_of("first"), entry_of("second"), entry_of("third")}));
   LogRecord other = entry_of("of another machine");
   other.machine = "another machine";
-  CHECK_FALSE(book->append_all({entry_of("fourth"), other}));
-  CHECK(book->count() == 3U);
-  CHECK(book->verified().entries == 3);
+  CHECK_FALSE(book.append_all({entry_of("fourth"), other}));
+  CHECK(book.count() == 3U);
+  CHECK(book.verified().entries == 3);
 }
 
 TEST_CASE("a logbook of the time before the write-ahead log is read, and goes on") {
@@ -233,10 +218,9 @@ TEST_CASE("a logbook of the time before the write-ahead log is read, and goes on
   bytes[18] = bytes[19] = 1;  // of the header: a rollback journal
   std::ofstream(path, std::ios::binary) << bytes;
   CHECK(Logbook::open_to_read(path)->verified().entries == 2);
-  auto book = Logbook::open(path);
-  REQUIRE(book);
-  REQUIRE(book->append(entry_of("then")));
-  CHECK(book->verified().entries == 3);
+  auto book = must(Logbook::open(path));
+  REQUIRE(book.append(entry_of("then")));
+  CHECK(book.verified().entries == 3);
 }
 
 /// Leaves a logbook as a crash leaves it: its last entries beside it.
@@ -262,9 +246,7 @@ TEST_CASE("what a crash left beside a logbook is read where nothing can be writt
   ::chmod(folder.path.c_str(), 0555);
   {
     const OrdinaryUser somebody;
-    const auto to_read = Logbook::open_to_read(path);
-    REQUIRE(to_read);
-    CHECK(to_read->verified().entries == 3);
+    CHECK(must(Logbook::open_to_read(path)).verified().entries == 3);
   }
   ::chmod(folder.path.c_str(), 0755);
   { CHECK(Logbook::open_to_read(path)->count() == 3U); }
@@ -302,13 +284,11 @@ TEST_CASE("kill -9 at any moment loses no entry that was committed") {
     std::int64_t last = 0;
     for (std::int64_t number = 0; ::read(pipe[0], &number, sizeof number) == sizeof number; last = number) ++committed;
     ::close(pipe[0]);
-    const auto book = Logbook::open(path);
-    REQUIRE(book);
-    const auto count = book->count();
-    REQUIRE(count);
-    if (static_cast<std::int64_t>(*count) < last) ++lost;
-    const LogVerdict verdict = book->verified();
-    if (!verdict.whole() || verdict.entries != *count) ++not_whole;
+    const auto book = must(Logbook::open(path));
+    const auto count = must(book.count());
+    if (static_cast<std::int64_t>(count) < last) ++lost;
+    const LogVerdict verdict = book.verified();
+    if (!verdict.whole() || verdict.entries != count) ++not_whole;
     if (i % kKillsInOneFile == kKillsInOneFile - 1) std::filesystem::remove(path);
   }
   CHECK(lost == 0);
@@ -336,9 +316,8 @@ TEST_CASE("two programs that write at once wait for each other, and the chain st
     ::waitpid(child, &status, 0);
     CHECK(status == 0);
   }
-  const auto book = Logbook::open_to_read(path);
-  REQUIRE(book);
-  const LogVerdict verdict = book->verified();
+  const auto book = must(Logbook::open_to_read(path));
+  const LogVerdict verdict = book.verified();
   CHECK_MESSAGE(verdict.whole(), verdict.why);
   CHECK(verdict.entries == 3 * kEach);
 }
@@ -361,12 +340,11 @@ TEST_CASE("without room for an entry the logbook stays as it was, and takes one 
   int status = 1;
   ::waitpid(child, &status, 0);
   CHECK(status == 0);
-  auto book = Logbook::open(path);
-  REQUIRE(book);
-  CHECK(book->verified().whole());
-  CHECK(book->count() == 4U);
-  CHECK(book->append(entry_of("again")));
-  CHECK(book->verified().entries == 5);
+  auto book = must(Logbook::open(path));
+  CHECK(book.verified().whole());
+  CHECK(book.count() == 4U);
+  CHECK(book.append(entry_of("again")));
+  CHECK(book.verified().entries == 5);
 }
 
 TEST_CASE("on a full disc nothing is half written, and nothing that was committed is lost") {
@@ -378,27 +356,21 @@ TEST_CASE("on a full disc nothing is half written, and nothing that was committe
   const std::string path = disc + "/a.ecslog";
   std::size_t committed = 0;
   {
-    auto book = Logbook::open(path);
-    REQUIRE(book);
-    Result<LogbookEntry> entry = book->append(entry_of("the first"));
+    auto book = must(Logbook::open(path));
+    Result<LogbookEntry> entry = book.append(entry_of("the first"));
     for (int i = 0; entry && i < 1000; ++i, ++committed)
-      entry = book->append(entry_of(fmt::format("run {}", i), readings_of(i, 2'000)));
+      entry = book.append(entry_of(fmt::format("run {}", i), readings_of(i, 2'000)));
     REQUIRE_FALSE(entry);
     CHECK(entry.error().kind == ProblemKind::output);
     CHECK(contains(entry.error().message, "disc is full"));
-    CHECK(book->count() == committed);
+    CHECK(book.count() == committed);
   }
-  {
-    const auto book = Logbook::open_to_read(path);
-    REQUIRE(book);
-    CHECK(book->verified().entries == committed);
-  }
+  { CHECK(must(Logbook::open_to_read(path)).verified().entries == committed); }
   REQUIRE(::mount("none", disc.c_str(), "tmpfs", MS_REMOUNT, "size=4m") == 0);
   {
-    auto book = Logbook::open(path);
-    REQUIRE(book);
-    REQUIRE(book->append(entry_of("with room again")));
-    CHECK(book->verified().entries == committed + 1);
+    auto book = must(Logbook::open(path));
+    REQUIRE(book.append(entry_of("with room again")));
+    CHECK(book.verified().entries == committed + 1);
   }
   CHECK_FALSE(std::filesystem::exists(path + "-wal"));
   ::umount2(disc.c_str(), MNT_DETACH);
@@ -413,14 +385,11 @@ TEST_CASE("in a folder without permission to write a logbook is read, and says t
   ::chmod(folder.path.c_str(), 0555);
   {
     const OrdinaryUser somebody;
-    const auto to_read = Logbook::open_to_read(path);
-    REQUIRE(to_read);
-    CHECK(to_read->verified().whole());
+    CHECK(must(Logbook::open_to_read(path)).verified().whole());
     auto book = Logbook::open(path);
-    const auto entry = book ? book->append(entry_of("no")) : tl::unexpected(book.error());
-    REQUIRE_FALSE(entry);
-    CHECK(entry.error().kind == ProblemKind::output);
-    CHECK(contains(entry.error().message, "permission"));
+    const auto entry = must_fail(book ? book->append(entry_of("no")) : tl::unexpected(book.error()));
+    CHECK(entry.kind == ProblemKind::output);
+    CHECK(contains(entry.message, "permission"));
   }
   ::chmod(folder.path.c_str(), 0755);
 }
@@ -482,19 +451,18 @@ TEST_CASE("the check of a logbook ends soon after it was asked to stop") {
     }
     sqlite3_close(file);
   }
-  const auto book = Logbook::open_to_read(path);
-  REQUIRE(book);
+  const auto book = must(Logbook::open_to_read(path));
   std::atomic<bool> asked{false};
   std::jthread later([&asked] {
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
     asked = true;
   });
   const auto begun = std::chrono::steady_clock::now();
-  const LogVerdict verdict = book->verified({}, asked);
+  const LogVerdict verdict = book.verified({}, asked);
   CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(20));
   CHECK_FALSE(verdict.whole());
   CHECK(contains(verdict.why, "stopped before the end"));
-  CHECK(book->count() == 1U);  // what is short is answered all the same
+  CHECK(book.count() == 1U);  // what is short is answered all the same
 }
 
 TEST_CASE("a logbook that gives more rows than its file can hold is damaged, not read without end") {
@@ -515,12 +483,9 @@ TEST_CASE("a logbook that gives more rows than its file can hold is damaged, not
   put_two(kRoot + 3, kCells);
   for (std::size_t i = 0; i < kCells; ++i) put_two(kRoot + 12 + 2 * i, first);
   std::ofstream(path, std::ios::binary) << bytes;
-  const auto book = Logbook::open_to_read(path);
-  REQUIRE(book);
-  const auto entries = book->entries();
-  REQUIRE_FALSE(entries);
-  CHECK(contains(entries.error().message, "it gives more than it holds"));
-  CHECK_FALSE(book->verified().whole());
+  const auto book = must(Logbook::open_to_read(path));
+  CHECK(contains(must_fail(book.entries()).message, "it gives more than it holds"));
+  CHECK_FALSE(book.verified().whole());
 }
 
 TEST_CASE("a value longer than any entry of ECS is refused, not read") {
@@ -528,21 +493,17 @@ TEST_CASE("a value longer than any entry of ECS is refused, not read") {
   const std::string path = folder / "a.ecslog";
   { const Logbook book = book_of(path, 1); }
   changed_by(path, "UPDATE entry SET summary = printf('%.*c', 70000000, 'x')");
-  const auto book = Logbook::open_to_read(path);
-  REQUIRE(book);
-  const auto entries = book->entries();
-  REQUIRE_FALSE(entries);
-  CHECK(contains(entries.error().message, "longer than 64 MiB"));
-  CHECK_FALSE(book->verified().whole());
+  const auto book = must(Logbook::open_to_read(path));
+  CHECK(contains(must_fail(book.entries()).message, "longer than 64 MiB"));
+  CHECK_FALSE(book.verified().whole());
 }
 
 TEST_CASE("bytes that are no UTF-8 are replaced, and the entry fits its hash") {
   const Folder folder;
-  auto book = Logbook::open(folder / "a.ecslog");
-  REQUIRE(book);
+  auto book = must(Logbook::open(folder / "a.ecslog"));
   LogRecord odd = entry_of(std::string("sp\xFFot\0te", 8));
-  REQUIRE(book->append(odd));
-  const LogVerdict verdict = book->verified();
+  REQUIRE(book.append(odd));
+  const LogVerdict verdict = book.verified();
   CHECK_MESSAGE(verdict.whole(), verdict.why);
 }
 

@@ -1,12 +1,9 @@
 // The thesis's test rig: the servo of appendix A, its slide, and the compensation of figures 3.5 and 3.9 to 3.12.
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-
-#include <doctest/doctest.h>
 
 #include "modules/rig/rig.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -31,34 +28,25 @@ double mean_of(const RigBand& band, Approach approach, double position_mm) {
   return 0.0;
 }
 
-RigPlan two_turns() {
-  RigPlan plan;
-  plan.from_mm = 16.0;
-  plan.step_mm = 0.5;
-  plan.runs = 5;
-  return plan;
-}
+RigPlan two_turns() { return {.from_mm = 16.0, .step_mm = 0.5, .runs = 5}; }
 
 }  // namespace
 
 TEST_CASE("the servo answers a step as figures 3.3 and 3.4 show") {
   const ServoParameters p;
   const ServoStep step = servo_step(p, 10.0, kFeed_mm_min, 1.0);
-  CHECK(step.steady_V ==
-        doctest::Approx(p.tacho_V_s_per_rad * 20.0 / p.screw_mm_per_rad / p.preamplifier).epsilon(0.005));
-  CHECK(step.steady_V == doctest::Approx(3.0).epsilon(0.02));
-  CHECK(step.falls_from_s == doctest::Approx(0.5).epsilon(0.01));
-  CHECK(step.rise_s == doctest::Approx(std::log(9.0) / position_loop_gain_per_s(p)).epsilon(0.03));  // first order
-  CHECK(step.dac_V.back() == doctest::Approx(0.0).epsilon(0.02));
+  CHECK(step.steady_V == Approx(p.tacho_V_s_per_rad * 20.0 / p.screw_mm_per_rad / p.preamplifier).epsilon(0.005));
+  CHECK(step.steady_V == Approx(3.0).epsilon(0.02));
+  CHECK(step.falls_from_s == Approx(0.5).epsilon(0.01));
+  CHECK(step.rise_s == Approx(std::log(9.0) / position_loop_gain_per_s(p)).epsilon(0.03));  // first order
+  CHECK(step.dac_V.back() == Approx(0.0).epsilon(0.02));
 }
 
 TEST_CASE("with the printed tachogenerator gain the D/A output is at its limit") {
-  ServoParameters printed;
-  printed.tacho_V_s_per_rad = 0.632298;
-  printed.step_s = 0.00002;
+  ServoParameters printed{.tacho_V_s_per_rad = 0.632298, .step_s = 0.00002};
   const ServoStep step = servo_step(printed, 10.0, kFeed_mm_min, 1.0);
   CHECK(step.largest_V == printed.dac_limit_V);
-  CHECK(step.steady_V == doctest::Approx(printed.dac_limit_V));
+  CHECK(step.steady_V == Approx(printed.dac_limit_V));
 }
 
 TEST_CASE("half the step of integration changes the answer by next to nothing") {
@@ -67,7 +55,7 @@ TEST_CASE("half the step of integration changes the answer by next to nothing") 
   for (const double at_s : {0.05, 0.2, 0.55, 0.8}) {
     const ServoDrive coarse = run({}, at_s);
     const ServoDrive finer = run(fine, at_s);
-    CHECK(coarse.nut_mm() == doctest::Approx(finer.nut_mm()).epsilon(0.002));
+    CHECK(coarse.nut_mm() == Approx(finer.nut_mm()).epsilon(0.002));
   }
 }
 
@@ -86,15 +74,15 @@ TEST_CASE("the work of the motor is kinetic energy and heat of friction") {
     before_friction_W = friction_W;
   }
   const double kinetic_J = 0.5 * p.inertia_kg_m2 * drive.speed_rad_s() * drive.speed_rad_s();
-  CHECK(work_J == doctest::Approx(kinetic_J + heat_J).epsilon(0.01));
-  CHECK(kinetic_J == doctest::Approx(0.5 * p.inertia_kg_m2 * std::pow(20.0 / p.screw_mm_per_rad, 2)).epsilon(0.02));
+  CHECK(work_J == Approx(kinetic_J + heat_J).epsilon(0.01));
+  CHECK(kinetic_J == Approx(0.5 * p.inertia_kg_m2 * std::pow(20.0 / p.screw_mm_per_rad, 2)).epsilon(0.02));
 }
 
 TEST_CASE("an offset voltage moves the axis by as many pulses as it is worth, and no further") {
   const ServoParameters p;
   ServoDrive drive(p);
   while (drive.time_s() < 1.0) drive.step(0.0, 10.0 * p.dac_V_per_pulse);
-  CHECK(static_cast<double>(drive.encoder_pulses()) == doctest::Approx(10.0).epsilon(0.11));
+  CHECK(static_cast<double>(drive.encoder_pulses()) == Approx(10.0).epsilon(0.11));
 }
 
 TEST_CASE("the moving slide stays within a pulse, each step applied half an increment early") {
@@ -104,14 +92,14 @@ TEST_CASE("the moving slide stays within a pulse, each step applied half an incr
     bare_um = std::max(bare_um, std::abs(moving.uncompensated_um[k]));
     left_um = std::max(left_um, std::abs(moving.compensated_um[k]));
   }
-  CHECK(bare_um == doctest::Approx(0.25 * 80.0).epsilon(0.02));
+  CHECK(bare_um == Approx(0.25 * 80.0).epsilon(0.02));
   CHECK(left_um < Rig::kPulse_um);
   const auto first =
       std::find_if(moving.compensation_um.begin(), moving.compensation_um.end(), [](double um) { return um < -1.0; });
   REQUIRE(first != moving.compensation_um.end());
   const double asked_mm = moving.desired_mm[static_cast<std::size_t>(first - moving.compensation_um.begin())];
   const double following_mm = 20.0 / position_loop_gain_per_s({});
-  CHECK(asked_mm - following_mm == doctest::Approx(4.0).epsilon(0.03));  // the slide stood at 4 mm, of 8
+  CHECK(asked_mm - following_mm == Approx(4.0).epsilon(0.03));  // the slide stood at 4 mm, of 8
 }
 
 TEST_CASE("the cyclic error of the screw shows in reverse only, with the pitch as its period") {
@@ -120,9 +108,9 @@ TEST_CASE("the cyclic error of the screw shows in reverse only, with the pitch a
   const auto swing = [&](Approach approach) {
     return mean_of(band, approach, 2.0) - mean_of(band, approach, 6.0);  // crest less trough
   };
-  CHECK(swing(Approach::reverse) == doctest::Approx(2.0 * rig_slide_errors().cyclic_um).epsilon(0.1));
+  CHECK(swing(Approach::reverse) == Approx(2.0 * rig_slide_errors().cyclic_um).epsilon(0.1));
   CHECK(std::abs(swing(Approach::forward)) < 6.0);
-  CHECK(mean_of(band, Approach::reverse, 3.0) == doctest::Approx(mean_of(band, Approach::reverse, 11.0)).epsilon(0.05));
+  CHECK(mean_of(band, Approach::reverse, 3.0) == Approx(mean_of(band, Approach::reverse, 11.0)).epsilon(0.05));
 }
 
 TEST_CASE("compensation made from a calibration leaves the scatter, for both approaches") {
@@ -151,8 +139,8 @@ TEST_CASE("the band is that of means and three standard deviations, whatever the
   add(0.0, Approach::forward, {9.0, 10.0, 11.0});      // mean 10, s 1
   add(0.0, Approach::reverse, {-22.0, -20.0, -18.0});  // mean -20, s 2
   const RigBand band = band_of(set);
-  CHECK(band.error_band_um == doctest::Approx(13.0 + 26.0));
-  CHECK(band.non_repeatability_um == doctest::Approx(12.0));
+  CHECK(band.error_band_um == Approx(13.0 + 26.0));
+  CHECK(band.non_repeatability_um == Approx(12.0));
   CHECK(band.largest_reading_um == 22.0);
 }
 

@@ -1,7 +1,6 @@
 // The causes of circles whose faults are known.
 #include "modules/standards/circle_diagnosis.hpp"
 
-#include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -11,7 +10,6 @@
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 
 namespace {
 
@@ -51,9 +49,7 @@ laser::CircleTest measured_circle(const CircleMachine& machine, double noise_um,
 }
 
 CircleDiagnosis causes_of(const laser::CircleTest& test, const std::array<std::vector<double>, 2>& pitches = {}) {
-  const auto diagnosis = diagnose_circle(test, pitches);
-  REQUIRE(diagnosis);
-  return *diagnosis;
+  return must(diagnose_circle(test, pitches));
 }
 
 }  // namespace
@@ -71,8 +67,7 @@ TEST_CASE("a backlash of 4 um in X is named with its size and stands alone") {
         return CircleErrors{2.0 * at.du, 0.0};
       },
       0.3));
-  REQUIRE(diagnosis.faults.size() == 1);
-  CHECK(diagnosis.faults[0].name == "backlash:X");
+  CHECK(only(diagnosis.faults).name == "backlash:X");
   CHECK(diagnosis.faults[0].value == Approx(4.0).epsilon(0.03));
   CHECK(std::abs(diagnosis.faults[0].value - 4.0) < 3.0 * diagnosis.faults[0].sigma);
   CHECK(diagnosis.faults[0].indistinguishable_from.empty());
@@ -82,8 +77,7 @@ TEST_CASE("a backlash of 4 um in X is named with its size and stands alone") {
 TEST_CASE("squareness of 40 um/m and servo mismatch are separated by contouring both ways, and are one group one way") {
   const CircleMachine crooked = [](const CirclePlace& at) { return CircleErrors{4.0 * at.s, 0.0}; };
   const auto both = causes_of(measured_circle(crooked, 0.2));
-  REQUIRE(both.faults.size() == 1);
-  CHECK(both.faults[0].name == "squareness:XY");
+  CHECK(only(both.faults).name == "squareness:XY");
   CHECK(both.faults[0].value == Approx(-40.0).epsilon(0.02));  // E_X = −C0Y·Y
   CHECK(both.faults[0].unit == "um/m");
   CHECK(both.faults[0].indistinguishable_from.empty());
@@ -115,8 +109,7 @@ TEST_CASE("a squareness has the name and the sign of the rigid-body model in eve
     test.plane = {known.first, known.second};
     const auto diagnosis = causes_of(test);
     CAPTURE(laser::plane_name(test.plane));
-    REQUIRE(diagnosis.faults.size() == 1);
-    CHECK(diagnosis.faults[0].component == known.component);
+    CHECK(only(diagnosis.faults).component == known.component);
     CHECK(contains(diagnosis.faults[0].title, std::string("out of square (") + known.component + ")"));
     CHECK(diagnosis.faults[0].value == Approx(15.0).epsilon(0.04));
   }
@@ -128,8 +121,7 @@ TEST_CASE("a scale mismatch is the scale error of the first axis less that of th
         return CircleErrors{2.0 * at.c, -1.0 * at.s};  // +20 and −10 um/m
       },
       0.1));
-  REQUIRE(diagnosis.faults.size() == 1);
-  CHECK(diagnosis.faults[0].name == "scale_mismatch:XY");
+  CHECK(only(diagnosis.faults).name == "scale_mismatch:XY");
   CHECK(diagnosis.faults[0].value == Approx(30.0).epsilon(0.02));
 }
 
@@ -168,11 +160,8 @@ TEST_CASE("a note says that no machine was given, or what its file lacks") {
   const auto test = measured_circle([](const CirclePlace&) { return CircleErrors{}; }, 0.5);
   const auto without = causes_of(test);
   CHECK(contains(without.notes.front(), "no pitch of X is known: cyclic errors of it are not tried. Give --machine"));
-  const auto with =
-      diagnose_circle(test, {std::vector<double>{10.0}, std::vector<double>{}}, PitchSource::machine_file);
-  REQUIRE(with);
-  REQUIRE(with->notes.size() == 1);
-  CHECK(with->notes[0] ==
+  CHECK(only(must(diagnose_circle(test, {std::vector<double>{10.0}, std::vector<double>{}}, PitchSource::machine_file))
+                 .notes) ==
         "the machine file has no pitch of Y: cyclic errors of it are not tried. Give screw_pitch_mm or scale_pitch_mm "
         "in [axis.Y]");
 }
@@ -212,8 +201,7 @@ TEST_CASE("the bow of X and the progressive error of Y are one fault; without re
         return CircleErrors{0.0, 3.0 * (2.0 * at.c * at.c - 1.0)};
       },
       0.2, 1));
-  REQUIRE(diagnosis.faults.size() == 1);
-  CHECK(diagnosis.faults[0].name == "straightness:X");
+  CHECK(only(diagnosis.faults).name == "straightness:X");
   CHECK(!diagnosis.noise_from_repeats);
   CHECK(diagnosis.noise_um == Approx(0.2).epsilon(0.15));
 }

@@ -1,9 +1,6 @@
 // Flatness from the lines of a union jack, against Moody's own plate (samples/real/moody-plate).
 #include "modules/standards/plate.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -12,7 +9,6 @@
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -26,11 +22,7 @@ std::string with(std::string text, const std::string& old_text, const std::strin
   return text.replace(at, old_text.size(), new_text);
 }
 
-std::string refusal(const std::string& text) {
-  const auto plate = parse_plate_readings(text, "plate.csv");
-  REQUIRE(!plate);
-  return to_text(plate.error());
-}
+std::string refusal(const std::string& text) { return to_text(must_fail(parse_plate_readings(text, "plate.csv"))); }
 
 /// Eight lines over z(x, y), 8 by 6 steps of 100 mm; x, y in steps.
 template <class Surface>
@@ -53,9 +45,8 @@ std::string plate_over(const Surface& z) {
 }  // namespace
 
 TEST_CASE("Moody's plate: his 126 heights, the highest 4.532 um, his closure errors") {
-  const auto plate = parse_plate_readings(moody_text(), kMoody);
-  REQUIRE(plate);
-  const Flatness flatness = flatness_of(*plate);
+  const auto plate = must(parse_plate_readings(moody_text(), kMoody));
+  const Flatness flatness = flatness_of(plate);
   REQUIRE(flatness.stations.size() == 126);
   const std::string heights = *read_file("samples/real/moody-plate/heights.csv");
   const auto rows = lines_of(heights);
@@ -75,29 +66,27 @@ TEST_CASE("Moody's plate: his 126 heights, the highest 4.532 um, his closure err
 }
 
 TEST_CASE("readings as printed leave the closure error that gave the printing error away") {
-  const auto printed = parse_plate_readings(with(moody_text(), "NE-NW,1016.0,18.8", "NE-NW,1016.0,18.3"), kMoody);
-  REQUIRE(printed);
-  CHECK(std::abs(flatness_of(*printed).closure_um[1]) > 0.05);
+  const auto printed = must(parse_plate_readings(with(moody_text(), "NE-NW,1016.0,18.8", "NE-NW,1016.0,18.3"), kMoody));
+  CHECK(std::abs(flatness_of(printed).closure_um[1]) > 0.05);
 }
 
 TEST_CASE("the zero of each line is free: a tilted, displaced foot changes nothing") {
-  const auto plate = parse_plate_readings(moody_text(), kMoody);
-  REQUIRE(plate);
-  PlateReadings moved = *plate;
+  const auto plate = must(parse_plate_readings(moody_text(), kMoody));
+  PlateReadings moved = plate;
   for (std::size_t i = 0; i < kPlateLines; ++i)
     for (double& slope : moved.slopes_um_per_m[i]) slope += 3.0 * static_cast<double>(i);
-  CHECK(flatness_of(moved).minimum_zone_um == Approx(flatness_of(*plate).minimum_zone_um).epsilon(1e-6));
+  CHECK(flatness_of(moved).minimum_zone_um == Approx(flatness_of(plate).minimum_zone_um).epsilon(1e-6));
 }
 
 TEST_CASE("a bowl of 8 um over its length closes and has that flatness; a twisted plane has its twist") {
-  const auto bowl = parse_plate_readings(plate_over([](double x, double) { return 0.5 * (x - 4.0) * (x - 4.0); }), "b");
-  REQUIRE(bowl);
-  CHECK(std::abs(flatness_of(*bowl).closure_um[0]) < 1e-6);
-  CHECK(flatness_of(*bowl).minimum_zone_um == Approx(8.0));
-  const auto twist = parse_plate_readings(plate_over([](double x, double y) { return (x - 4.0) * (y - 3.0); }), "t");
-  REQUIRE(twist);
-  CHECK(flatness_of(*twist).minimum_zone_um == Approx(24.0));
-  CHECK(flatness_of(*twist).moody_um == Approx(24.0));
+  const auto bowl =
+      must(parse_plate_readings(plate_over([](double x, double) { return 0.5 * (x - 4.0) * (x - 4.0); }), "b"));
+  CHECK(std::abs(flatness_of(bowl).closure_um[0]) < 1e-6);
+  CHECK(flatness_of(bowl).minimum_zone_um == Approx(8.0));
+  const auto twist =
+      must(parse_plate_readings(plate_over([](double x, double y) { return (x - 4.0) * (y - 3.0); }), "t"));
+  CHECK(flatness_of(twist).minimum_zone_um == Approx(24.0));
+  CHECK(flatness_of(twist).moody_um == Approx(24.0));
 }
 
 TEST_CASE("what a surface file lacks is said in words") {

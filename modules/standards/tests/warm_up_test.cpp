@@ -1,17 +1,12 @@
 // Drift over time and distortion by a moving axis (ISO 230-3) against curves whose ranges a hand can compute.
-
 #include "modules/standards/warm_up.hpp"
 
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
-using doctest::Approx;
 
 namespace {
 
@@ -21,9 +16,8 @@ MeasurementSet eight_hours() {
   set.source = "etve.csv";
   for (int minute = 0; minute <= 480; ++minute) {
     const double hour = minute / 60.0;
-    Reading reading;
-    reading.time_s = 100.0 + 60.0 * minute;
-    reading.error = 5.0 + 3.0 * std::min(hour, 2.0) - 6.0 * std::max(hour - 7.0, 0.0);
+    Reading reading{.error = 5.0 + 3.0 * std::min(hour, 2.0) - 6.0 * std::max(hour - 7.0, 0.0),
+                    .time_s = 100.0 + 60.0 * minute};
     reading.sensors_degC["t_air_degC"] = 20.0 + 0.1 * hour;
     set.readings.push_back(reading);
   }
@@ -31,29 +25,23 @@ MeasurementSet eight_hours() {
 }
 
 std::string drift_refusal(const MeasurementSet& set, double window_h = 1.0) {
-  const auto test = drift_test_of(set, window_h);
-  REQUIRE(!test);
-  return to_text(test.error());
+  return to_text(must_fail(drift_test_of(set, window_h)));
 }
 
 }  // namespace
 
 TEST_CASE("the whole range, that of the worst hour and that of the last") {
-  const auto test = drift_test_of(eight_hours(), 1.0);
-  REQUIRE(test);
-  REQUIRE(test->senses.size() == 1);
-  const Drift& drift = test->senses.front();
+  const auto test = must(drift_test_of(eight_hours(), 1.0));
+  REQUIRE(test.senses.size() == 1);
+  const Drift& drift = test.senses.front();
   CHECK(drift.hours == Approx(8.0));
   CHECK(drift.range == Approx(6.0));
   CHECK(drift.window_range == Approx(6.0));
   CHECK(drift.window_from_h == Approx(7.0));
   CHECK(drift.last_window_range == Approx(6.0));
   CHECK(drift.value.front() == 0.0);
-  const auto short_windows = drift_test_of(eight_hours(), 0.5);
-  REQUIRE(short_windows);
-  CHECK(short_windows->senses.front().window_range == Approx(3.0));
-  REQUIRE(test->sensors.size() == 1);
-  CHECK(test->sensors.front().degC.back() == Approx(20.8));
+  CHECK(must(drift_test_of(eight_hours(), 0.5)).senses.front().window_range == Approx(3.0));
+  CHECK(only(test.sensors).degC.back() == Approx(20.8));
 }
 
 TEST_CASE("what a drift test lacks is said in words") {
@@ -88,19 +76,14 @@ MeasurementSet warming_axis(double hours = 4.0) {
   return set;
 }
 
-std::string warm_up_refusal(const MeasurementSet& set) {
-  const auto test = warm_up_test_of(set, 1.0);
-  REQUIRE(!test);
-  return to_text(test.error());
-}
+std::string warm_up_refusal(const MeasurementSet& set) { return to_text(must_fail(warm_up_test_of(set, 1.0))); }
 
 }  // namespace
 
 TEST_CASE("each end of a moving axis has its range, its first and its last hour, and its time constant") {
-  const auto test = warm_up_test_of(warming_axis(), 1.0);
-  REQUIRE(test);
-  REQUIRE(test->curves.size() == 2);
-  const WarmUpCurve& far = test->curves.back();
+  const auto test = must(warm_up_test_of(warming_axis(), 1.0));
+  REQUIRE(test.curves.size() == 2);
+  const WarmUpCurve& far = test.curves.back();
   CHECK(far.position_mm == 1000.0);
   CHECK(far.range == Approx(24.0 * (1.0 - std::exp(-5.0))).epsilon(0.03));
   CHECK(far.first_range == Approx(24.0 * (1.0 - std::exp(-1.25))).epsilon(0.04));
@@ -113,9 +96,8 @@ TEST_CASE("each end of a moving axis has its range, its first and its last hour,
 }
 
 TEST_CASE("a test that is too short has not settled and says how much is to come") {
-  const auto test = warm_up_test_of(warming_axis(2.0), 1.0);
-  REQUIRE(test);
-  const WarmUpCurve& far = test->curves.back();
+  const auto test = must(warm_up_test_of(warming_axis(2.0), 1.0));
+  const WarmUpCurve& far = test.curves.back();
   CHECK(!far.settled);
   REQUIRE(far.settling);
   CHECK(far.settling->to_come == Approx(std::exp(-2.5)).epsilon(0.2));
@@ -124,9 +106,8 @@ TEST_CASE("a test that is too short has not settled and says how much is to come
 TEST_CASE("a drift that does not end within the test has no time constant") {
   MeasurementSet set = warming_axis();
   for (Reading& reading : set.readings) reading.error = *reading.time_s / 1000.0 + 0.1 * (reading.position_mm[0] > 0.0);
-  const auto test = warm_up_test_of(set, 1.0);
-  REQUIRE(test);
-  for (const WarmUpCurve& curve : test->curves) {
+  const auto test = must(warm_up_test_of(set, 1.0));
+  for (const WarmUpCurve& curve : test.curves) {
     CHECK(!curve.settling);
     CHECK(!curve.settled);
   }
@@ -135,10 +116,9 @@ TEST_CASE("a drift that does not end within the test has no time constant") {
 TEST_CASE("the growth between both ends of one side is told per metre") {
   MeasurementSet set = warming_axis();
   for (Reading& reading : set.readings) reading.approach = Approach::forward;
-  const auto test = warm_up_test_of(set, 1.0);
-  REQUIRE(test);
-  REQUIRE(test->differences.size() == 1);
-  const WarmUpDifference& growth = test->differences.front();
+  const auto test = must(warm_up_test_of(set, 1.0));
+  REQUIRE(test.differences.size() == 1);
+  const WarmUpDifference& growth = test.differences.front();
   CHECK(growth.to_mm == 1000.0);
   CHECK(growth.range_um_per_m == Approx(20.0 * (1.0 - std::exp(-5.0))).epsilon(0.05));
 }

@@ -1,16 +1,13 @@
 #include "modules/traces/diagnosis.hpp"
 
-#include <algorithm>
 #include <random>
-
-#include <doctest/doctest.h>
 
 #include "base/random.hpp"
 #include "modules/traces/tests/true_drive.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 using enum ecs::model::DriveConstant;
 using enum ecs::model::DriveVerdict;
 
@@ -63,11 +60,9 @@ DriveCandidate named(const DriveParameters& truth, const DriveParameters& believ
 
 TEST_CASE(
     "a step recorded by another program: the printed tacho gain is ten times too large, or K ten times too small") {
-  const auto trace = read_trace("samples/rig/step_recorded.csv");
-  REQUIRE(trace);
-  const auto drive = read_drive("samples/rig/drive_as_printed.toml");
-  REQUIRE(drive);
-  const DriveDiagnosis found = diagnose_drive(*drive, *trace);
+  const auto trace = must(read_trace("samples/rig/step_recorded.csv"));
+  const auto drive = must(read_drive("samples/rig/drive_as_printed.toml"));
+  const DriveDiagnosis found = diagnose_drive(drive, trace);
   CHECK(found.verdict == wrong_constant);
   CHECK(found.observations == 801);
   CHECK(found.rms_V > 5.0);
@@ -95,8 +90,7 @@ TEST_CASE(
   }
   REQUIRE(first.separated_by == std::vector{DriveSignal::tacho});
   CHECK(first.signals.front().peak == Approx(0.993).epsilon(0.01));
-  REQUIRE(first.signals.front().members.size() == 1);
-  CHECK(first.signals.front().members.front().peak == Approx(9.93).epsilon(0.01));
+  CHECK(only(first.signals.front().members).peak == Approx(9.93).epsilon(0.01));
   for (std::size_t i = 1; i < found.candidates.size(); ++i) CHECK_FALSE(found.candidates[i].explains);
 }
 
@@ -112,11 +106,8 @@ TEST_CASE("with the tacho voltage recorded too, K and Kw are no group any more")
 TEST_CASE("a drive as believed agrees with its recording, whatever noise, trigger and samples") {
   for (unsigned seed = 1; seed <= 6; ++seed)
     for (const double noise : {0.0, 0.008, 0.03}) {
-      Recorder recorder;
-      recorder.seed = seed;
-      recorder.noise = noise;
-      recorder.trigger_s = 0.003 + 0.01 * seed;
-      recorder.interval_s = seed % 2 == 0 ? 0.0005 : 0.002;
+      Recorder recorder{
+          .noise = noise, .trigger_s = 0.003 + 0.01 * seed, .interval_s = seed % 2 == 0 ? 0.0005 : 0.002, .seed = seed};
       const DriveDiagnosis found = diagnose_drive(true_drive(), recorded(true_drive(), recorder));
       CHECK(found.verdict == agrees);
       CHECK(found.candidates.empty());
@@ -201,10 +192,7 @@ TEST_CASE("a recorder that clips, or was triggered late, still gives the constan
 }
 
 TEST_CASE("an axis that saturates, assumed healthy, is recognised in the recording") {
-  Recorder recorder;
-  recorder.seconds = 2.5;
-  recorder.quantum = 0.08;
-  recorder.noise = 0.03;
+  Recorder recorder{.quantum = 0.08, .noise = 0.03, .seconds = 2.5};
   const DriveCandidate found = named(DriveParameters{}, true_drive(), recorder);
   CHECK(names_of(found) == std::vector{K, Kw});
   CHECK(diagnose_drive(DriveParameters{}, recorded(DriveParameters{}, recorder)).verdict == agrees);

@@ -1,14 +1,11 @@
-#include <algorithm>
 #include <numbers>
-
-#include <doctest/doctest.h>
 
 #include "modules/traces/tests/true_drive.hpp"
 #include "modules/traces/trace.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 using enum ecs::model::DriveConstant;
 
 namespace {

@@ -1,16 +1,12 @@
 #include "modules/traces/trace.hpp"
 
-#include <cmath>
-#include <string>
-
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "modules/traces/simulation.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
-using doctest::Approx;
 
 namespace {
 
@@ -31,15 +27,14 @@ std::string refusal(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a recorded step is read with its move, its noise and the step of its converter") {
-  const auto trace = read_trace("samples/rig/step_recorded.csv");
-  REQUIRE(trace);
-  CHECK(trace->time_s.size() == 801);
-  CHECK(trace->move.feed_mm_min == 1200.0);
-  CHECK(trace->move.distance_mm == 10.0);
-  CHECK(trace->dac().quantum == Approx(0.02).epsilon(1e-6));
-  CHECK(trace->dac().noise > 0.005);
-  CHECK(trace->dac().noise < 0.012);
-  const StepShape shape = shape_of(trace->time_s, trace->dac().value, trace->dac().noise);
+  const auto trace = must(read_trace("samples/rig/step_recorded.csv"));
+  CHECK(trace.time_s.size() == 801);
+  CHECK(trace.move.feed_mm_min == 1200.0);
+  CHECK(trace.move.distance_mm == 10.0);
+  CHECK(trace.dac().quantum == Approx(0.02).epsilon(1e-6));
+  CHECK(trace.dac().noise > 0.005);
+  CHECK(trace.dac().noise < 0.012);
+  const StepShape shape = shape_of(trace.time_s, trace.dac().value, trace.dac().noise);
   CHECK(*shape.steady == Approx(2.98).epsilon(0.004));
   CHECK(*shape.rise_s == Approx(0.067).epsilon(0.02));
   CHECK(*shape.decay_start_s == Approx(0.50).epsilon(0.005));
@@ -47,46 +42,43 @@ TEST_CASE("a recorded step is read with its move, its noise and the step of its 
 }
 
 TEST_CASE("columns come in any order, others are left out and reported") {
-  const auto trace = parse_trace(
+  const auto trace = must(parse_trace(
       kHead + "note,dac_V,tacho_V,time_s\n" +
           [] {
             std::string rows;
             for (int k = 0; k < 30; ++k) rows += fmt::format("7,{},{},{}\n", 0.1 * k, 0.03 * k, 0.01 * k);
             return rows;
           }(),
-      "step.csv");
-  REQUIRE(trace);
-  REQUIRE(trace->signals.size() == 2);
-  CHECK(trace->signals[1].id == DriveSignal::tacho);
-  CHECK(trace->signals[1].value[10] == Approx(0.3));
-  REQUIRE_FALSE(trace->notes.empty());
-  CHECK(trace->notes[0].find("note") != std::string::npos);
+      "step.csv"));
+  REQUIRE(trace.signals.size() == 2);
+  CHECK(trace.signals[1].id == DriveSignal::tacho);
+  CHECK(trace.signals[1].value[10] == Approx(0.3));
+  REQUIRE_FALSE(trace.notes.empty());
+  CHECK(contains(trace.notes[0], "note"));
 }
 
 TEST_CASE("every wrong row is refused with its line and reason") {
   const std::string text =
       kHead + "time_s,dac_V\n0,0\n0.001,zero\n0.002,1,2\n0.003,nan\n0.0025,1\n0.0024,1\n" + samples(3);
   const std::string problems = refusal(text);
-  CHECK(problems.find("step.csv:5:7: dac_V: expected a number, found \"zero\"") != std::string::npos);
-  CHECK(problems.find("step.csv:6:1: expected 2 fields") != std::string::npos);
-  CHECK(problems.find("step.csv:7:7: dac_V: expected a number") != std::string::npos);
-  CHECK(problems.find("step.csv:9:1: time_s: expected more than 0.0025") != std::string::npos);
+  check_holds(problems, {"step.csv:5:7: dac_V: expected a number, found \"zero\"", "step.csv:6:1: expected 2 fields",
+                         "step.csv:7:7: dac_V: expected a number", "step.csv:9:1: time_s: expected more than 0.0025"});
 }
 
 TEST_CASE("a file without what a step needs is refused with what to add") {
-  CHECK(refusal("").find("header row") != std::string::npos);
-  CHECK(refusal("time_s,dac_V\n" + samples(30)).find("# feed_mm_min: 1200") != std::string::npos);
-  CHECK(refusal("# feed_mm_min: 1200\ntime_s,dac_V\n" + samples(30)).find("# distance_mm: 10") != std::string::npos);
+  CHECK(contains(refusal(""), "header row"));
+  CHECK(contains(refusal("time_s,dac_V\n" + samples(30)), "# feed_mm_min: 1200"));
+  CHECK(contains(refusal("# feed_mm_min: 1200\ntime_s,dac_V\n" + samples(30)), "# distance_mm: 10"));
   CHECK(refusal("# feed_mm_min: fast\n# distance_mm: 10\ntime_s,dac_V\n" + samples(30))
             .find("step.csv:1:1: feed_mm_min") != std::string::npos);
-  CHECK(refusal("# feed_mm_min: -5\n# distance_mm: 0\ntime_s,dac_V\n" + samples(30)).find("distance_mm: expected") !=
-        std::string::npos);
-  CHECK(refusal(kHead + "time_s,volts\n" + samples(30)).find("column dac_V") != std::string::npos);
-  CHECK(refusal(kHead + "time_s,dac_V,dac_V\n").find("found dac_V twice") != std::string::npos);
-  CHECK(refusal(kHead + "time_s,dac_V\n" + samples(10)).find("at least 20 samples, found 10") != std::string::npos);
+  CHECK(
+      contains(refusal("# feed_mm_min: -5\n# distance_mm: 0\ntime_s,dac_V\n" + samples(30)), "distance_mm: expected"));
+  CHECK(contains(refusal(kHead + "time_s,volts\n" + samples(30)), "column dac_V"));
+  CHECK(contains(refusal(kHead + "time_s,dac_V,dac_V\n"), "found dac_V twice"));
+  CHECK(contains(refusal(kHead + "time_s,dac_V\n" + samples(10)), "at least 20 samples, found 10"));
   std::string flat = kHead + "time_s,dac_V\n";
   for (int k = 0; k < 50; ++k) flat += fmt::format("{},1.5\n", k);
-  CHECK(refusal(flat).find("found 1.5 in every sample") != std::string::npos);
+  CHECK(contains(refusal(flat), "found 1.5 in every sample"));
 }
 
 TEST_CASE("a step recording differs from a measurement set by its header row") {
@@ -113,30 +105,22 @@ TEST_CASE("a curve that runs into a flat end at full slope is clipped, a plateau
 }
 
 TEST_CASE("a model without a drive table has the constants as printed in appendix A") {
-  const auto drive = parse_drive("name = \"rig\"\n", "rig.toml");
-  REQUIRE(drive);
-  CHECK((*drive)[DriveConstant::Kw] == 0.632298);
-  CHECK((*drive)[DriveConstant::Kd] == 0.0099734);
-  CHECK((*drive)[DriveConstant::Ka] == 30.06);
-  CHECK((*drive)[DriveConstant::J1] == 0.000517711);
-  const auto named = parse_drive("[drive]\nKw_V_s_per_rad = 0.07\nK = 0.5\n", "rig.toml");
-  REQUIRE(named);
-  CHECK((*named)[DriveConstant::Kw] == 0.07);
-  CHECK((*named)[DriveConstant::K] == 0.5);
+  const auto drive = must(parse_drive("name = \"rig\"\n", "rig.toml"));
+  CHECK(drive[DriveConstant::Kw] == 0.632298);
+  CHECK(drive[DriveConstant::Kd] == 0.0099734);
+  CHECK(drive[DriveConstant::Ka] == 30.06);
+  CHECK(drive[DriveConstant::J1] == 0.000517711);
+  const auto named = must(parse_drive("[drive]\nKw_V_s_per_rad = 0.07\nK = 0.5\n", "rig.toml"));
+  CHECK(named[DriveConstant::Kw] == 0.07);
+  CHECK(named[DriveConstant::K] == 0.5);
   CHECK(parse_drive("[drive]\nKw = 0.07\n", "rig.toml").value()[DriveConstant::Kw] == 0.07);
   CHECK(parse_drive("compensated_readings = 12\n[drive]\nKw = 0.07\n", "fitted.toml"));
-  const auto sample = read_drive("samples/rig/drive_as_printed.toml");
-  REQUIRE(sample);
-  CHECK(*sample == DriveParameters{});
+  CHECK(must(read_drive("samples/rig/drive_as_printed.toml")) == DriveParameters{});
 }
 
 TEST_CASE("wrong keys and values of a drive table are refused with their line") {
-  const auto drive =
-      parse_drive("[drive]\nKq = 1.0\nKa = -3\nTi_s = \"fast\"\nKw = 1.0\nKw_V_s_per_rad = 1.0\n", "rig.toml");
-  REQUIRE_FALSE(drive);
-  const std::string problems = to_text(drive.error());
-  CHECK(problems.find("rig.toml:2") != std::string::npos);
-  CHECK(problems.find("rig.toml:3:6: Ka: expected a positive number in A/V, found -3") != std::string::npos);
-  CHECK(problems.find("Ti_s: expected a finite number") != std::string::npos);
-  CHECK(problems.find("found both") != std::string::npos);
+  const std::string problems = to_text(must_fail(
+      parse_drive("[drive]\nKq = 1.0\nKa = -3\nTi_s = \"fast\"\nKw = 1.0\nKw_V_s_per_rad = 1.0\n", "rig.toml")));
+  check_holds(problems, {"rig.toml:2", "rig.toml:3:6: Ka: expected a positive number in A/V, found -3",
+                         "Ti_s: expected a finite number", "found both"});
 }

@@ -1,10 +1,6 @@
 // A small machine with a map by hand, for the tests of the exports. Does not live here: tests.
 #pragma once
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "modules/controllers/tables.hpp"
 #include "tests/support/readings.hpp"
 

@@ -1,29 +1,21 @@
 // Machines whose components are known, and lengths computed from them by the term table of core/ alone.
 #pragma once
 
-#include <cmath>
 #include <random>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include "base/random.hpp"
 #include "core/terms.hpp"
 #include "modules/lengths/identify.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::test {
 
 /// Three short axes, datum at the lower ends.
 inline params::Machine length_test_machine(const std::string& configuration) {
-  params::Machine machine;
-  machine.name = "made";
-  machine.configuration = configuration;
+  params::Machine machine{.name = "made", .configuration = configuration};
   const Vector3 spans{500.0, 400.0, 300.0};
   for (std::size_t a = 0; a < kAxes; ++a) {
-    params::MachineAxis axis;
-    axis.travel_mm = {0.0, spans[a]};
-    axis.datum_mm = 0.0;
+    params::MachineAxis axis{.travel_mm = {0.0, spans[a]}, .datum_mm = 0.0};
     for (std::size_t o = 0; o < kAxes; ++o)
       if (o != a) axis.measurement_line_mm[o] = 0.0;
     machine.axes[a] = axis;
@@ -150,9 +142,7 @@ struct MadeLengths {
 };
 
 inline model::Identification identified(const MadeLengths& made, const model::IdentifySettings& settings) {
-  auto found = model::identify(made.test, made.machine, settings);
-  REQUIRE_MESSAGE(found.has_value(), (found ? "" : to_text(found.error())));
-  return std::move(*found);
+  return must(model::identify(made.test, made.machine, settings));
 }
 
 }  // namespace ecs::test

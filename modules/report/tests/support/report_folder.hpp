@@ -3,8 +3,6 @@
 
 #include <cctype>
 #include <set>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
