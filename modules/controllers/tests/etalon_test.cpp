@@ -150,11 +150,8 @@ TEST_CASE("a file that says both of its lever arms is refused, and so are two fi
   const std::string zero = "// " + std::string(kLeversFromZero) + "\n";
   const std::string lines = "// " + std::string(kLeversFromLines) + "\n";
   CHECK_FALSE(parse_etalon(zero + lines + grid, "e"));
-  auto all = parse_etalon(zero + grid, "e");
-  auto more = parse_etalon(lines + "[EYY]\nGridpoints = { 0 0.001 }\n", "f");
-  REQUIRE(all);
-  REQUIRE(more);
-  CHECK_FALSE(append(*all, *more, true));
+  auto all = must(parse_etalon(zero + grid, "e"));
+  CHECK_FALSE(append(all, must(parse_etalon(lines + "[EYY]\nGridpoints = { 0 0.001 }\n", "f")), true));
 }
 
 TEST_CASE("points closer than a nanometre are merged, and the deviation is reported") {

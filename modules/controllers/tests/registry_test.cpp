@@ -73,18 +73,16 @@ TEST_CASE("reading gives back what a controller format was given, within its res
     for (const Component component : {Component::EXX, Component::EYY, Component::EZZ}) {
       CAPTURE(format->id);
       CAPTURE(name_of(component));
-      const auto given = curve_of(source.map, component);
-      const auto read = curve_of(again, component);
-      REQUIRE(given);
-      REQUIRE(read);
-      for (const double p : given->position_mm) {  // counted from the reference position, as tables of some formats are
-        const double expected = mean_at(*given, p) - mean_at(*given, 0.0);
-        CHECK(std::abs(mean_at(*read, p) - mean_at(*read, 0.0) - expected) <= format->resolution_um * 1.001);
+      const auto given = must(curve_of(source.map, component));
+      const auto read = must(curve_of(again, component));
+      for (const double p : given.position_mm) {  // counted from the reference position, as tables of some formats are
+        const double expected = mean_at(given, p) - mean_at(given, 0.0);
+        CHECK(std::abs(mean_at(read, p) - mean_at(read, 0.0) - expected) <= format->resolution_um * 1.001);
         if (!format->holds.reversal.starts_with("yes")) continue;
         const auto reversal = [&](const ControlCurve& curve) {
           return value_at(curve, Approach::forward, p) - value_at(curve, Approach::reverse, p);
         };
-        CHECK(std::abs(reversal(*read) - reversal(*given)) <= format->resolution_um * 2.001);
+        CHECK(std::abs(reversal(read) - reversal(given)) <= format->resolution_um * 2.001);
       }
     }
   }

@@ -60,14 +60,11 @@ void check_sentences(const Diagnosis& found) {
 Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
   const Folder folder;
   for (const auto& [name, content] : files_of(hidden)) (void)folder.with(name, content);
-  const auto model = read_model(folder / "model.toml");
-  const auto set = laser::read_measurement_set(folder / "data.csv");
-  const auto machine = params::read_machine(folder / "machine.toml");
-  REQUIRE(model);
-  REQUIRE(set);
-  REQUIRE(machine);
+  const auto model = must(read_model(folder / "model.toml"));
+  const auto set = must(laser::read_measurement_set(folder / "data.csv"));
+  const auto machine = must(params::read_machine(folder / "machine.toml"));
   DiagnoseOptions options{.noise_replicates = 50};
-  return must(diagnose(*model, observations_of(*set, *model, machine->machine), options));
+  return must(diagnose(model, observations_of(set, model, machine.machine), options));
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ formula = "2*T_spindle - 40"
 }
 
 TEST_CASE("every problem of an errors file is reported with its line") {
-  const auto errors = TrueErrors::parse(R"([squareness]
+  const auto errors = must_fail(TrueErrors::parse(R"([squareness]
 C0X = 1.0
 [[contribution]]
 component = "EYQ"
@@ -76,10 +76,9 @@ formula = "sin(p"
 component = "EYX"
 points = [[0, 1], [0, 2]]
 )",
-                                        "errors.toml", ".");
-  REQUIRE(!errors.has_value());
-  CHECK(errors.error().also.size() == 3);
-  const std::string text = to_text(errors.error());
+                                                  "errors.toml", "."));
+  CHECK(errors.also.size() == 3);
+  const std::string text = to_text(errors);
   check_holds(text, {"errors.toml:3", "errors.toml:8:11", "errors.toml:11", "errors.toml:2:7"});
 }
 

@@ -217,7 +217,7 @@ TEST_CASE("the mill's plan asks for 19 measurements before compensation and for 
 
 TEST_CASE("date and engineer go into every request, and rows without a phase belong to both") {
   for (const std::string phase : {"before", "after"}) {
-    const auto requests = requests_in(R"(
+    const auto requests = must(requests_in(R"(
 [[measure]]
 name = "EXX"
 axis = "X"
@@ -225,10 +225,9 @@ axis = "X"
 name = "EYY"
 on_the_fly = true
 )",
-                                      phase);
-    REQUIRE(requests.has_value());
-    REQUIRE(requests->size() == 2);
-    const Json second = Json::parse(requests->back());
+                                           phase));
+    REQUIRE(requests.size() == 2);
+    const Json second = Json::parse(requests.back());
     CHECK(second["date"] == "1990-03-12");
     CHECK(second["engineer"] == "B. Nada");
     CHECK(second["on_the_fly"] == true);

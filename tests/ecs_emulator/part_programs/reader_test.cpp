@@ -90,12 +90,10 @@ TEST_CASE("G04 takes its seconds from H, P or X") {
 }
 
 TEST_CASE("a centre and a radius make the same arc, the negative radius the longer way round") {
-  const auto centre = steps_of("G17G02X-20Y-20I0J-20F100")[0].motion->arc;
-  const auto radius = steps_of("G17G02X-20Y-20R-20F100")[0].motion->arc;
-  REQUIRE(centre);
-  REQUIRE(radius);
-  CHECK(radius->centre_mm[0] == Approx(centre->centre_mm[0]).epsilon(1e-12));
-  CHECK(radius->centre_mm[1] == Approx(centre->centre_mm[1]));
+  const auto centre = must(steps_of("G17G02X-20Y-20I0J-20F100")[0].motion->arc);
+  const auto radius = must(steps_of("G17G02X-20Y-20R-20F100")[0].motion->arc);
+  CHECK(radius.centre_mm[0] == Approx(centre.centre_mm[0]).epsilon(1e-12));
+  CHECK(radius.centre_mm[1] == Approx(centre.centre_mm[1]));
   const auto shorter = steps_of("G17G02X-20Y-20R20F100")[0].motion->arc;
   CHECK(shorter->centre_mm[0] == Approx(-20.0));
   CHECK(shorter->centre_mm[1] == Approx(0.0));

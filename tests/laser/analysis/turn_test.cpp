@@ -55,12 +55,10 @@ TEST_CASE("offset, reversal and the waves of a turn are found with their sizes a
 }
 
 TEST_CASE("the second turn is the same place: 370 degrees is 10 degrees") {
-  const auto once = turn_of_only(turned(0, 350, 36, [](double deg) { return wave(deg, 2, 90); }));
-  const auto twice = turn_of_only(turned(0, 710, 72, [](double deg) { return wave(deg, 2, 90); }));
-  REQUIRE(once);
-  REQUIRE(twice);
-  CHECK(twice->waves.front().order == 2);
-  CHECK(twice->waves.front().amplitude == Approx(once->waves.front().amplitude).epsilon(0.05));
+  const auto once = must(turn_of_only(turned(0, 350, 36, [](double deg) { return wave(deg, 2, 90); })));
+  const auto twice = must(turn_of_only(turned(0, 710, 72, [](double deg) { return wave(deg, 2, 90); })));
+  CHECK(twice.waves.front().order == 2);
+  CHECK(twice.waves.front().amplitude == Approx(once.waves.front().amplitude).epsilon(0.05));
 }
 
 TEST_CASE("noise alone has no waves, and part of a turn none that are longer than the part") {

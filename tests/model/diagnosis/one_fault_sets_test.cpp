@@ -119,11 +119,10 @@ TEST_CASE("a head that bends is never adequate: repeats show that what is left i
   const auto machine = params::read_machine("tests/data/made_up/head_machine.toml");
   laser::ImportOptions options;
   options.takes_rotary = true;
-  const auto readings = laser::read_any("tests/data/made_up/bending_head.csv", options);
+  const auto readings = must(laser::read_any("tests/data/made_up/bending_head.csv", options));
   REQUIRE(model);
   REQUIRE(machine);
-  REQUIRE(readings);
-  const auto found = must(diagnose(*model, observations_of(readings->set, *model, machine->machine)));
+  const auto found = must(diagnose(*model, observations_of(readings.set, *model, machine->machine)));
   CHECK(found.noise.from_repeats);
   CHECK(found.noise.noise_um == Approx(8.0).epsilon(0.25));  // 27 of 75 readings repeat a pose
   CHECK(found.verdict != Verdict::adequate);

@@ -100,14 +100,12 @@ TEST_CASE("gross errors are listed with their rows, weigh nothing, and stay in t
   set.readings[120].error -= 25.0;
   const Model model = straight();
   const Observations data = observations_of(set, model, mill());
-  const auto robust = fit(model, data);
-  const auto plain = fit(model, data, {true});
-  REQUIRE(robust);
-  REQUIRE(plain);
-  CHECK(robust->outliers == std::vector<int>{18, 121});
-  CHECK(plain->outliers.empty());
-  CHECK(parameter(*robust, 1, "um_per_m").value == Approx(5.0).epsilon(0.02));
-  CHECK(robust->rms_um > 2.0);
+  const auto robust = must(fit(model, data));
+  const auto plain = must(fit(model, data, {true}));
+  CHECK(robust.outliers == std::vector<int>{18, 121});
+  CHECK(plain.outliers.empty());
+  CHECK(parameter(robust, 1, "um_per_m").value == Approx(5.0).epsilon(0.02));
+  CHECK(robust.rms_um > 2.0);
 }
 
 TEST_CASE("terms that the data cannot tell apart are named, and nothing breaks") {
@@ -264,13 +262,11 @@ TEST_CASE("a fit from values refines them; without that it seeks the whole range
   });
   model.effects.back().fitted["period_mm"] = 330.0;
   const Observations data = observations_of(set, model, mill());
-  const auto anew = fit(model, data);
-  const auto refined = fit(model, data, {.plain = false, .from_values = true});
-  REQUIRE(anew);
-  REQUIRE(refined);
-  CHECK(parameter(*refined, 2, "period_mm").value == Approx(337.0).epsilon(0.05));
-  CHECK(parameter(*anew, 2, "period_mm").value < 200.0);  // 90 mm, or 180 with it as the second harmonic
-  CHECK(anew->rms_um < 0.6 * refined->rms_um);
+  const auto anew = must(fit(model, data));
+  const auto refined = must(fit(model, data, {.plain = false, .from_values = true}));
+  CHECK(parameter(refined, 2, "period_mm").value == Approx(337.0).epsilon(0.05));
+  CHECK(parameter(anew, 2, "period_mm").value < 200.0);  // 90 mm, or 180 with it as the second harmonic
+  CHECK(anew.rms_um < 0.6 * refined.rms_um);
 }
 
 TEST_CASE("size and length of a reversal spike lie within three sigma of the truth, far from a straight law too") {

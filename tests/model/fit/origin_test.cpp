@@ -68,21 +68,18 @@ TEST_CASE("a fitted model predicts the same rows alike, whatever rows are with t
 }
 
 TEST_CASE("the set next_day is predicted alike from the whole file and from its second half") {
-  const auto model = read_model("tests/data/made_up/next_day.toml");
-  const auto all = laser::read_any("tests/data/made_up/next_day.csv", {});
-  const auto half = laser::read_any("tests/data/made_up/next_day_half.csv", {});
-  REQUIRE(model);
-  REQUIRE(all);
-  REQUIRE(half);
-  const auto found = must(fit(*model, observations_of(all->set, *model, std::nullopt)));
-  const Model fitted = with_values(*model, found);
+  const auto model = must(read_model("tests/data/made_up/next_day.toml"));
+  const auto all = must(laser::read_any("tests/data/made_up/next_day.csv", {}));
+  const auto half = must(laser::read_any("tests/data/made_up/next_day_half.csv", {}));
+  const auto found = must(fit(model, observations_of(all.set, model, std::nullopt)));
+  const Model fitted = with_values(model, found);
   REQUIRE(fitted.origin);
   CHECK(fitted.origin->time_s == 0.0);
   CHECK(fitted.origin->sensors_degC.at("t_bed_degC") == 20.0);
-  const std::vector<double> of_all = predictions(fitted, all->set), of_half = predictions(fitted, half->set);
+  const std::vector<double> of_all = predictions(fitted, all.set), of_half = predictions(fitted, half.set);
   const std::vector<double> same(of_all.end() - 100, of_all.end());
   CHECK(largest_difference(same, of_half) < 1e-9);
-  CHECK(of_half.back() == Approx(half->set.readings.back().error).epsilon(0.01));
+  CHECK(of_half.back() == Approx(half.set.readings.back().error).epsilon(0.01));
 }
 
 TEST_CASE("a model keeps its origin in its file, and through a fit to other readings") {

@@ -175,13 +175,11 @@ TEST_CASE("before measuring: a formula of the user, with a parameter that is not
 TEST_CASE("before measuring: the readings of the plan do not count") {
   Model model = straight();
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
-  const auto none = check_plan(model, observations_of(measured({}, 0.0, nothing), model, mill()), kNoise_um);
-  const auto wild =
+  const auto none = must(check_plan(model, observations_of(measured({}, 0.0, nothing), model, mill()), kNoise_um));
+  const auto wild = must(
       check_plan(model, observations_of(measured({}, 50.0, [](const Reading& r) { return 9.0 * d(r); }), model, mill()),
-                 kNoise_um);
-  REQUIRE(none);
-  REQUIRE(wild);
+                 kNoise_um));
   for (std::size_t i = 0; i < 3; ++i)
-    CHECK(*none->effects[i].parameters[0].sigma == Approx(*wild->effects[i].parameters[0].sigma));
+    CHECK(*none.effects[i].parameters[0].sigma == Approx(*wild.effects[i].parameters[0].sigma));
   CHECK_FALSE(check_plan(model, Observations{}, kNoise_um));
 }

@@ -37,14 +37,13 @@ TEST_CASE("the map of a model cancels what the model predicts everywhere, on eve
     REQUIRE(ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--increment", "50", "-o",
                  map_file, "--force"})
                 .code == 0);
-    const auto map = laser::read_map_csv(map_file);
+    const auto map = must(laser::read_map_csv(map_file));
     const auto machine = params::read_machine(machine_file);
     const auto model = model::read_model(model_file);
-    REQUIRE(map);
     const auto volume = must(model::predicted_volume(*model, machine->machine, 3));
     double largest = 0.0, left = 0.0;
     for (const model::VolumePoint& point : volume) {
-      const Vector3 added = compensation_of(*map, machine->machine, point.position_mm);
+      const Vector3 added = compensation_of(map, machine->machine, point.position_mm);
       for (std::size_t i = 0; i < kAxes; ++i) {
         largest = std::max(largest, std::abs(point.error_um[i]));
         left = std::max(left, std::abs(point.error_um[i] + added[i]));

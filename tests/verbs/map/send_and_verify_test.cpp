@@ -79,16 +79,14 @@ TEST_CASE("a real axis goes from its file to the bytes of the unit") {
   const std::string csv = workspace.folder / "measured.csv";
   REQUIRE(ran({"laser", "import", file, "--axis", "X", "-o", csv}).code == 0);
   REQUIRE(ran({"map", "build", csv, "--params", workspace.params, "-o", workspace.map}).code == 0);
-  const auto map = laser::read_map_csv(workspace.map);
-  const auto params = params::read_parameters(workspace.params);
-  REQUIRE(map);
-  REQUIRE(params);
-  const auto image = must(laser::image_of(*map, params->parameters));
+  const auto map = must(laser::read_map_csv(workspace.map));
+  const auto params = must(params::read_parameters(workspace.params));
+  const auto image = must(laser::image_of(map, params.parameters));
   const auto content = must(laser::content_of(image.bytes));
   for (const laser::MapTable& table : content.map.tables)
     for (std::size_t i = 0; i < table.position_mm.size(); ++i)
       CHECK(std::abs(table.compensation[i] -
-                     laser::compensation_at(*laser::table_of(*map, table.component, table.approach),
+                     laser::compensation_at(*laser::table_of(map, table.component, table.approach),
                                             table.position_mm[i])) <= 0.005 + 1e-9);
 }
 
