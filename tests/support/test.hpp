@@ -6,7 +6,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
-#include <source_location>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -36,10 +35,12 @@ inline std::size_t count_of(std::string_view text, char sign) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), sign));
 }
 
+// The last two parameters are the place of the call, which a failure names; clang 14 has no std::source_location.
+
 /// What a Result or an optional holds; where it holds nothing the case ends, with the words of the problem.
 template <class Given>
-typename Given::value_type must(Given given, std::source_location at = std::source_location::current()) {
-  INFO(at.file_name(), ":", at.line());
+typename Given::value_type must(Given given, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  INFO(file, ":", line);
   if constexpr (requires { to_text(given.error()); }) {
     REQUIRE_MESSAGE(given.has_value(), (given ? std::string() : to_text(given.error())));
   } else {
@@ -49,23 +50,25 @@ typename Given::value_type must(Given given, std::source_location at = std::sour
 }
 /// The problem of a Result that must be one.
 template <class Given>
-typename Given::error_type must_fail(const Given& given, std::source_location at = std::source_location::current()) {
-  INFO(at.file_name(), ":", at.line());
+typename Given::error_type must_fail(const Given& given, const char* file = __builtin_FILE(),
+                                     int line = __builtin_LINE()) {
+  INFO(file, ":", line);
   REQUIRE_FALSE(given.has_value());
   return given.error();
 }
 /// What a list holds that must hold one thing.
 template <class List>
-const typename List::value_type& only(const List& list, std::source_location at = std::source_location::current()) {
-  INFO(at.file_name(), ":", at.line());
+const typename List::value_type& only(const List& list, const char* file = __builtin_FILE(),
+                                      int line = __builtin_LINE()) {
+  INFO(file, ":", line);
   REQUIRE(list.size() == 1);
   return list.front();
 }
 
 /// Each of the parts stands in the text.
 inline void check_holds(std::string_view text, std::initializer_list<std::string_view> parts,
-                        std::source_location at = std::source_location::current()) {
-  INFO(at.file_name(), ":", at.line());
+                        const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  INFO(file, ":", line);
   for (const std::string_view part : parts) CHECK_MESSAGE(contains(text, part), part, " in ", text);
 }
 

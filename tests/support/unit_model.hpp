@@ -72,7 +72,9 @@ class UnitModel : public UnitPort {
     return status;
   }
   MonitorSample monitor() override {
-    MonitorSample sample{.number = ++samples, .unit_time_us = 1'000ull * samples};
+    MonitorSample sample;
+    sample.number = ++samples;
+    sample.unit_time_us = 1'000ull * samples;
     sample.axes[0].present = true;
     sample.axes[0].position_mm = samples;
     return sample;
