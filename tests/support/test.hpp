@@ -39,7 +39,7 @@ inline std::size_t count_of(std::string_view text, char sign) {
 
 /// What a Result or an optional holds; where it holds nothing the case ends, with the words of the problem.
 template <class Given>
-typename Given::value_type must(Given given, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+typename Given::value_type must(Given given, std::string_view file = __builtin_FILE(), int line = __builtin_LINE()) {
   INFO(file, ":", line);
   if constexpr (requires { to_text(given.error()); }) {
     REQUIRE_MESSAGE(given.has_value(), (given ? std::string() : to_text(given.error())));
@@ -50,7 +50,7 @@ typename Given::value_type must(Given given, const char* file = __builtin_FILE()
 }
 /// The problem of a Result that must be one.
 template <class Given>
-typename Given::error_type must_fail(const Given& given, const char* file = __builtin_FILE(),
+typename Given::error_type must_fail(const Given& given, std::string_view file = __builtin_FILE(),
                                      int line = __builtin_LINE()) {
   INFO(file, ":", line);
   REQUIRE_FALSE(given.has_value());
@@ -58,7 +58,7 @@ typename Given::error_type must_fail(const Given& given, const char* file = __bu
 }
 /// What a list holds that must hold one thing.
 template <class List>
-const typename List::value_type& only(const List& list, const char* file = __builtin_FILE(),
+const typename List::value_type& only(const List& list, std::string_view file = __builtin_FILE(),
                                       int line = __builtin_LINE()) {
   INFO(file, ":", line);
   REQUIRE(list.size() == 1);
@@ -67,7 +67,7 @@ const typename List::value_type& only(const List& list, const char* file = __bui
 
 /// Each of the parts stands in the text.
 inline void check_holds(std::string_view text, std::initializer_list<std::string_view> parts,
-                        const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+                        std::string_view file = __builtin_FILE(), int line = __builtin_LINE()) {
   INFO(file, ":", line);
   for (const std::string_view part : parts) CHECK_MESSAGE(contains(text, part), part, " in ", text);
 }
