@@ -274,14 +274,15 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   CHECK(contains(after(form, "\n\n"), "Begin a new model?"));
   CHECK_FALSE(fs::exists(fresh));
   finish(form, "y");
-  const auto screen = must(form.opens_by_itself());
+  const auto screen = form.opens_by_itself();
+  REQUIRE(screen != nullptr);
   CHECK(fs::exists(fresh));
-  CHECK(contains(picture(screen), "with offset and slope"));
-  finish(screen, "d");
-  CHECK(contains(picture(screen), "cyclic:X:EX"));
-  finish(screen, "a");
-  CHECK(contains(picture(screen), "added cyclic:X:EX"));
-  type(screen, "s");
+  CHECK(contains(picture(*screen), "with offset and slope"));
+  finish(*screen, "d");
+  CHECK(contains(picture(*screen), "cyclic:X:EX"));
+  finish(*screen, "a");
+  CHECK(contains(picture(*screen), "added cyclic:X:EX"));
+  type(*screen, "s");
   CHECK(contains(ecs::read_file(fresh).value(), "cyclic"));
 }
 
