@@ -350,7 +350,7 @@ Result<laser::Imported> read_measurements(const std::string& file, const ImportA
   if (answered != nullptr) *answered = all;
   ECS_TRY(options, import_options(all));
   if (!bytes) return tl::unexpected(bytes.error());
-  auto imported = laser::parse_file(*bytes, file, options);
+  auto imported = laser::imported_from(*bytes, file, options);
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;

@@ -139,7 +139,7 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   return imported;
 }
 
-Result<Imported> parse_file(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
+Result<Imported> imported_from(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
   if (!options.mapping && !options.matrix)
     if (auto wrong = wrong_kind(FileKind::measurements, bytes, file_name)) return tl::unexpected(std::move(*wrong));
   auto imported = parse_any(bytes, file_name, options);
@@ -149,7 +149,7 @@ Result<Imported> parse_file(std::string_view bytes, const std::string& file_name
 
 Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options) {
   ECS_TRY(bytes, read_file(path));
-  return parse_file(bytes, path.string(), options);
+  return imported_from(bytes, path.string(), options);
 }
 
 FileReader reading_once(FileReader read) {

@@ -75,8 +75,8 @@ struct Imported {
                                          const ImportOptions& options);
 
 /// The same of the bytes of a whole file, with their checksum; files of another kind than measurements are refused.
-[[nodiscard]] Result<Imported> parse_file(std::string_view bytes, const std::string& file_name,
-                                          const ImportOptions& options);
+[[nodiscard]] Result<Imported> imported_from(std::string_view bytes, const std::string& file_name,
+                                             const ImportOptions& options);
 [[nodiscard]] Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options = {});
 
 /// How the files of a piece of work are read, with the checksum of each: what the caller knows about them is in it.

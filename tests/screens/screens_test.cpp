@@ -105,7 +105,6 @@ TEST_CASE("the finder puts a screen before the verb of its name") {
   for (const auto& [sought, screen] : {std::pair{"monitor", "> ON LINE MONITOR"},
                                        {"status", "> DISPLAY ECS STATUS"},
                                        {"volume", "> VOLUME"},
-                                       {"lengths", "> LENGTHS"},
                                        {"memory", "> MEMORY ACCESS"}}) {
     const auto found = finder(no_link());
     type(*found, sought);

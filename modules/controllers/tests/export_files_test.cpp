@@ -5,7 +5,7 @@
 
 #include "base/answer_table.hpp"
 #include "modules/controllers/export.hpp"
-#include "tests/commissioning/support/output_files.hpp"
+#include "modules/controllers/tests/output_files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/test.hpp"

@@ -30,6 +30,15 @@ std::size_t count_of(const std::vector<BatchReport>& reports, BatchState state) 
       std::count_if(reports.begin(), reports.end(), [&](const auto& report) { return report.state == state; }));
 }
 
+TEST_CASE("files of a plan count from its folder") {
+  const auto plan = must(parse_batch_plan(
+      "[[unit]]\nlink = \"tcp:mill:502\"\nparams = \"p.toml\"\nmap = \"maps/m.csv\"\nserial_number = \"S\"\n",
+      "plan.toml", "/jobs"));
+  CHECK(plan.front().params == "/jobs/p.toml");
+  CHECK(plan.front().map == "/jobs/maps/m.csv");
+  CHECK(plan.front().name == "unit 1");
+}
+
 TEST_CASE("of fifty units, dead, slow and wrong ones stop no other, and a second run sends nothing again") {
   const Files files;
   std::list<protocol::Workshop> units;

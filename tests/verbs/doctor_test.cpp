@@ -1,21 +1,11 @@
-// Plans of many units, echoes and stored links, without a unit.
+// Echoes and stored links, without a unit.
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/doctor.hpp"
-#include "modules/fleet/batch.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
-
-TEST_CASE("files of a plan count from its folder") {
-  const auto plan = must(parse_batch_plan(
-      "[[unit]]\nlink = \"tcp:mill:502\"\nparams = \"p.toml\"\nmap = \"maps/m.csv\"\nserial_number = \"S\"\n",
-      "plan.toml", "/jobs"));
-  CHECK(plan.front().params == "/jobs/p.toml");
-  CHECK(plan.front().map == "/jobs/maps/m.csv");
-  CHECK(plan.front().name == "unit 1");
-}
 
 TEST_CASE("a link that returns what is sent is recognised as an echo") {
   const PortAnswer silence{{1, 2, 3}, {}};

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/commissioning/support/output_files.hpp"
+#include "modules/controllers/tests/output_files.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/test.hpp"
 
