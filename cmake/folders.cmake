@@ -63,8 +63,8 @@ ecs_folder(commissioning/laser_session base base/cli commissioning/link commissi
 ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
            Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/maps base base/cli commissioning/link commissioning/measurements commissioning/models
-           commissioning/session commissioning/unit core laser laser/map model/diagnosis model/effects model/fit
-           params protocol/client fmt::fmt)
+           commissioning/session commissioning/unit core laser laser/map model/effects model/fit params
+           protocol/client fmt::fmt)
 ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core laser laser/analysis
            laser/import laser/map laser/standards Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/memory base commissioning/session commissioning/unit core laser/map params protocol/client
@@ -92,9 +92,9 @@ ecs_folder(app/screens app/cli app/screens/forms app/screens/laser app/screens/m
            app/screens/parameters app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files
            commissioning/link commissioning/session core fmt::fmt)
 ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commissioning/session fmt::fmt)
-ecs_folder(app/screens/forms app/cli app/plot app/screens/files app/ui app/verbs base commissioning/files
-           commissioning/link commissioning/plot commissioning/session commissioning/unit commissioning/utility
-           commissioning/volume core protocol/client fmt::fmt)
+ecs_folder(app/screens/forms app/cli app/screens/files app/ui app/verbs base commissioning/files commissioning/link
+           commissioning/plot commissioning/session commissioning/unit commissioning/utility commissioning/volume core
+           protocol/client fmt::fmt)
 ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/laser_session commissioning/maps
            commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
            fmt::fmt)

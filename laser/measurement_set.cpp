@@ -16,7 +16,6 @@
 #include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 #include "laser/text_decoding.hpp"
-#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -8,7 +8,6 @@
 #include "app/cli/program.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"
-#include "base/file.hpp"
 
 namespace ecs::app {
 namespace {

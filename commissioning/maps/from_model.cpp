@@ -15,7 +15,6 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compiled_model.hpp"
 #include "params/parameters_toml.hpp"

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/cli/action.hpp"
-#include "base/file.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "model/fit/fit.hpp"

@@ -17,7 +17,6 @@
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/import/renishaw_file.hpp"
 #include "laser/import/set_up.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser/writers/writers.hpp"

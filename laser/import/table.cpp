@@ -8,7 +8,6 @@
 #include "base/text.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
-#include "laser/import/renishaw_file.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {

@@ -18,7 +18,6 @@
 #include "model/diagnosis/standing.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/trial.hpp"
-#include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"

@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/data/curve_basis.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/noise.hpp"

@@ -15,11 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/data/curve_basis.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/linear/decompositions.hpp"
-#include "model/regression/candidates.hpp"
 
 namespace ecs::model {
 

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "model/fit/statistics.hpp"
-#include "model/planning/questions.hpp"
 
 namespace ecs::model {
 

@@ -15,7 +15,6 @@
 
 #include "app/cli/program.hpp"
 #include "app/screens/unit/list_screen.hpp"
-#include "app/screens/unit/screens.hpp"
 #include "app/ui/screen.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"

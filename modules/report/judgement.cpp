@@ -18,7 +18,7 @@
 #include "model/diagnosis/diagnose.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "modules/report/content.hpp"
-#include "modules/report/page.hpp"
+#include "modules/report/markup.hpp"
 
 namespace ecs::app {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "base/text.hpp"
 #include "commissioning/plot/curves.hpp"
-#include "laser/map/recipe.hpp"
 #include "modules/report/page.hpp"
 
 namespace ecs::app {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/gnuplot.hpp"
 #include "app/screens/forms/form_fields.hpp"
 #include "app/screens/forms/rows.hpp"
 #include "app/ui/chart.hpp"
@@ -16,7 +15,6 @@
 #include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
-#include "commissioning/files/known_files.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"

@@ -6,7 +6,6 @@
 
 #include "app/cli/module.hpp"
 #include "app/verbs/registry.hpp"
-#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/remembered.hpp"

@@ -10,7 +10,6 @@
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "base/text.hpp"
-#include "commissioning/session/commands.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
