@@ -1,5 +1,5 @@
 // Which readings belong together: one axis, one sense, one parked position; and their targets.
-// Does not live here: what is computed from them (iso230.hpp, process.hpp).
+// Does not live here: what is computed from them (laser/analysis/iso230.hpp, laser/analysis/process.hpp).
 #pragma once
 
 #include <cstddef>

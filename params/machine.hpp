@@ -43,7 +43,7 @@ struct Machine {
   std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/terms.hpp)
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
   std::string rotary_configuration;            ///< with the letters of its rotary axes, "XYACTZ"; empty: it has none
-  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them (rotary_machine.hpp)
+  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them
   friend bool operator==(const Machine&, const Machine&) = default;
 };
 

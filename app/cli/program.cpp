@@ -1,4 +1,3 @@
-// The answer of `ecs` alone: every verb with its help, and the link that would be used.
 #include "app/cli/program.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The verbs of `ecs`: actions as base/cli defines them, and what the program gives to each that it runs.
-// Does not live here: the list of verbs (app/verbs/registry.cpp), parsing (parser.hpp).
+// Does not live here: the list of verbs (app/verbs/registry.cpp), parsing (program.hpp).
 #pragma once
 
 #include <string>

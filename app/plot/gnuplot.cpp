@@ -1,4 +1,4 @@
-// A figure as commands for gnuplot. Does not live here: running gnuplot (gnuplot.cpp).
+// A figure as commands for gnuplot, and gnuplot run with them.
 #include "app/plot/gnuplot.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Figures as SVG or PNG, drawn by gnuplot as a child process.
-// Does not live here: what is in a figure (figure.hpp).
+// Does not live here: what is in a figure (commissioning/plot/figure.hpp).
 #pragma once
 
 #include <filesystem>

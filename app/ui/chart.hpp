@@ -1,6 +1,6 @@
 // Curves in a terminal: braille dots, or letters where the terminal has no braille; axes with ticks and units, a cursor
-// with read-out, a part of the x range.
-// Where in its area the curves of a chart lie; for charts and for what is marked on them.
+// with read-out, a part of the x range. And where in its area the curves of a chart lie: for charts, and for what is
+// marked on them.
 #pragma once
 
 #include <optional>

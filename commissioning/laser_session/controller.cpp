@@ -1,5 +1,3 @@
-// A map sent by the laser controller, and a look at the unit after sending failed.
-// The map read back from the unit: the verdict, whether it still holds, compensation with it.
 #include "commissioning/laser_session/controller.hpp"
 
 #include <algorithm>

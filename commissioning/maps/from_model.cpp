@@ -1,4 +1,3 @@
-// The map of a fitted model as text and JSON.
 #include "commissioning/maps/from_model.hpp"
 
 #include <algorithm>

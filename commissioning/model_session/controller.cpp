@@ -1,4 +1,3 @@
-// From the model to a unit: the map planned, written and sent, compensation switched on.
 #include "commissioning/model_session/controller.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A diagnosis kept as a file and checked on its data: with the model, map and machine that it was made with, the
 // answer needs the data alone.
-// Does not live here: what is recomputed (model/diagnosis/check.hpp), the rest of the answer (diagnosis_view.hpp).
+// Does not live here: what is recomputed (model/diagnosis/check.hpp), the rest of the answer (view.hpp).
 #pragma once
 
 #include <string>

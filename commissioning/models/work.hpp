@@ -1,6 +1,6 @@
 // What work on a model begins with: a model, measured files (of lines, circles, diagonals), a machine, read and brought
 // together; places to be measured or predicted. Does not live here: the files of circles and diagonals themselves
-// (laser/standards), their readings as a measurement set (model/data/path_sets.hpp).
+// (laser/standards), their readings as a measurement set (model/data/path.hpp).
 #pragma once
 
 #include <optional>

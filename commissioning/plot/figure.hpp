@@ -1,5 +1,5 @@
-// A figure as data: panels with series of points and what each series shows. gnuplot (gnuplot.hpp), the report's inline
-// SVG (modules/report/page.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
+// A figure as data: panels with series of points and what each series shows. gnuplot (app/plot/gnuplot.hpp), the
+// report's inline SVG (modules/report/page.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Sums of what the effects contribute: readings by the fit, places of a volume and of a circle by prediction. What the
 // unit can compensate is compensated by the fitted values, straight between the points of a map's tables, while the
-// machine has the values of a refit (refits.hpp).
+// machine has the values of a refit (repair_places.hpp).
 #include "commissioning/volume/repair.hpp"
 
 #include <algorithm>

@@ -55,7 +55,7 @@ struct RepairAnswer {
 };
 
 /// @param places  in the volume, at most
-/// The same input gives the same answer: the draws of refits.hpp have a fixed seed.
+/// The same input gives the same answer: the draws of repair_places.hpp have a fixed seed.
 /// Refused: no machine file, an axis without a travel, an effect without a value, rotary axes.
 [[nodiscard]] Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& model_file,
                                                  std::size_t places);

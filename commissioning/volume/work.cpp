@@ -1,7 +1,7 @@
-// Looks at a volume beside its sizes: one place, a plane, what falls between the places.
-// Does not live here: the evaluation itself (volume/volume.hpp).
-// The rotary axes of a machine file in the work of `ecs volume`: their chain and errors, what is said of them.
-// Does not live here: the error at their angles (volume/joint_volume.hpp).
+// Looks at a volume beside its sizes: one place, a plane, what falls between the places. The rotary axes of a machine
+// file in the work of `ecs volume`: their chain and errors, what is said of them.
+// Does not live here: the evaluation itself (volume/volume.hpp), the error at the angles of rotary axes
+// (volume/joint_volume.hpp).
 #include "commissioning/volume/work.hpp"
 
 #include <algorithm>

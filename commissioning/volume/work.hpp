@@ -1,5 +1,5 @@
 // `ecs volume` without a terminal: files read, the volume evaluated, its uncertainty.
-// Does not live here: the arithmetic (volume/), words and JSON (view.hpp), pictures (figures.hpp).
+// Does not live here: the arithmetic (volume/), words, JSON and pictures (view.hpp).
 #pragma once
 
 #include <optional>

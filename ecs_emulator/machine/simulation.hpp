@@ -1,6 +1,6 @@
 // Machine and unit in one simulated time, held to the wall clock where wanted: the tick that joins them, and motions
 // run to their end. Does not live here: what the person in the workshop does (ecs_emulator/instruments/measurement.hpp,
-// ecs_emulator/workshop/procedures.hpp, ecs_emulator/workshop/procedures.hpp).
+// ecs_emulator/workshop/procedures.hpp).
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@
 namespace ecs::emulator {
 
 enum class DriveKind : std::uint8_t {
-  servo,  ///< the drive of appendix A in its closed loop, step by step (machine_tool.hpp)
+  servo,  ///< the drive of appendix A in its closed loop, step by step (ecs_emulator/machine/machine_tool.hpp)
   ideal,  ///< follows its command with one lag, to any fineness
 };
 /// Where the transducer sits.

@@ -1,5 +1,5 @@
 // Watching one axis being referenced: the routine of core/datum.hpp and when to begin it again or give it up; and
-// RECORD DATUM SEQUENCE, ten seconds of one axis into system RAM (thesis 5.3; bytes in core/datum_record.hpp).
+// RECORD DATUM SEQUENCE, ten seconds of one axis into system RAM (thesis 5.3; bytes in core/datum.hpp).
 #pragma once
 
 #include "core/datum.hpp"

@@ -1,4 +1,3 @@
-// What the unit tells about itself: identity, status with the address pointers, the on-line monitor.
 #include "ecs_emulator/unit/unit.hpp"
 
 #include <algorithm>

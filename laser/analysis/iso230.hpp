@@ -1,5 +1,5 @@
 // Accuracy and repeatability of positioning by ISO 230-2:2014, and the thesis's ±3 sigma band (BS 4656 Part 16).
-// Does not live here: finding the groups (groups.hpp), maps and their processing (process.hpp).
+// Does not live here: finding the groups (laser/groups.hpp), maps and their processing (process.hpp).
 #pragma once
 
 #include <optional>

@@ -1,6 +1,6 @@
 // A log of several channels, each with a clock of its own, as measurements: one channel gives the rows, the others are
 // joined to it by time.
-// Does not live here: how a log is written (columns_reader.cpp, json_lines.cpp).
+// Does not live here: how a log is written (columns.cpp, json_lines.cpp).
 #pragma once
 
 #include <map>

@@ -1,5 +1,6 @@
 // Any table of numbers as measurements, by a mapping of its columns that the user gives.
-// Does not live here: files whose format is known (import.hpp), keeping a mapping for the next file (app/).
+// Does not live here: files whose format is known (import.hpp), keeping a mapping for the next file
+// (commissioning/measurements/import_profile.cpp).
 #pragma once
 
 #include <optional>

@@ -1,6 +1,6 @@
 // What each mapped column of a table is, how one cell of it enters a reading, and the unit that its heading states.
-// Does not live here: rows and files (rows.hpp, columns_reader.cpp), the mapping as it is typed (columns.cpp), the
-// units themselves (laser/units.hpp).
+// Does not live here: rows (rows.hpp), files and the mapping as it is typed (columns.cpp), the units themselves
+// (laser/units.hpp).
 #pragma once
 
 #include <optional>

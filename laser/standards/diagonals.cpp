@@ -1,5 +1,5 @@
-// The file of a diagonal test, and its results.
-// Diagonals by ISO 230-6. Growth over a diagonal of unit vector n is nᵀ·E: with C0Y, B0Z, A0Z and one common scale the
+// The file of a diagonal test, and its results by ISO 230-6.
+// Growth over a diagonal of unit vector n is nᵀ·E: with C0Y, B0Z, A0Z and one common scale the
 // four body diagonals are four equations for four unknowns. Step diagonals: M. A. V. Chapman, "Limitations of laser
 // diagonal measurements", Precision Engineering 27 (2003) 401-406.
 #include "laser/standards/diagonals.hpp"

@@ -43,7 +43,7 @@ struct DiagnoseOptions {
   std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all
   bool plain = false;                            ///< no outliers
   const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread: `refused`, soon; null: nobody stops it
-  bool p_values = false;                         ///< also p_value.hpp of each effect found
+  bool p_values = false;                         ///< also the p-value of each effect found (e_value.hpp)
 };
 
 /// A member of a credible set.

@@ -1,5 +1,6 @@
 // From single candidates to a set of missing effects: forward steps on several branches, exchange of earlier choices,
-// and the rivals that do as well. Internal to model/ (Eigen). Does not live here: the gains themselves (search.hpp).
+// and the rivals that do as well. Internal to model/ (Eigen). Does not live here: the gains themselves
+// (model/fit/search.hpp).
 #pragma once
 
 #include <optional>
@@ -30,7 +31,7 @@ struct Group {
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   bool wander = false;  ///< a slow wander of the readings explains it as well
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
-  double p_value = 1.0;           ///< p_value.hpp, beside the other effects of the solution
+  double p_value = 1.0;           ///< e_value.hpp, beside the other effects of the solution
   double p_value_alone = 1.0;     ///< the same beside the model
 };
 /// One group per effect of the solution, in its order.

@@ -1,6 +1,7 @@
 // Whether what is left depends on anything: position, approach, run, time, sensors, feed, load, compensation; whether
 // it wanders slowly: turbulence over minutes, another zero in every pass, a random walk. Internal to model/ (Eigen).
-// Does not live here: what effect that may be (search.hpp), the noise that repeats show (model/fit/noise.hpp).
+// Does not live here: what effect that may be (model/fit/search.hpp), the noise that repeats show
+// (model/fit/noise.hpp).
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // The search for missing effects in the whitened space of a data set: what every candidate gains beyond what the model
 // absorbs, at what cost in free parameters. Internal to model/ (Eigen).
-// Does not live here: which effects there are (model/regression/candidates.hpp), the verdict (diagnose.cpp).
+// Does not live here: which effects there are (model/regression/candidates.hpp), the verdict (model/diagnosis).
 #pragma once
 
 #include <atomic>

@@ -1,6 +1,6 @@
 // The bank of shapes of every candidate at every value tried: their products among themselves, with what is left and
 // with simulated noise. Shapes of position are kept once per place, however often it was measured.
-// Does not live here: what the products gain (gains.cpp), screening and refining (search_screen.cpp, search.cpp).
+// Does not live here: what the products gain, screening (search_screen.cpp), refining (search.cpp).
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // Discrimination between rival models: the run that is expected to separate them best, whichever is true (Hunter and
 // Reiner 1965; T-optimality: Atkinson and Fedorov 1975), per minute of work. Does not live here: the separation itself
-// (separation.cpp), the sentences (sentences.cpp).
+// (separation.cpp), the sentences (questions.cpp).
 #include "model/planning/next_measurement.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // What to measure next: the run that tells rivals apart best per minute, and whether a planned set can determine a
 // model at all. Does not live here: the diagnosis that leaves the rivals (model/diagnosis/diagnose.hpp), the same run
-// as a part program (part_program.hpp).
+// as a part program (questions.hpp).
 #pragma once
 
 #include <map>
@@ -29,8 +29,8 @@ struct MeasurementProposal {
   Sense sense = Sense::EX;
   std::vector<double> targets_mm;  ///< ascending
   Vector3 parked_mm{};             ///< of the other axes; 0 for the moving one
-  /// A circle of a ball bar in place of a line (path.hpp), with a reading every so many degrees: axis and sense are of
-  /// its first axis, there are no targets, and a run is a turn counter-clockwise and one clockwise.
+  /// A circle of a ball bar in place of a line (model/data/path.hpp), a reading every so many degrees: axis and sense
+  /// are of its first axis, there are no targets, and a run is a turn counter-clockwise and one clockwise.
   std::optional<Path> circle{};
   double circle_step_deg = 1.0;
   bool bidirectional = true;

@@ -1,7 +1,7 @@
 // A proposed run, stop by stop: where the axis stops, how it came there, and how long it takes. Circles (ISO 230-4)
 // that a person with a ball bar could run next: those measured now under other conditions, and one in each plane of the
-// machine. Does not live here: which lines to propose (options.hpp), the part program (part_program.hpp), what each
-// would tell (separation.hpp).
+// machine. Does not live here: which lines to propose, the part program (questions.hpp), what each would tell
+// (separation.hpp).
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // How many sigmas a run not yet made would put between explanations: each, if true, against the best that the model
 // with another can do on present and new readings together; and readings yet to be taken as observations beside the
 // present ones, so that effects can be evaluated on both alike. Internal to model/ (Eigen).
-// Does not live here: which runs there are (options.hpp), their rank (next_measurement.cpp).
+// Does not live here: which runs there are (questions.hpp), their rank (next_measurement.cpp).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // A measurement that is taken by hand: its stops (which target comes when, from which side), what is due, what has been
 // read, what looks like a doubled or a missed trigger, and the file from which it goes on after an interruption.
-// Does not live here: triggers, displays and people (app/).
+// Does not live here: triggers and displays (capture.hpp), people (capture_verbs.cpp).
 #pragma once
 
 #include <optional>

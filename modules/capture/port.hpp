@@ -1,7 +1,7 @@
 // A described device that may be unplugged and come back: found, opened, read; lost and found again. A sensor of the
 // surroundings or an indicator gauge: polled or listened to, without ever waiting long, its last values kept with their
 // age. A button, foot switch or pendant that takes a reading when it is pressed, and which bit of its reports that is.
-// Does not live here: which device it is (capture.hpp), talking to the user (app/).
+// Does not live here: which device it is (capture.hpp), talking to the user (capture_verbs.cpp).
 #pragma once
 
 #include <optional>

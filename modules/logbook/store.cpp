@@ -63,7 +63,7 @@ std::string folder_of(const LogbookEntry& entry) { return text_at(content_json(e
 
 namespace {
 
-constexpr std::size_t kLeastMachineCut = 37;  // bytes; a unit's identity cuts longer names (core/identity.cpp)
+constexpr std::size_t kLeastMachineCut = 37;  // bytes; a unit's identity cuts longer names (core/memory_image.hpp)
 
 bool same_machine(const std::string& a, const std::string& b) {
   if (a == b) return true;

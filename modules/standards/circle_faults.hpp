@@ -1,6 +1,6 @@
 // The faults that a circular test can show: each as columns of the radial deviation over angle and sense of rotation,
 // with the decay lengths of reversal spikes where the readings want them, between those that the search tries.
-// Does not live here: which of them a test does show (diagnosis.hpp). Internal to model/ (Eigen).
+// Does not live here: which of them a test does show (circle_diagnosis.hpp). Internal to this module (Eigen).
 #pragma once
 
 #include <array>

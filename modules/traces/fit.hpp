@@ -1,5 +1,5 @@
 // Fitting chosen constants of a servo axis to a recorded step: each as a factor on its value, by Gauss-Newton on the
-// logarithms, beside the time of the trigger and the recorder's zero. Internal to model/ (Eigen).
+// logarithms, beside the time of the trigger and the recorder's zero. Internal to this module (Eigen).
 // Does not live here: which constants to try (diagnosis.hpp).
 #pragma once
 

@@ -1,6 +1,7 @@
 // Where a unit is: the text that names a link, the times that follow from its speed, and what can go wrong with it, in
 // kinds that a program may act on (the messages: protocol/client/link.cpp).
-// Does not live here: the link itself (protocol/client/link.hpp); `emulator:` addresses, which start a program (app/).
+// Does not live here: the link itself (protocol/client/link.hpp); `emulator:` addresses, which start a program
+// (commissioning/link).
 #pragma once
 
 #include <chrono>

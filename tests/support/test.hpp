@@ -74,7 +74,7 @@ inline void check_holds(std::string_view text, std::initializer_list<std::string
 
 namespace test {
 
-/// The running case cannot run here (support/main.cpp).
+/// The running case cannot run here (tests/support/main.cpp).
 void note_skipped(const char* file, int line, const std::string& reason);
 
 }  // namespace test

@@ -1,4 +1,3 @@
-// What the parameters screen does beyond a single value: files asked for, sending, receiving, finding by name.
 #include "app/screens/parameters/screen.hpp"
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-// The page of the parameters screen that puts screen, file and unit side by side.
 #include "app/screens/parameters/view.hpp"
 
 #include <algorithm>
