@@ -1,10 +1,9 @@
 # What `cmake --install` puts where, and the three Debian packages that scripts/package makes of it.
 include(GNUInstallDirs)
 
-# --- ecs: the program, samples, manual pages, completions, udev rules
+# --- ecs: the program, samples, manual pages, completions
 install(TARGETS ecs RUNTIME COMPONENT ecs)
 install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ecs/samples COMPONENT ecs USE_SOURCE_PERMISSIONS)
-install(FILES app/udev/70-ecs.rules DESTINATION lib/udev/rules.d COMPONENT ecs)
 
 # --- ecs-emulator: the virtual workshop, and a service that keeps one running
 install(TARGETS ecs-emulator RUNTIME COMPONENT ecs-emulator)

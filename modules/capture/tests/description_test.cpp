@@ -144,7 +144,7 @@ TEST_CASE("a missing device, and two identical ones, are reported with what to d
 }
 
 TEST_CASE("the shipped udev rules are those that are printed") {
-  std::ifstream file("app/udev/70-ecs.rules");
+  std::ifstream file("modules/capture/70-ecs.rules");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   CHECK(text == udev_rules(builtin_devices()));
   CHECK(contains(text, "ATTRS{idVendor}==\"0c45\", ATTRS{idProduct}==\"7401\""));
