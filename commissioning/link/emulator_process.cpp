@@ -317,7 +317,7 @@ Result<Json> WorkshopClient::ask(const Json& request, const std::function<void(d
   if (!line.send(one_line(request) + "\n")) return no_link("the workshop closed the connection");
   for (;;) {
     const auto text = line.line(*cancelled_);
-    if (!text && *cancelled_) return problem(ProblemKind::refused, "the investigation was stopped");
+    if (!text && *cancelled_) return problem(ProblemKind::refused, "the work was stopped before its end");
     if (!text) return no_link("the workshop closed the connection before it answered");
     const Json answer = Json::parse(*text, nullptr, false);
     if (!answer.is_object()) return no_link("the workshop answered something that is no JSON object");
