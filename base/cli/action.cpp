@@ -18,14 +18,11 @@ std::string Argument::preset() const {
   return {};
 }
 
-Argument link_argument(std::string* into) {
-  return {"--link", into, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]"};
-}
-
 Arguments with_shared(Arguments own, const Shared& shared, Link link) {
   Arguments all = shared.always;
   all.insert(all.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
-  if (link != Link::none) all.push_back(link_argument(shared.link));
+  if (link != Link::none)
+    all.push_back({"--link", shared.link, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]"});
   if (link == Link::may_write || link == Link::writes) {
     all.push_back({"--arm-code", shared.arm_code, "the code that the unit shows; without it $ECS_ARM_CODE"});
     all.back().is_secret = true;

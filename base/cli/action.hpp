@@ -184,7 +184,6 @@ struct Shared {
   std::string* link{};      ///< of --link, for an action that needs one
   std::string* arm_code{};  ///< of --arm-code
 };
-[[nodiscard]] Argument link_argument(std::string* into);
 
 /// What an action writes replaces nothing: an output file that is there is refused unless --force is given. The file
 /// that it takes first is changed in place, unless it refuses that itself; so is that of --NAME by --NAME-out.

@@ -1,4 +1,3 @@
-// What else of this computer the program uses: emulator, sample machine, gnuplot, terminal.
 #include "commissioning/link/doctor.hpp"
 
 #include <algorithm>
@@ -145,6 +144,8 @@ bool PortAnswer::is_echo() const {
   return received.size() >= sent.size() && std::equal(sent.begin(), sent.end(), received.begin());
 }
 
+namespace {
+
 Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit) {
   const Descriptor port(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (port.get() < 0) return problem(ProblemKind::link, fmt::format("{}: {}", line.device, std::strerror(errno)));
@@ -163,8 +164,6 @@ Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit) {
   }
   return answer;
 }
-
-namespace {
 
 using protocol::Link;
 using protocol::LinkAddress;

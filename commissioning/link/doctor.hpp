@@ -27,13 +27,12 @@ struct PortTrouble {
 };
 [[nodiscard]] std::optional<PortTrouble> trouble_with(const std::string& device);
 
-/// Sends one read request, byte by byte as they are, and gives what comes back within half a second.
+/// One read request, byte by byte as it is, and what comes back within half a second.
 struct PortAnswer {
   std::vector<std::uint8_t> sent;
   std::vector<std::uint8_t> received;
   [[nodiscard]] bool is_echo() const;  ///< the link returns what is sent
 };
-[[nodiscard]] Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit);
 
 enum class FindingState { ok, note, problem };
 [[nodiscard]] std::string_view name_of(FindingState state);

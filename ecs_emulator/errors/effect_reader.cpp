@@ -237,6 +237,21 @@ void read_turn_effect(ErrorsReading& reading, const toml::table& table, std::siz
   reading.parts.rotary.motions.push_back(std::move(motion));
 }
 
+/// False: it is none of a rotary axis.
+bool read_rotary_effect(ErrorsReading& reading, const toml::table& table) {
+  const auto word = [&](std::string_view key) {
+    const toml::node* node = table.get(key);
+    return node != nullptr ? node->value<std::string>().value_or("") : std::string();
+  };
+  if (word("id") == kLocation) {
+    read_location_effect(reading, table);
+    return true;
+  }
+  const std::size_t axis = rotary_axis_in(word("axis"));
+  if (axis < kAxes) read_turn_effect(reading, table, axis);
+  return axis < kAxes;
+}
+
 }  // namespace
 
 void read_effects(ErrorsReading& reading) {
@@ -267,20 +282,6 @@ bool read_rotary_contribution(ErrorsReading& reading, const toml::table& table) 
   motion.line = reading.parts.rotary.line[axis] = static_cast<int>(table.source().begin.line);
   if (motion.curve) reading.parts.rotary.motions.push_back(std::move(motion));
   return true;
-}
-
-bool read_rotary_effect(ErrorsReading& reading, const toml::table& table) {
-  const auto word = [&](std::string_view key) {
-    const toml::node* node = table.get(key);
-    return node != nullptr ? node->value<std::string>().value_or("") : std::string();
-  };
-  if (word("id") == kLocation) {
-    read_location_effect(reading, table);
-    return true;
-  }
-  const std::size_t axis = rotary_axis_in(word("axis"));
-  if (axis < kAxes) read_turn_effect(reading, table, axis);
-  return axis < kAxes;
 }
 
 }  // namespace ecs::emulator

@@ -90,7 +90,6 @@ void read_artefacts(ErrorsReading& reading);
 void read_location(ErrorsReading& reading);  ///< [location] of rotary axes
 /// False: it is none of a rotary axis.
 [[nodiscard]] bool read_rotary_contribution(ErrorsReading& reading, const toml::table& table);
-[[nodiscard]] bool read_rotary_effect(ErrorsReading& reading, const toml::table& table);
 
 /// Exactly one of `formula`, `points`, `csv`; complains as `what`.
 [[nodiscard]] std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what);

@@ -44,13 +44,6 @@ void append_part(std::string& all, std::string_view name, std::string_view conte
   all += content;
 }
 
-}  // namespace
-
-const ManifestColumns& fleet_columns() {
-  static const ManifestColumns columns{{"id", "model", "data"}, {"machine", "type", "batch"}};
-  return columns;
-}
-
 MachineSet machine_set_of(const Manifest& manifest, const ManifestRow& row) {
   const auto& cells = row.cells;
   return {cells[0],
@@ -59,6 +52,13 @@ MachineSet machine_set_of(const Manifest& manifest, const ManifestRow& row) {
           manifest.from_folder(cells[3]),
           cells[4],
           cells[5]};
+}
+
+}  // namespace
+
+const ManifestColumns& fleet_columns() {
+  static const ManifestColumns columns{{"id", "model", "data"}, {"machine", "type", "batch"}};
+  return columns;
 }
 
 Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replicates) {

@@ -77,7 +77,6 @@ struct MachineSet {
 
 /// id, model, data; machine, type and batch may be absent.
 [[nodiscard]] const ManifestColumns& fleet_columns();
-[[nodiscard]] MachineSet machine_set_of(const Manifest& manifest, const ManifestRow& row);
 
 /// SHA-256 of what the answer depends on: model, its map, data, machine, and the number of noise replicates. Where the
 /// files lie and what they are called does not matter. Refuses what is no regular file, and more than 8 MiB of data
