@@ -107,25 +107,6 @@ bool is_beyond(const JointChain& chain, Joint b, Joint other, CurveKind curves) 
   return is_rotary(b) ? !workpiece : workpiece && curves == CurveKind::carriage;
 }
 
-TermTable as_linear_terms(const JointChain& chain, CurveKind curves) {
-  TermTable out;
-  const JointTable table = terms_of(chain);
-  for (std::size_t i = 0; i < table.count; ++i) {
-    const JointTerm& row = table.rows[i];
-    out.rows[out.count++] = {row.observed,
-                             curve_of(row.sense, direction_of(row.moving)),
-                             row.has_lever,
-                             row.lever,
-                             row.has_lever && is_beyond(chain, row.moving, joint_of(row.lever), curves),
-                             row.sign};
-  }
-  for (std::size_t i = 0; i < table.squareness_count; ++i) {
-    const SquarenessTerm& row = table.squareness[i];
-    out.rows[out.count++] = {row.observed, row.component, true, row.lever, true, row.sign};
-  }
-  return out;
-}
-
 namespace {
 
 using Frame = std::array<Vector3, kAxes>;  ///< by column: where X, Y, Z of a joint point in the frame of the workpiece

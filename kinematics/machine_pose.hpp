@@ -68,11 +68,6 @@ struct JointChain {
       if (one.joint == joint) return true;
     return false;
   }
-  [[nodiscard]] constexpr std::size_t rotary_count() const {
-    std::size_t rotary = 0;
-    for (const ChainJoint& one : *this) rotary += is_rotary(one.joint) ? 1u : 0u;
-    return rotary;
-  }
   friend constexpr bool operator==(const JointChain&, const JointChain&) = default;
 };
 
@@ -120,9 +115,6 @@ struct JointTable {
 
 /// True where the position of `other` is part of the lever arm of `b`: the rule above.
 [[nodiscard]] bool is_beyond(const JointChain& chain, Joint b, Joint other, CurveKind curves);
-
-/// The table in core's form. @pre no rotary axis in `chain`
-[[nodiscard]] TermTable as_linear_terms(const JointChain& chain, CurveKind curves);
 
 /// Where a rotary axis turns, all axes at 0, in machine coordinates: a tool-side pivot is counted from the point whose
 /// position the coordinates give, a workpiece-side one is where that point stands above it.

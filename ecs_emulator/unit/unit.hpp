@@ -57,7 +57,6 @@ class Unit final : public protocol::UnitPort, public Compensator {
 
   void power(bool on);
   [[nodiscard]] bool powered() const { return powered_; }
-  void sense_link(LinkSense link) { settings_.link = link; }
   /// Called when a new map has become the active one, before the host is answered. False: the battery memory could not
   /// be written, and the commit is taken back.
   void on_commit(std::function<bool()> keep) { on_commit_ = std::move(keep); }

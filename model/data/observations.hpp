@@ -130,10 +130,6 @@ struct Observations {
   [[nodiscard]] Channel channel(std::size_t k) const {
     return on_path(k) ? kSenseChannels + static_cast<Channel>(path[k]) - 1 : static_cast<Channel>(sense[k]);
   }
-  /// "EX", "circle XY"
-  [[nodiscard]] std::string channel_name(std::size_t k) const {
-    return on_path(k) ? name_of(path_of(k)) : std::string(ecs::name_of(sense[k]));
-  }
   /// Of a row on a path "circle XY", else "".
   [[nodiscard]] std::string path_name(std::size_t k) const { return on_path(k) ? name_of(path_of(k)) : std::string(); }
   /// Place along what moved: the coordinate of the moving axis from the datum, or that along the path.

@@ -38,7 +38,8 @@ class LnFactorials {
     for (std::size_t n = 1; n <= most; ++n) ln_[n] = ln_[n - 1] + std::log(static_cast<double>(n));
   }
   [[nodiscard]] double ln_choose(std::size_t n, std::size_t k) const { return ln_[n] - ln_[k] - ln_[n - k]; }
-  /// P(X >= hits), X hypergeometric.
+  /// Chance that of `drawn` machines at least `hits` have a cause that `with_cause` of `all` have: the upper tail of
+  /// the hypergeometric law (Fisher's exact test, one-sided). @pre drawn, with_cause <= all
   [[nodiscard]] double tail(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits) const {
     const std::size_t least = drawn + with_cause > all ? drawn + with_cause - all : 0;
     if (hits <= least) return 1.0;
@@ -157,10 +158,6 @@ std::vector<double> q_values_of(const std::vector<double>& p_values) {
     q[order[k]] = least;
   }
   return q;
-}
-
-double shared_by_chance(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits) {
-  return LnFactorials(all).tail(all, with_cause, drawn, hits);
 }
 
 FleetNames fleet_names(const std::vector<FleetResult>& results, double rate) {

@@ -139,10 +139,6 @@ class UnderWay {
 /// (Benjamini and Yekutieli 2001, Annals of Statistics 29, 1165).
 [[nodiscard]] std::vector<double> q_values_of(const std::vector<double>& p_values);
 
-/// Chance that of `drawn` machines at least `hits` have a cause that `with_cause` of `all` have: the upper tail of the
-/// hypergeometric law (Fisher's exact test, one-sided). @pre drawn, with_cause <= all
-[[nodiscard]] double shared_by_chance(std::size_t all, std::size_t with_cause, std::size_t drawn, std::size_t hits);
-
 struct NamedMachine {
   std::string id;
   std::string cause;
@@ -157,7 +153,7 @@ struct SharedCause {
   std::string cause;
   std::size_t machines = 0;  ///< of it, with the cause
   std::size_t of = 0;        ///< of it, all that were diagnosed
-  double p_value = 1.0;      ///< of shared_by_chance()
+  double p_value = 1.0;      ///< that so many of it have the cause by chance (Fisher's exact test, one-sided)
   double p_holm = 1.0;       ///< for all types, batches and causes together (Holm 1979)
 };
 /// A group is listed up to this p_holm: a choice, the usual one.

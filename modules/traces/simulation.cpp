@@ -63,13 +63,6 @@ const std::array<DriveConstantInfo, kDriveConstants>& drive_constants() { return
 
 const DriveConstantInfo& info_of(DriveConstant constant) { return kInfo[index_of(constant)]; }
 
-std::optional<DriveConstant> drive_constant_named(std::string_view name) {
-  const auto* const found =
-      std::ranges::find_if(kInfo, [&](const auto& info) { return info.name == name || info.key == name; });
-  if (found == kInfo.end()) return std::nullopt;
-  return found->id;
-}
-
 DriveParameters::DriveParameters() : value{} {
   for (const DriveConstantInfo& info : kInfo) value[index_of(info.id)] = info.printed;
 }

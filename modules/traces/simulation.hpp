@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +30,6 @@ struct DriveConstantInfo {
 };
 [[nodiscard]] const std::array<DriveConstantInfo, kDriveConstants>& drive_constants();
 [[nodiscard]] const DriveConstantInfo& info_of(DriveConstant constant);
-[[nodiscard]] std::optional<DriveConstant> drive_constant_named(std::string_view name);
 
 /// Every constant is positive, in the unit of its info.
 struct DriveParameters {

@@ -50,6 +50,26 @@ TEST_CASE("what is no chain is refused with what was expected") {
   CHECK_FALSE(joint_chain_of("XYABCTZ").has_value());
 }
 
+/// The table in core's form. @pre no rotary axis in `chain`
+TermTable as_linear_terms(const JointChain& chain, CurveKind curves) {
+  TermTable out;
+  const JointTable table = terms_of(chain);
+  for (std::size_t i = 0; i < table.count; ++i) {
+    const JointTerm& row = table.rows[i];
+    out.rows[out.count++] = {row.observed,
+                             curve_of(row.sense, direction_of(row.moving)),
+                             row.has_lever,
+                             row.lever,
+                             row.has_lever && is_beyond(chain, row.moving, joint_of(row.lever), curves),
+                             row.sign};
+  }
+  for (std::size_t i = 0; i < table.squareness_count; ++i) {
+    const SquarenessTerm& row = table.squareness[i];
+    out.rows[out.count++] = {row.observed, row.component, true, row.lever, true, row.sign};
+  }
+  return out;
+}
+
 TEST_CASE("chains of linear axes have the rows of the unit's table, in its order") {
   for (const std::string& configuration : test::every_chain())
     for (const CurveKind curves : {CurveKind::carriage, CurveKind::measured}) {

@@ -48,10 +48,20 @@ TEST_CASE("of the names that stand at most five per cent are false where the p-v
 }
 
 TEST_CASE("the chance of a shared cause is that of Fisher's exact test") {
-  CHECK(shared_by_chance(8, 4, 4, 3) == Approx(17.0 / 70.0));
-  CHECK(shared_by_chance(8, 4, 4, 4) == Approx(1.0 / 70.0));
-  CHECK(shared_by_chance(8, 4, 4, 0) == 1.0);
-  CHECK(shared_by_chance(10, 10, 3, 3) == 1.0);
+  const auto groups_where = [](const auto& has_cause) {
+    std::vector<FleetResult> results;
+    for (int i = 0; i < 40; ++i) {
+      const std::string id = fmt::format("{}", i), batch = i < 5 ? "bad" : "good";
+      results.push_back(has_cause(i) ? with_cause(id, batch, "scale", 1e8) : healthy(id, "mill", batch));
+    }
+    return fleet_names(results, 0.05).groups;
+  };
+  const auto four_of_five = groups_where([](int i) { return i < 4 || i == 20; });
+  CHECK(only(four_of_five).value == "bad");
+  CHECK(four_of_five[0].p_value == Approx((5.0 * 35.0 + 1.0) / 658'008.0));
+  const auto all_of_five = groups_where([](int i) { return i < 5; });
+  CHECK(only(all_of_five).p_value == Approx(1.0 / 658'008.0));
+  CHECK(groups_where([](int) { return true; }).empty());
 }
 
 TEST_CASE("results without p-values count by the inverse of their e-values, enough for one, not among a thousand") {

@@ -53,19 +53,19 @@ TEST_CASE("without a host it waits half a second, then tests itself, and says th
   CHECK(bench.unit.status().ram_test == protocol::TestOutcome::passed);
 }
 
-TEST_CASE_FIXTURE(Bench, "a committed map brings the unit through datuming into compensation") {
-  REQUIRE(stage_and_commit(flat_image(0.0)).state == CommandState::done);
-  unit.sense_link(LinkSense::compensate);
-  unit.power(false);
-  simulation.tick();
-  unit.power(true);
-  REQUIRE(simulation.run_for(0.01));
-  CHECK(unit.mode() == UnitMode::datuming);
-  CHECK(all_relays(*this, false));
-  reference_all();
-  CHECK(unit.mode() == UnitMode::compensating);
-  CHECK(all_relays(*this, true));
-  for (const Axis a : kAllAxes) CHECK(unit.status().axes[index_of(a)].position_mm == Approx(0.0).epsilon(1e-3));
+TEST_CASE("a committed map brings the unit through datuming into compensation") {
+  Bench bench("", small_machine(), LinkSense::compensate);
+  REQUIRE(bench.stage_and_commit(bench.flat_image(0.0)).state == CommandState::done);
+  bench.unit.power(false);
+  bench.simulation.tick();
+  bench.unit.power(true);
+  REQUIRE(bench.simulation.run_for(0.01));
+  CHECK(bench.unit.mode() == UnitMode::datuming);
+  CHECK(all_relays(bench, false));
+  bench.reference_all();
+  CHECK(bench.unit.mode() == UnitMode::compensating);
+  CHECK(all_relays(bench, true));
+  for (const Axis a : kAllAxes) CHECK(bench.unit.status().axes[index_of(a)].position_mm == Approx(0.0).epsilon(1e-3));
 }
 
 TEST_CASE("the unit finds the reference position of every kind of controller") {
