@@ -35,7 +35,7 @@ struct FormRow {
   std::vector<std::string> idle{};                           ///< below the fields as long as there is no answer
   /// Fields that take files given to the program; it is opened where one of the first kind is among them.
   std::vector<std::pair<FileKind, std::string>> opens{};
-  bool leaves_when_done = false;                             ///< Enter goes back once it is done
+  bool leaves_when_done = false;  ///< Enter goes back once it is done
 
   /// Asked before it runs; in the thread of a task.
   std::function<Result<Question>(UnitConnection&, JobControl&, const FormValues&)> question{};
