@@ -146,7 +146,7 @@ bool is_for(const fs::path& profile, std::string_view text) {
 }  // namespace
 
 fs::path profile_file(const std::string& name) {
-  const fs::path own = own_profile_file(name);
+  fs::path own = own_profile_file(name);
   std::error_code error;
   if (is_path(name) || fs::exists(own, error)) return own;
   return sample_file(fs::path("profiles") / (name + ".toml")).value_or(own);
