@@ -169,9 +169,9 @@ constexpr std::size_t kMostSummary = 160;
 std::vector<std::string> kept_words(const Action& action, const std::vector<std::string>& words) {
   std::vector<std::string> kept;
   std::string link, arm_code;
-  const cli::Arguments arguments = action.bound({{}, &link, &arm_code}).arguments;
+  const Action::Bound bound = action.bound({{}, &link, &arm_code});
   const auto is_secret = [&](std::string_view name) {
-    return std::any_of(arguments.begin(), arguments.end(),
+    return std::any_of(bound.arguments.begin(), bound.arguments.end(),
                        [&](const cli::Argument& one) { return one.is_secret && one.name == name; });
   };
   for (std::size_t k = 0; k < words.size(); ++k) {

@@ -77,7 +77,8 @@ TEST_CASE("every field fills its member, also in a group of its own") {
 
 TEST_CASE("presets are those of the request, headings those of its groups") {
   Runner runner;
-  const Arguments arguments = kDraw.bound({{}, &runner.link, &runner.arm_code}).arguments;
+  const auto bound = kDraw.bound({{}, &runner.link, &runner.arm_code});
+  const Arguments& arguments = bound.arguments;
   CHECK(arguments[2].preset() == "100");
   CHECK(arguments[5].preset() == "mm");
   CHECK(arguments[5].heading == "Where");
@@ -86,7 +87,8 @@ TEST_CASE("presets are those of the request, headings those of its groups") {
 
 TEST_CASE("an action that writes to a unit takes a link and a secret code; one that writes a file takes --force") {
   Runner runner;
-  const Arguments arguments = kDraw.bound({{}, &runner.link, &runner.arm_code}).arguments;
+  const auto bound = kDraw.bound({{}, &runner.link, &runner.arm_code});
+  const Arguments& arguments = bound.arguments;
   REQUIRE(arguments.size() == 10);
   CHECK(arguments[7].name == "--link");
   CHECK(arguments[8].name == "--arm-code");
