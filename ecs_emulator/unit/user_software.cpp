@@ -15,13 +15,15 @@
 
 namespace ecs::emulator {
 /// Functions of libunicorn by the names of its header, without "uc_".
-#define ECS_PROCESSOR_FUNCTIONS(F)                                                                                 \
-  F(open)                                                                                                          \
-  F(close) F(ctl) F(strerror) F(reg_read) F(reg_write) F(mem_read) F(mem_write) F(mem_map) F(mmio_map) F(hook_add) \
-      F(emu_start) F(emu_stop)
+#define ECS_PROCESSOR_FUNCTIONS(F) \
+  F(open)                          \
+  F(close)                         \
+  F(ctl)                           \
+  F(strerror)                      \
+  F(reg_read) F(reg_write) F(mem_read) F(mem_write) F(mem_map) F(mmio_map) F(hook_add) F(emu_start) F(emu_stop)
 
 struct ProcessorLibrary {
-#define F(name) decltype(&uc_##name) name = nullptr;
+#define F(name) decltype(&uc_##name) name{nullptr};  // NOLINT(bugprone-macro-parentheses): a name that is declared
   ECS_PROCESSOR_FUNCTIONS(F)
 #undef F
 };

@@ -1,7 +1,8 @@
 // Echoes and stored links, without a unit.
+#include "commissioning/link/doctor.hpp"
+
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
-#include "commissioning/link/doctor.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -1,8 +1,7 @@
 // LENGTHS and PLAN OF LENGTHS, as one sees them.
-#include "app/ui/menu_screen.hpp"
-
 #include <filesystem>
 
+#include "app/ui/menu_screen.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/commands.hpp"
 #include "tests/support/answered_form.hpp"
