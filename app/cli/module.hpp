@@ -42,7 +42,7 @@ struct Module {
   void (*begin)() = nullptr;
   /// Round each verb of `ecs words…`; of several modules the first is.
   AroundVerb (*around)(const std::vector<std::string>& words) = nullptr;
-  /// What stands beside the next measurement on the MODEL screen (app/screens/model/screen.hpp).
+  /// A second part of the page NEXT of the MODEL screen (app/screens/model/screen.hpp).
   NextPart (*next_part)(commissioning::ModelController&, Prompt&) = nullptr;
   /// Whether a file holds data of a kind that `model compare` gives to the module, and what it says to them.
   bool (*has_data_for)(const std::string& file) = nullptr;

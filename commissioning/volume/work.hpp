@@ -114,4 +114,19 @@ struct VolumeWork {
 /// or an angle outside the travels, a model that cannot be used, an errors file that the emulator refuses.
 [[nodiscard]] Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arguments);
 
+// --- looks at a volume, besides its sizes
+
+/// "-100,0,-250" as X, Y, Z. @param option  as problems name it
+[[nodiscard]] Result<Vector3> coordinates_in(const std::string& text, std::string_view option);
+/// 'A', 'B' or 'C' of 0, 1, 2.
+[[nodiscard]] char rotary_letter(std::size_t rotary);
+/// The error at the place that `text` says: X, Y, Z and behind them the angles of rotary axes. Refused: outside the
+/// travels. @param expected  what is known before the true errors are
+[[nodiscard]] Result<void> look_at(const std::string& text, const volume::CompensatedMachine& expected,
+                                   VolumeWork& work);
+/// The plane ("XY", or kLongestPlane) through the place of the largest error before compensation.
+[[nodiscard]] Result<void> cut(const std::string& plane, VolumeWork& work);
+/// The largest errors between the places. Refused: rotary axes.
+[[nodiscard]] Result<void> look_between(VolumeWork& work);
+
 }  // namespace ecs::commissioning

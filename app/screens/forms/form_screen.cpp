@@ -1,4 +1,5 @@
-// A form as a screen: its verb run, what it says and is told meanwhile, its answer. Does not live here: the fields.
+// A form as a screen: it runs the verb, shows its progress and questions, then the answer. Does not live here: the
+// fields.
 #include <algorithm>
 #include <deque>
 #include <sstream>

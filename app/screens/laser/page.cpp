@@ -47,7 +47,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
   const int count = static_cast<int>(fields_.size());
   place_.first = std::clamp(place_.first, std::max(0, place_.selected - at.fields + 1), place_.selected);
   for (int r = 0; r < std::min(at.fields, count - place_.first); ++r) {
-    const auto k = static_cast<std::size_t>(place_.first + r);
+    const auto k = static_cast<std::size_t>(place_.first) + static_cast<std::size_t>(r);
     const bool here = place_.first + r == place_.selected;
     canvas.text(at.inside, r, 0, here ? ">" : " ", Tone::strong);
     canvas.text({at.inside.row, at.inside.column, at.inside.rows, at.names - 1}, r, 2, fields_[k].name,
@@ -433,14 +433,13 @@ void LaserHost::ask_parameters() {
       ((state ? *state : std::filesystem::temp_directory_path()) / "unit-parameters.toml").string();
   std::vector<std::string> scopes = params::field_named("compensation.scope")->choices;
   scopes.insert(scopes.begin(), "");
-  std::vector<LaserField> fields{
-      {"parameters",
-       "the unit's parameter file; leave it empty to take what the unit holds",
-       now.params_file,
-       {},
-       true,
-       {{FileKind::parameters}}},
-      {"scope", "what the unit shall correct; empty: as the parameters say", now.scope, scopes}};
+  std::vector<LaserField> fields{{"parameters",
+                                  "the unit's parameter file; leave it empty to take what the unit holds",
+                                  now.params_file,
+                                  {},
+                                  true,
+                                  {{FileKind::parameters}}},
+                                 {"scope", "what the unit corrects; empty: as the parameters say", now.scope, scopes}};
   fill(LaserForm("parameters of the unit", std::move(fields), [this, unit_file](const std::vector<std::string>& v) {
     if (v[0].empty()) {
       controller.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });

@@ -25,7 +25,7 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      laser_lines_page},
     {"Leave out", "runs and readings, and back again",
      "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
-     "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
+     "file, and every later step follows from it. What is left out stays in the curve as x; what lies far "
      "outside stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
      "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
      "left out of it, ? that readings stand out, ! that no curve comes of it.",
@@ -48,7 +48,7 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      laser_map_page},
     {"Header", "customer, machine, engineer, date",
      "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
-     "values come from the files. Which files were used and what was done to them is added by itself.",
+     "values come from the files. Which files were used and what was done to them is added automatically.",
      laser_header_page},
     {"Send", "saved to disc, checked, sent to the unit",
      "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
