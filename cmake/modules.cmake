@@ -62,7 +62,8 @@ const std::vector<const Module*>& modules() {
 ]] @ONLY)
 endfunction()
 
-# The libraries ecs_modules and ecs_emulator_modules: what a program or test links that asks modules().
+# The libraries ecs_modules and ecs_emulator_modules: what a program or test links that asks modules(). Libraries of objects: the
+# core asks modules(), and an archive would be searched before it does.
 function(ecs_module_libraries)
   foreach(part HOST EMULATOR)
     set(library ecs_modules)
@@ -73,7 +74,7 @@ function(ecs_module_libraries)
     endif()
     set(file ${CMAKE_BINARY_DIR}/modules/${library}.cpp)
     ecs_module_registry(${file} ${part} ${ecs_${part}_modules})
-    add_library(${library} STATIC ${file})
+    add_library(${library} OBJECT ${file})
     target_link_libraries(${library} PUBLIC ${core})
     foreach(name IN LISTS ecs_${part}_modules)
       target_link_libraries(${library} PUBLIC ${ecs_${part}_of_${name}})
