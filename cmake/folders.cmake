@@ -4,6 +4,7 @@
 ecs_folder(base PkgConfig::nettle ZLIB::ZLIB fmt::fmt nlohmann_json::nlohmann_json tl::expected
            tomlplusplus::tomlplusplus)
 ecs_folder(base/cli base CLI11::CLI11 fmt::fmt)
+ecs_folder(base/linear PkgConfig::Eigen3)
 
 ecs_folder(core base ZLIB::ZLIB)
 
@@ -12,24 +13,23 @@ ecs_folder(kinematics core)
 ecs_folder(params base core kinematics fmt::fmt tomlplusplus::tomlplusplus)
 
 ecs_folder(laser base core fmt::fmt)
-ecs_folder(laser/analysis base core laser PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(laser/import base core laser laser/writers PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/analysis base base/linear core laser PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/import base base/linear core laser laser/writers PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(laser/map base core laser laser/analysis laser/import fmt::fmt)
-ecs_folder(laser/standards base core laser laser/analysis PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(laser/standards base base/linear core laser laser/analysis PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(laser/writers base laser fmt::fmt)
 
 ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
 
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
-ecs_folder(model/diagnosis base laser model/data model/effects model/fit model/linear model/regression
+ecs_folder(model/diagnosis base base/linear laser model/data model/effects model/fit model/regression
            PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/fit base core laser laser/import laser/map model/data model/effects model/linear model/regression
+ecs_folder(model/fit base base/linear core laser laser/import laser/map model/data model/effects model/regression
            params PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/linear PkgConfig::Eigen3)
-ecs_folder(model/planning base laser laser/writers model/data model/diagnosis model/effects model/fit model/linear
+ecs_folder(model/planning base base/linear laser laser/writers model/data model/diagnosis model/effects model/fit
            model/regression params PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/regression base model/data model/effects model/linear PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
+ecs_folder(model/regression base base/linear model/data model/effects PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
 
 ecs_folder(protocol/client base core protocol/line protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt)
 ecs_folder(protocol/line base protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt tl::expected)

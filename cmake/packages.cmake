@@ -31,8 +31,8 @@ endforeach()
 add_custom_target(documents DEPENDS ${written})
 
 # --- libecs-dev: core and model as one library, with the folders that their headers need
-set(folders base core kinematics params laser/analysis laser/import laser/map laser/standards laser/writers laser model/data
-            model/effects model/linear model/regression model/fit model/diagnosis model/planning)
+set(folders base base/linear core kinematics params laser/analysis laser/import laser/map laser/standards laser/writers laser model/data
+            model/effects model/regression model/fit model/diagnosis model/planning)
 foreach(folder IN LISTS folders)
   string(REPLACE "/" "_" name ${folder})
   if(TARGET ${name})

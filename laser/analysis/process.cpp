@@ -6,9 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/groups.hpp"
@@ -180,13 +181,12 @@ Reach reach_of(const std::vector<SidePoint>& side, std::size_t at, const Window&
 Eigen::VectorXd weights_of(const std::vector<SidePoint>& side, std::size_t at, Reach reach) {
   const auto count = static_cast<Eigen::Index>(reach.end - reach.begin);
   const double width_mm = side[reach.end - 1].position_mm - side[reach.begin].position_mm;
-  Eigen::MatrixX3d powers(count, 3);
+  Eigen::MatrixXd powers(count, 3);
   for (Eigen::Index k = 0; k < count; ++k) {
     const double u = (side[reach.begin + static_cast<std::size_t>(k)].position_mm - side[at].position_mm) / width_mm;
     powers.row(k) << 1.0, u, u * u;
   }
-  const Eigen::Matrix3d normal = powers.transpose() * powers;
-  return powers * normal.ldlt().solve(Eigen::Vector3d::UnitX());
+  return pseudo_inverse(powers).row(0);
 }
 
 /// Smoothed values of one side and the degrees of freedom removed: trace((I − H)ᵀ(I − H)).

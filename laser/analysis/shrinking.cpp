@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
+
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -64,8 +66,7 @@ Eigen::MatrixXd smooth_basis(const std::vector<double>& position_mm) {
     const double values[] = {1.0, t, std::cos(turn), std::sin(turn), std::cos(2.0 * turn), std::sin(2.0 * turn)};
     for (Eigen::Index c = 0; c < count; ++c) shapes(i, c) = values[c];
   }
-  if (count == 0) return shapes;
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(shapes).householderQ() * Eigen::MatrixXd::Identity(targets, count);
+  return PivotedQr(shapes).basis();
 }
 
 /// Sums over passes.
@@ -74,10 +75,11 @@ struct Sums {
   double smooth_columns = 0.0, rest_columns = 0.0, targets = 0.0, passes = 0.0;
   void take(const PassDeviations& pass) {
     const Eigen::MatrixXd columns = smooth_basis(pass.position_mm);
-    const Eigen::Map<const Eigen::VectorXd> d(pass.deviation.data(), static_cast<Eigen::Index>(pass.deviation.size()));
-    const double in_columns = (columns.transpose() * d).squaredNorm();
-    smooth += in_columns;
-    rest += d.squaredNorm() - in_columns;
+    const Eigen::VectorXd d =
+        Eigen::Map<const Eigen::VectorXd>(pass.deviation.data(), static_cast<Eigen::Index>(pass.deviation.size()));
+    const double left = without(columns, d).squaredNorm();
+    smooth += d.squaredNorm() - left;
+    rest += left;
     smooth_columns += static_cast<double>(columns.cols());
     rest_columns += static_cast<double>(d.size() - columns.cols());
     targets += static_cast<double>(d.size());

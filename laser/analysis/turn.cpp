@@ -7,7 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -62,8 +64,7 @@ int least_order(const TurnReadings& line, std::size_t angles) {
 
 struct TurnFit {
   Eigen::MatrixXd columns;
-  Eigen::VectorXd values;
-  double squares = 0.0;  ///< of what is left
+  LeastSquares solved;
 };
 
 TurnFit waves_fitted(const TurnReadings& line, const std::vector<int>& orders) {
@@ -81,8 +82,7 @@ TurnFit waves_fitted(const TurnReadings& line, const std::vector<int>& orders) {
     }
   }
   const Eigen::Map<const Eigen::VectorXd> errors(line.error.data(), rows);
-  fit.values = fit.columns.colPivHouseholderQr().solve(errors);
-  fit.squares = (errors - fit.columns * fit.values).squaredNorm();
+  fit.solved = least_squares(fit.columns, errors);
   return fit;
 }
 
@@ -107,12 +107,14 @@ std::vector<int> orders_found(const TurnReadings& line, int least, int most) {
       if (std::ranges::find(chosen, order) != chosen.end()) continue;
       std::vector<int> with = chosen;
       with.push_back(order);
-      if (TurnFit tried = waves_fitted(line, with); tried.squares < after.squares) {
+      if (TurnFit tried = waves_fitted(line, with); tried.solved.squares_left < after.solved.squares_left) {
         after = std::move(tried);
         best = order;
       }
     }
-    if (best == 0 || chance_of(now.squares, after.squares, freedom_of(after)) > kLevel / (most - least + 1)) break;
+    if (best == 0 ||
+        chance_of(now.solved.squares_left, after.solved.squares_left, freedom_of(after)) > kLevel / (most - least + 1))
+      break;
     chosen.push_back(best);
     now = std::move(after);
   }
@@ -122,7 +124,7 @@ std::vector<int> orders_found(const TurnReadings& line, int least, int most) {
 TurnWave wave_of(const TurnReadings& line, const std::vector<int>& orders, std::size_t j, const TurnFit& fit,
                  const Eigen::MatrixXd& covariance) {
   const Eigen::Index at = (line.both_ways ? 2 : 1) + 2 * static_cast<Eigen::Index>(j);
-  const double c = fit.values(at), s = fit.values(at + 1);
+  const double c = fit.solved.sizes(at), s = fit.solved.sizes(at + 1);
   TurnWave wave;
   wave.order = orders[j];
   wave.amplitude = std::hypot(c, s);
@@ -135,7 +137,7 @@ TurnWave wave_of(const TurnReadings& line, const std::vector<int>& orders, std::
   }
   std::vector<int> without = orders;
   without.erase(without.begin() + static_cast<std::ptrdiff_t>(j));
-  wave.p_value = chance_of(waves_fitted(line, without).squares, fit.squares, freedom_of(fit));
+  wave.p_value = chance_of(waves_fitted(line, without).solved.squares_left, fit.solved.squares_left, freedom_of(fit));
   return wave;
 }
 
@@ -152,18 +154,18 @@ std::optional<TurnModel> turn_of(const MeasurementSet& set, const Group& group) 
   const auto orders = orders_found(line, turn.least_waves, turn.most_waves);
   const TurnFit fit = waves_fitted(line, orders);
   const double readings = static_cast<double>(line.error.size());
-  const double noise_squared = freedom_of(fit) > 0.0 ? fit.squares / freedom_of(fit) : 0.0;
-  const Eigen::MatrixXd covariance = noise_squared * (fit.columns.transpose() * fit.columns).inverse();
-  turn.offset = fit.values(0);
-  if (line.both_ways) turn.reversal = fit.values(1);
+  const double noise_squared = freedom_of(fit) > 0.0 ? fit.solved.squares_left / freedom_of(fit) : 0.0;
+  const Eigen::MatrixXd covariance = noise_squared * inverse_gram(fit.columns);
+  turn.offset = fit.solved.sizes(0);
+  if (line.both_ways) turn.reversal = fit.solved.sizes(1);
   for (std::size_t j = 0; j < orders.size(); ++j) turn.waves.push_back(wave_of(line, orders, j, fit, covariance));
   std::ranges::sort(turn.waves, [](const TurnWave& a, const TurnWave& b) { return a.amplitude > b.amplitude; });
   const double mean = *mean_of(line.error);
   double squares = 0.0;
   for (const double error : line.error) squares += (error - mean) * (error - mean);
   turn.rms = std::sqrt(squares / readings);
-  turn.rms_left = std::sqrt(fit.squares / readings);
-  turn.explained = squares > 0.0 ? 1.0 - fit.squares / squares : 0.0;
+  turn.rms_left = std::sqrt(fit.solved.squares_left / readings);
+  turn.explained = squares > 0.0 ? 1.0 - fit.solved.squares_left / squares : 0.0;
   return turn;
 }
 

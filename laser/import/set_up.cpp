@@ -7,9 +7,9 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/groups.hpp"
@@ -20,6 +20,13 @@ namespace {
 
 Eigen::Vector3d vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 Vector3 array_of(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+/// That turns one direction into another; none where the other has no length.
+Eigen::Matrix3d shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d across = from.cross(to);
+  const Eigen::Vector3d axis = across.norm() > 0.0 ? across.normalized() : from.unitOrthogonal();
+  return Eigen::AngleAxisd(std::atan2(across.norm(), from.dot(to)), axis).toRotationMatrix();
+}
 
 Eigen::Vector3d centre_of(const std::vector<Vector3>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -76,22 +83,22 @@ std::optional<RigidSetUp> rigid_set_up(const std::vector<Vector3>& nominal_mm,
     product += nominal * (vector_of(measured_mm[i]) - measured_centre).transpose();
     extent += nominal * nominal.transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularValues svd = singular_values_of(product);
+  const Eigen::Matrix3d u = svd.u, v = svd.v;
   Eigen::Matrix3d keeps_hand = Eigen::Matrix3d::Identity();
-  keeps_hand(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  Eigen::Matrix3d rotation = svd.matrixV() * keeps_hand * svd.matrixU().transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> spread(extent, Eigen::ComputeFullU);
-  const Eigen::Vector3d sizes = spread.singularValues();
+  keeps_hand(2, 2) = u.determinant() * v.determinant() < 0.0 ? -1.0 : 1.0;
+  Eigen::Matrix3d rotation = v * keeps_hand * u.transpose();
+  const Spectrum spread = spectrum_of(extent);  // least first
+  const Eigen::Vector3d sizes = spread.values.reverse();
   RigidSetUp set_up;
   if (!(sizes[0] > 0.0)) {
     rotation = Eigen::Matrix3d::Identity();
     set_up.rotations = 0;
   } else if (sizes[1] < kFlat * kFlat * sizes[0]) {
     // points on a line tell nothing about the rotation round it: the shortest rotation of the line itself
-    const Eigen::Vector3d line = spread.matrixU().col(0);
+    const Eigen::Vector3d line = spread.vectors.col(2);
     Eigen::Vector3d turned = product.transpose() * line;
-    rotation = turned.norm() > 0.0 ? Eigen::Quaterniond::FromTwoVectors(line, turned).toRotationMatrix()
-                                   : Eigen::Matrix3d::Identity();
+    rotation = shortest_rotation(line, turned);
     set_up.rotations = 2;
   }
   const Eigen::AngleAxisd turn(rotation);

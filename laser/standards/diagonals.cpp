@@ -9,10 +9,11 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
@@ -288,10 +289,9 @@ void solve_squareness(const DiagonalTest& test, DiagonalResults& results) {
     growth[i] = values.growth_um_per_m;
     sigma[i] = values.growth_sigma;
   }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(columns);
-  const Eigen::MatrixXd inverse = solver.pseudoInverse();
-  const Eigen::VectorXd found = inverse * growth;
-  const Eigen::MatrixXd resolution = inverse * columns;
+  const Eigen::MatrixXd inverse = pseudo_inverse(columns);
+  const Eigen::VectorXd found = product(inverse, growth);
+  const Eigen::MatrixXd resolution = product(inverse, columns);
   constexpr const char* kNames[] = {"C0Y", "B0Z", "A0Z"};
   for (Eigen::Index k = 0; k < 3; ++k)
     if (std::abs(resolution(k, k) - 1.0) < 1e-9)

@@ -7,7 +7,9 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -57,7 +59,7 @@ Zone least_squares_zone(const std::vector<ZonePoint>& points) {
     columns.row(i) << 1.0, point.u, point.v;
     values[i] = point.value;
   }
-  const Eigen::VectorXd plane = columns.colPivHouseholderQr().solve(values);
+  const Eigen::VectorXd plane = least_squares(columns, values).sizes;
   return zone_at(points, plane[1], plane[2]);
 }
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/structure.hpp"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/diagnose.hpp"

@@ -14,15 +14,15 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -153,7 +153,7 @@ class ShapeSearch {
       products += y_(i) * row;
     }
     ShapeFit fit;
-    fit.sizes = squares.ldlt().solve(products);
+    fit.sizes = solved_symmetric(squares, products);
     fit.left = std::max(0.0, y_.squaredNorm() - fit.sizes.dot(products));
     fit.waves = waves;
     fit.size = std::hypot(fit.sizes(1), fit.sizes(2));

@@ -17,7 +17,7 @@
 
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/fit/dependence.hpp"
 #include "model/fit/noise.hpp"

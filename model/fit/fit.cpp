@@ -15,7 +15,7 @@
 #include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

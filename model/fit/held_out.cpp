@@ -10,7 +10,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 

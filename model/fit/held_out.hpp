@@ -2,7 +2,7 @@
 // Does not live here: which columns (model/diagnosis/).
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/fit/noise.hpp"
 

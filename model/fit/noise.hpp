@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "base/random.hpp"
 #include "model/data/observations.hpp"

@@ -11,7 +11,7 @@
 #include "model/effects/quantities.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/fit/noise.hpp"
 #include "model/regression/regressors.hpp"

@@ -11,7 +11,7 @@
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

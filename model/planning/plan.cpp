@@ -11,7 +11,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::model {

@@ -15,7 +15,7 @@
 #include "model/fit/compare.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/user_formula.hpp"
 

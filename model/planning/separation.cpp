@@ -13,7 +13,7 @@
 #include "model/fit/core.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "model/planning/run.hpp"
 #include "model/regression/user_formula.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 

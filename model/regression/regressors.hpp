@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "model/data/curve_basis.hpp"
 #include "model/data/observations.hpp"

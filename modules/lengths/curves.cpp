@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

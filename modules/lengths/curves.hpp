@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "core/terms.hpp"
 #include "modules/lengths/length_test.hpp"

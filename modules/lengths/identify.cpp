@@ -11,7 +11,7 @@
 
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "modules/lengths/fitted_lengths.hpp"
 
 namespace ecs::model {

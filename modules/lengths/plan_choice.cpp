@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "modules/lengths/shared_noise.hpp"
 
 namespace ecs::model {

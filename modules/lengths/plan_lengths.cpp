@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/units.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "model/planning/run.hpp"
 #include "modules/lengths/plan_choice.hpp"
 

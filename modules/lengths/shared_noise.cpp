@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "modules/lengths/curves.hpp"
 #include "modules/lengths/length_test.hpp"

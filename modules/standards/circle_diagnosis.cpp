@@ -14,7 +14,7 @@
 
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 #include "modules/standards/circle_faults.hpp"
 
 namespace ecs::model {

@@ -10,9 +10,10 @@
 #include <deque>
 #include <map>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/groups.hpp"
@@ -122,18 +123,12 @@ constexpr double kEvident = 12.0;
 constexpr double kShortestShare = 0.02, kLongestShare = 3.0;
 constexpr int kGridSteps = 60, kGoldenSteps = 40;
 
-struct LinearFit {
-  Eigen::Vector2d value;  ///< a, c
-  double sum_of_squares = 0.0;
-};
-
-LinearFit fitted_with(const Eigen::VectorXd& time_h, const Eigen::VectorXd& value, double tau_h) {
+/// Sizes a and c.
+LeastSquares fitted_with(const Eigen::VectorXd& time_h, const Eigen::VectorXd& value, double tau_h) {
   Eigen::MatrixXd columns(time_h.size(), 2);
   columns.col(0).setOnes();
   columns.col(1) = 1.0 - (-time_h.array() / tau_h).exp();
-  LinearFit fit{columns.colPivHouseholderQr().solve(value), 0.0};
-  fit.sum_of_squares = (value - columns * fit.value).squaredNorm();
-  return fit;
+  return least_squares(columns, value);
 }
 
 std::optional<Settling> settling_of(const WarmUpCurve& curve) {
@@ -142,7 +137,7 @@ std::optional<Settling> settling_of(const WarmUpCurve& curve) {
       Eigen::Map<const Eigen::VectorXd>(curve.time_h.data(), n).array() - curve.time_h.front();
   const Eigen::VectorXd value = Eigen::Map<const Eigen::VectorXd>(curve.value.data(), n);
   const double span_h = time_h[n - 1];
-  const auto lack = [&](double log_tau) { return fitted_with(time_h, value, std::exp(log_tau)).sum_of_squares; };
+  const auto lack = [&](double log_tau) { return fitted_with(time_h, value, std::exp(log_tau)).squares_left; };
   const double least = std::log(kShortestShare * span_h), most = std::log(kLongestShare * span_h);
   const double step = (most - least) / kGridSteps;
   double best = least;
@@ -155,20 +150,18 @@ std::optional<Settling> settling_of(const WarmUpCurve& curve) {
     (lack(left) < lack(right) ? to : from) = lack(left) < lack(right) ? right : left;
   }
   const double tau_h = std::exp((from + to) / 2.0);
-  const LinearFit fit = fitted_with(time_h, value, tau_h);
-  const double variance = fit.sum_of_squares / static_cast<double>(n - 3);
+  const LeastSquares fit = fitted_with(time_h, value, tau_h);
+  const double variance = fit.squares_left / static_cast<double>(n - 3);
   const double constant = (value.array() - value.mean()).matrix().squaredNorm();
-  if (constant - fit.sum_of_squares <= 2.0 * kEvident * variance ||
-      lack(most) - fit.sum_of_squares <= kEvident * variance)
+  if (constant - fit.squares_left <= 2.0 * kEvident * variance || lack(most) - fit.squares_left <= kEvident * variance)
     return std::nullopt;
   Eigen::MatrixXd jacobian(n, 3);
   const Eigen::ArrayXd decay = (-time_h.array() / tau_h).exp();
   jacobian.col(0).setOnes();
   jacobian.col(1) = 1.0 - decay;
-  jacobian.col(2) = -fit.value[1] * decay * time_h.array() / (tau_h * tau_h);
-  const Eigen::Matrix3d covariance =
-      variance * (jacobian.transpose() * jacobian).ldlt().solve(Eigen::Matrix3d::Identity());
-  return Settling{fit.value[1], std::sqrt(covariance(1, 1)), tau_h, std::sqrt(covariance(2, 2)), decay[n - 1]};
+  jacobian.col(2) = -fit.sizes[1] * decay * time_h.array() / (tau_h * tau_h);
+  const Eigen::MatrixXd covariance = variance * inverse_gram(jacobian);
+  return Settling{fit.sizes[1], std::sqrt(covariance(1, 1)), tau_h, std::sqrt(covariance(2, 2)), decay[n - 1]};
 }
 
 void evaluate_warm_up(WarmUpCurve& curve, double window_h) {

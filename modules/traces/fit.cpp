@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/fit/statistics.hpp"
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "modules/traces/trace.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <rapidcheck.h>
 
-#include "tests/model/normal_matrix.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 
@@ -54,7 +54,7 @@ OnNoise on_noise(const EffectInstance& effect, const Plan& plan, unsigned sets) 
   const Weighed of(measured(plan, kSigma_um, nothing));
   OnNoise seen;
   for (unsigned seed = 1; seed <= sets; ++seed) {
-    const auto e = must(of.e_value(effect, kSigma_um * normal_matrix(of.target.size(), 1, seed).col(0)));
+    const auto e = must(of.e_value(effect, kSigma_um * ecs::test::normal_matrix(of.target.size(), 1, seed).col(0)));
     seen.mean += e / sets;
     if (e >= 100.0) ++seen.beyond_hundred;
   }
@@ -143,8 +143,8 @@ TEST_CASE("against a random walk a drift has little evidence, however much it ha
   noise.has_time = true;
   unsigned against_noise = 0, against_wander = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
-    const VectorXd steps = normal_matrix(of.target.size(), 1, seed).col(0);
-    VectorXd walk = 0.1 * kSigma_um * normal_matrix(of.target.size(), 1, 100 + seed).col(0);
+    const VectorXd steps = ecs::test::normal_matrix(of.target.size(), 1, seed).col(0);
+    VectorXd walk = 0.1 * kSigma_um * ecs::test::normal_matrix(of.target.size(), 1, 100 + seed).col(0);
     double sum = 0.0;
     for (Index k = 0; k < walk.size(); ++k) walk(k) += sum += kSigma_um * steps(k);
     const auto reaches = [&](NullHypothesis null) {
@@ -169,8 +169,8 @@ TEST_CASE("against a zero that moves slowly the mean of e is at most one, though
     unsigned beyond_hundred = 0;
     constexpr unsigned kSets = 100;
     for (unsigned seed = 1; seed <= kSets; ++seed) {
-      const VectorXd steps = normal_matrix(of.target.size(), 1, seed).col(0);
-      VectorXd y = 0.5 * kSigma_um * normal_matrix(of.target.size(), 1, 1000 + seed).col(0);
+      const VectorXd steps = ecs::test::normal_matrix(of.target.size(), 1, seed).col(0);
+      VectorXd y = 0.5 * kSigma_um * ecs::test::normal_matrix(of.target.size(), 1, 1000 + seed).col(0);
       double zero = steps(0);
       for (Index k = 0; k < y.size(); ++k) {
         zero = 0.95 * zero + std::sqrt(1.0 - 0.95 * 0.95) * steps(k);
@@ -213,7 +213,7 @@ struct Tested {
     return p_value_of({regressors, noise, left_out}, columns, y, effect, tests);
   }
   [[nodiscard]] VectorXd of_noise(double size_um, unsigned seed) const {
-    return size_um * normal_matrix(columns.rows(), 1, seed).col(0);
+    return size_um * ecs::test::normal_matrix(columns.rows(), 1, seed).col(0);
   }
 };
 

@@ -1,6 +1,6 @@
 #include "model/fit/held_out.hpp"
 
-#include "tests/model/normal_matrix.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
@@ -92,7 +92,7 @@ TEST_CASE("a true shape predicts nearly all of what is above noise, at targets i
   const auto n = static_cast<Index>(data.size());
   VectorXd shape(n);
   for (Index k = 0; k < n; ++k) shape(k) = 5.0 * std::sin(0.01 * data.p_mm(static_cast<std::size_t>(k), Axis::X));
-  const VectorXd target = shape + normal_matrix(n, 1, 5).col(0);
+  const VectorXd target = shape + ecs::test::normal_matrix(n, 1, 5).col(0);
   const double share = cross_validated_part(parts_by_target(data), shape, target, target);
   CHECK(share > 0.9);
   CHECK(share < 1.05);
@@ -101,7 +101,7 @@ TEST_CASE("a true shape predicts nearly all of what is above noise, at targets i
 TEST_CASE("columns of chance predict nothing, however many there are") {
   const Observations data = observed_line(4, true, 40);
   const auto n = static_cast<Index>(data.size());
-  const VectorXd target = 2.0 * normal_matrix(n, 1, 7).col(0);
-  CHECK(cross_validated_part(parts_by_target(data), normal_matrix(n, 1, 8), target, target) < 0.05);
-  CHECK(cross_validated_part(parts_by_target(data), normal_matrix(n, 60, 9), target, target) < 0.0);
+  const VectorXd target = 2.0 * ecs::test::normal_matrix(n, 1, 7).col(0);
+  CHECK(cross_validated_part(parts_by_target(data), ecs::test::normal_matrix(n, 1, 8), target, target) < 0.05);
+  CHECK(cross_validated_part(parts_by_target(data), ecs::test::normal_matrix(n, 60, 9), target, target) < 0.0);
 }

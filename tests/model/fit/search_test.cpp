@@ -1,6 +1,8 @@
 #include <numbers>
 
-#include "tests/model/normal_matrix.hpp"
+#include <Eigen/QR>
+
+#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 
@@ -18,10 +20,10 @@ double wave(const Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 
 }  // namespace
 
 TEST_CASE("what is absorbed is orthonormal, and what is left has nothing of it") {
-  MatrixXd columns = normal_matrix(30, 4, 1);
+  MatrixXd columns = ecs::test::normal_matrix(30, 4, 1);
   columns.col(3) = columns.col(0) - 2.0 * columns.col(1);  // depends on the others
   Space space;
-  space.y = normal_matrix(30, 1, 2).col(0);
+  space.y = ecs::test::normal_matrix(30, 1, 2).col(0);
   space.q.resize(30, 0);
   const VectorXd y = space.y;
   absorb(space, columns.leftCols(1));
@@ -95,7 +97,7 @@ TEST_CASE("more candidates never make noise look worse") {
   const auto set = measured_line(nothing);
   const Searching few(set, kSigma_um, candidates_named({"backlash:X:EX"}));
   const Searching many(set, kSigma_um, candidates_named({"backlash:X:EX", "cyclic:X:EX", "step:X:EX"}));
-  MatrixXd replicates = normal_matrix(246, 40, 3);
+  MatrixXd replicates = ecs::test::normal_matrix(246, 40, 3);
   replicates -= few.search.base().q * (few.search.base().q.transpose() * replicates);
   const auto less = few.search.best_scores(replicates.cast<float>());
   const auto more = many.search.best_scores(replicates.cast<float>());
@@ -106,7 +108,7 @@ TEST_CASE("more candidates never make noise look worse") {
 
 TEST_CASE("the score of noise on one effect is the square of one normal deviate less the price") {
   const Searching of(measured_line(nothing), kSigma_um, candidates_named({"backlash:X:EX"}));
-  MatrixXd replicates = normal_matrix(246, 2000, 4);
+  MatrixXd replicates = ecs::test::normal_matrix(246, 2000, 4);
   replicates -= of.search.base().q * (of.search.base().q.transpose() * replicates);
   double mean = 0.0;
   for (const double score : of.search.best_scores(replicates.cast<float>())) mean += score / 2000.0;

@@ -1,9 +1,9 @@
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
 #include <algorithm>
 #include <limits>
 
-namespace ecs::model {
+namespace ecs {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -87,6 +87,30 @@ void add_gram(MatrixXd& to, const MatrixXd& columns, double factor) {
   to.triangularView<Eigen::StrictlyUpper>() = to.transpose();
 }
 
+MatrixXd inverse_gram(const MatrixXd& columns) {
+  MatrixXd gram = MatrixXd::Zero(columns.cols(), columns.cols());
+  add_gram(gram, columns);
+  return Cholesky(gram).inverse();
+}
+
+LeastSquares least_squares(const MatrixXd& columns, const VectorXd& y) {
+  LeastSquares fit{PivotedQr(columns).solve(y), 0.0};
+  fit.squares_left = (y - columns * fit.sizes).squaredNorm();
+  return fit;
+}
+
+MatrixXd pseudo_inverse(const MatrixXd& columns) {
+  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(columns).pseudoInverse();
+}
+
+MatrixXd product(const MatrixXd& a, const MatrixXd& b) { return a * b; }
+
+SingularValues singular_values_of(const MatrixXd& matrix) {
+  const Eigen::JacobiSVD<MatrixXd, Eigen::FullPivHouseholderQRPreconditioner> svd(
+      matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
 RowSpace row_space_of(const MatrixXd& columns, double threshold) {
   const Eigen::HouseholderQR<MatrixXd> qr(columns);
   const MatrixXd r = qr.matrixQR().topRows(std::min(columns.rows(), columns.cols())).triangularView<Eigen::Upper>();
@@ -139,4 +163,4 @@ VectorXd without(const MatrixXd& q, VectorXd column) {
   return column;
 }
 
-}  // namespace ecs::model
+}  // namespace ecs

@@ -1,10 +1,10 @@
-// Decompositions of dense matrices, compiled here once for all of model/: Eigen's templates take seconds in every
-// source that calls them. Does not live here: least squares of a model (model/fit/core.hpp).
+// Decompositions of dense matrices, compiled here once for all: Eigen's templates take seconds and hundreds of MB in
+// every source that calls them. Does not live here: least squares of a model (model/fit/core.hpp).
 #pragma once
 
 #include <Eigen/Dense>
 
-namespace ecs::model {
+namespace ecs {
 
 /// Size of unit column j before a decomposition with pivoting: of columns that are equally large the first comes first,
 /// whatever rounding says. The steps are far above rounding and far below what tells columns apart.
@@ -74,6 +74,28 @@ class Cholesky {
 
 /// Adds factor·XᵀX of columns X.
 void add_gram(Eigen::MatrixXd& to, const Eigen::MatrixXd& columns, double factor = 1.0);
+/// (XᵀX)⁻¹ of independent columns X.
+[[nodiscard]] Eigen::MatrixXd inverse_gram(const Eigen::MatrixXd& columns);
+
+/// Ordinary least squares; 0 for dependent columns.
+struct LeastSquares {
+  Eigen::VectorXd sizes;
+  double squares_left = 0.0;
+};
+[[nodiscard]] LeastSquares least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// X⁺, by a complete orthogonal decomposition.
+[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& columns);
+/// a·b
+[[nodiscard]] Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+/// matrix = u·diag(values)·vᵀ, the greatest value first; u and v are square.
+struct SingularValues {
+  Eigen::MatrixXd u;
+  Eigen::VectorXd values;
+  Eigen::MatrixXd v;
+};
+[[nodiscard]] SingularValues singular_values_of(const Eigen::MatrixXd& matrix);
 
 /// What the rows of a matrix X span: X·back is orthonormal and reaches what X reaches, X·free is nothing, and the
 /// columns of `free` are orthonormal. back·backᵀ = (XᵀX)⁺.
@@ -108,4 +130,4 @@ struct Spectrum {
 [[nodiscard]] Eigen::MatrixXd without(const Eigen::MatrixXd& q, Eigen::MatrixXd columns);
 [[nodiscard]] Eigen::VectorXd without(const Eigen::MatrixXd& q, Eigen::VectorXd column);
 
-}  // namespace ecs::model
+}  // namespace ecs

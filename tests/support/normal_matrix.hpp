@@ -7,7 +7,7 @@
 
 #include "base/random.hpp"
 
-namespace ecs::model::test {
+namespace ecs::test {
 
 inline Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   std::mt19937_64 random(seed);
@@ -15,4 +15,4 @@ inline Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, un
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
 }
 
-}  // namespace ecs::model::test
+}  // namespace ecs::test

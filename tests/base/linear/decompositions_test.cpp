@@ -1,10 +1,10 @@
 // Decompositions: what they promise, and where there is nothing to decompose.
-#include "model/linear/decompositions.hpp"
+#include "base/linear/decompositions.hpp"
 
-#include "tests/model/normal_matrix.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
-namespace ecs::model {
+namespace ecs {
 namespace {
 
 TEST_CASE("a matrix without columns has rank 0 and answers without entries") {
@@ -76,7 +76,7 @@ TEST_CASE(
     "what the rows of a matrix span makes its columns orthonormal, and what they do not span makes them nothing") {
   for (const Eigen::Index dependent : {0, 1, 2}) {
     CAPTURE(dependent);
-    Eigen::MatrixXd columns = test::normal_matrix(30, 7, 5);
+    Eigen::MatrixXd columns = ecs::test::normal_matrix(30, 7, 5);
     for (Eigen::Index j = 0; j < dependent; ++j) columns.col(3 * j) = columns.col(5) * (1.0 + static_cast<double>(j));
     const RowSpace space = row_space_of(columns, 1e-9);
     REQUIRE(space.back.cols() == 7 - dependent);
@@ -91,7 +91,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a Cholesky factor solves, inverts and whitens what it was made of; a matrix that is not positive has none") {
-  const Eigen::MatrixXd columns = test::normal_matrix(20, 4, 3);
+  const Eigen::MatrixXd columns = ecs::test::normal_matrix(20, 4, 3);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(4, 4);
   add_gram(gram, columns);
   CHECK(gram.isApprox(columns.transpose() * columns, 1e-13));
@@ -106,4 +106,4 @@ TEST_CASE("a Cholesky factor solves, inverts and whitens what it was made of; a 
 }
 
 }  // namespace
-}  // namespace ecs::model
+}  // namespace ecs
