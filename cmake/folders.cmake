@@ -37,7 +37,7 @@ ecs_folder(protocol/registers base core fmt::fmt tl::expected)
 ecs_folder(protocol/server base core protocol/line protocol/registers fmt::fmt)
 
 ecs_folder(ecs_emulator/drive base core ecs_emulator/random)
-ecs_folder(ecs_emulator/effects base core ecs_emulator/random ecs_emulator/scene)
+ecs_folder(ecs_emulator/effects base core)
 ecs_folder(ecs_emulator/errors base core ecs_emulator/effects ecs_emulator/random ecs_emulator/settings
            ecs_emulator/thermal params PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
 ecs_folder(ecs_emulator/instruments base core ecs_emulator/errors ecs_emulator/machine ecs_emulator/random
@@ -47,7 +47,6 @@ ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_
 ecs_folder(ecs_emulator/part_programs base ecs_emulator/instruments ecs_emulator/machine fmt::fmt
            nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/random)
-ecs_folder(ecs_emulator/scene base core ecs_emulator/random params fmt::fmt)
 ecs_folder(ecs_emulator/settings base core ecs_emulator/drive params fmt::fmt)
 ecs_folder(ecs_emulator/thermal base core ecs_emulator/random)
 ecs_folder(ecs_emulator/unit base core ecs_emulator/machine protocol/server Threads::Threads fmt::fmt)

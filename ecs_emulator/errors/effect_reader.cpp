@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/effects.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 
 namespace ecs::emulator {
@@ -47,7 +47,7 @@ bool read_parameters(TomlReader& reader, const toml::table& table, bool rotary, 
   reader.only(*given, names, "parameters");
   for (const ParameterDefinition& one : effect.kind->parameters)
     if (const std::string name = name_in_file(one.name); !one.optional || given->contains(name))
-      required_into(reader, *given, name, one.range.above == 0.0 ? Sign::positive : Sign::any,
+      required_into(reader, *given, name, one.positive ? Sign::positive : Sign::any,
                     effect.parameters[std::string(one.name)]);
   return true;
 }
@@ -62,7 +62,7 @@ class EffectReader {
     if (kind == nullptr) return;
     const std::size_t before = complaints_;
     const std::string what = fmt::format("effect {}", kind->id);
-    const bool curve = kind->curve != CurveOf::nothing;
+    const bool curve = kind->curve;
     Names keys{"id", "axis", "sense", "code", "approach", "cause"};
     if (curve) keys.insert(keys.end(), {"formula", "points", "csv"});
     if (kind->sensors > 0) keys.emplace_back("sensor");
@@ -102,8 +102,8 @@ class EffectReader {
       return nullptr;
     }
     Names known;
-    for (const EffectDefinition* one : effects())
-      if (one->elsewhere.empty()) known.emplace_back(one->id);
+    for (const EffectDefinition& one : effects())
+      if (one.elsewhere.empty()) known.emplace_back(one.id);
     const std::string like = nearest_word(id, known);
     complain("id", like.empty() ? fmt::format("id: expected one of {}, got \"{}\"", fmt::join(known, ", "), id)
                                 : fmt::format("id: no such effect \"{}\"; did you mean \"{}\"?", id, like));

@@ -163,29 +163,18 @@ ToolPose tool_pose(const ChainGeometry& geometry, const ComponentValues& errors,
 namespace {
 
 /// A rotary axis as one of its effects sees it.
-class TurnConditions final : public Conditions {
- public:
-  TurnConditions(double angle_deg, Approach side, double at_s) {
-    p_mm = angle_deg;
-    approach = side == Approach::reverse ? -1.0 : 1.0;
-    time_s = at_s;
-  }
-  [[nodiscard]] double material_degC() const override { return 20.0; }
-  [[nodiscard]] double degC(const std::string& /*sensor*/) const override { return 20.0; }
-  [[nodiscard]] double first_degC(const std::string& /*sensor*/) const override { return 20.0; }
-};
-
 double value_of_motion(const RotaryMotion& one, Variables& variables, const RotaryState& state) {
   const double angle_deg = state.angle_deg[one.axis];
   const Approach side = state.approach[one.axis];
+  const double way = side == Approach::reverse ? -1.0 : 1.0;
   if (one.curve) {
     variables.p = angle_deg;
-    variables.d = side == Approach::reverse ? -1.0 : 1.0;
+    variables.d = way;
     return one.curve->value(variables);
   }
   const PlacedEffect& effect = *one.effect;
   if (effect.approach != Approach::unknown && effect.approach != side) return 0.0;
-  return effect.kind->value(effect, TurnConditions(angle_deg, side, state.time_s));
+  return effect.kind->value(effect, {.p_mm = angle_deg, .approach = way, .time_s = state.time_s});
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "core/axis.hpp"
 #include "core/terms.hpp"
-#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/effects.hpp"
 #include "ecs_emulator/errors/formula.hpp"
 #include "params/machine.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "base/toml_reader.hpp"
 #include "core/terms.hpp"
-#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/effects.hpp"
 #include "ecs_emulator/errors/formula.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"

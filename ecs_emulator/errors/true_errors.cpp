@@ -7,7 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/units.hpp"
-#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/effects.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 #include "ecs_emulator/random/random.hpp"
 
@@ -27,7 +27,8 @@ struct TrueErrors::Parts : ErrorParts {
   [[nodiscard]] std::optional<std::string> no_temperature(const TemperatureFormula& sensor);
   /// A sensor of `[temperature]`; leaves the formulas' time at `time_s`.
   [[nodiscard]] double formula_degC(const std::string& sensor, double time_s);
-  class StateConditions;
+  /// The temperature of any sensor, and what it was when the machine was switched on.
+  [[nodiscard]] std::array<double, 2> degC_of(const std::string& sensor, double time_s, const Heat& from);
 };
 
 namespace {
@@ -78,41 +79,6 @@ void TrueErrors::Parts::set_moving(const MachineState& state, Axis axis, double 
   variables.u = state.travel_since_reversal_mm[i];
 }
 
-/// The machine as one of its effects sees it.
-class TrueErrors::Parts::StateConditions final : public Conditions {
- public:
-  /// Sets the variables of the parts' formulas to this state and axis.
-  StateConditions(Parts& parts, const FileEffect& effect, const MachineState& state, const Heat& heat)
-      : parts_(parts), state_(state), heat_(heat) {
-    const Axis axis = *effect.effect.axis;
-    parts.set_moving(state, axis, parts.place.datum_mm[index_of(axis)]);
-    p_mm = parts.variables.p;
-    approach = parts.variables.d;
-    if (effect.curve) curve = effect.curve->value(parts.variables);
-    time_s = state.time_s;
-    feed_mm_min = state.feed_mm_min;
-    load_kg = state.load_kg;
-    travel_since_reversal_mm = state.travel_since_reversal_mm[index_of(axis)];
-  }
-  [[nodiscard]] double material_degC() const override { return heat_.material_degC(state_.time_s); }
-  [[nodiscard]] double degC(const std::string& sensor) const override {
-    if (const auto i = heat_sensor(parts_, sensor))
-      return *i < heat_.sensors() ? heat_.degC_at(*i, state_.time_s) : 0.0;
-    return parts_.formula_degC(sensor, state_.time_s);
-  }
-  [[nodiscard]] double first_degC(const std::string& sensor) const override {
-    if (const auto i = heat_sensor(parts_, sensor)) return *i < heat_.sensors() ? heat_.first_degC_at(*i) : 0.0;
-    const double first_degC = parts_.formula_degC(sensor, 0.0);
-    parts_.variables.t = state_.time_s;
-    return first_degC;
-  }
-
- private:
-  Parts& parts_;
-  const MachineState& state_;
-  const Heat& heat_;
-};
-
 double TrueErrors::Parts::formula_degC(const std::string& sensor, double time_s) {
   for (const TemperatureFormula& one : temperatures) {
     if (one.name != sensor) continue;
@@ -122,10 +88,32 @@ double TrueErrors::Parts::formula_degC(const std::string& sensor, double time_s)
   return 0.0;
 }
 
+std::array<double, 2> TrueErrors::Parts::degC_of(const std::string& sensor, double time_s, const Heat& from) {
+  if (const auto i = heat_sensor(*this, sensor))
+    return *i < from.sensors() ? std::array{from.degC_at(*i, time_s), from.first_degC_at(*i)} : std::array{0.0, 0.0};
+  const double first_degC = formula_degC(sensor, 0.0);
+  return {formula_degC(sensor, time_s), first_degC};
+}
+
 double TrueErrors::Parts::value_of(const FileEffect& one, const MachineState& state, const Heat& from) {
   const PlacedEffect& effect = one.effect;
-  if (effect.approach != Approach::unknown && effect.approach != state.approach[index_of(*effect.axis)]) return 0.0;
-  return effect.kind->value(effect, StateConditions(*this, one, state, from));
+  const std::size_t axis = index_of(*effect.axis);
+  if (effect.approach != Approach::unknown && effect.approach != state.approach[axis]) return 0.0;
+  set_moving(state, *effect.axis, place.datum_mm[axis]);
+  Conditions at{.p_mm = variables.p,
+                .approach = variables.d,
+                .curve = one.curve ? one.curve->value(variables) : 0.0,
+                .time_s = state.time_s,
+                .feed_mm_min = state.feed_mm_min,
+                .load_kg = state.load_kg,
+                .travel_since_reversal_mm = state.travel_since_reversal_mm[axis]};
+  if (effect.kind->of_material) at.material_degC = from.material_degC(state.time_s);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(effect.kind->sensors); ++i) {
+    const auto [now, first] = degC_of(i == 0 ? effect.sensor : effect.sensor2, state.time_s, from);
+    at.degC[i] = now;
+    if (i == 0) at.first_degC = first;
+  }
+  return effect.kind->value(effect, at);
 }
 
 TrueErrors::TrueErrors() : parts_(std::make_unique<Parts>()) {}

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/random/random.hpp"
 #include "modules/hidden_cases/compose.hpp"
 
 namespace ecs::emulator {
@@ -34,13 +32,14 @@ const EffectDefinition* draw_effect_kind(Random& random) {
 
 /// An effect that a free base model must hold: a fault of the map is none of a model.
 const EffectDefinition* draw_base_kind(Random& random) {
-  std::vector<const EffectDefinition*> kinds(effects().begin(), effects().end());
-  std::erase_if(kinds, [](const EffectDefinition* kind) { return kind->seat == Seat::unit; });
+  std::vector<const EffectDefinition*> kinds;
+  for (const EffectDefinition& kind : effects())
+    if (hiding_of(kind).seat != Seat::unit) kinds.push_back(&kind);
   return one(random, kinds);
 }
 
 /// Two effects that can be sized independently.
-bool can_be_a_pair(const EffectDefinition& a, const EffectDefinition& b) {
+bool can_be_a_pair(const Hiding& a, const Hiding& b) {
   return &a != &b && !(a.seat == Seat::unit && b.seat == Seat::unit) && !(a.natural_size && b.natural_size);
 }
 
@@ -98,11 +97,11 @@ void vary(Random& random, const HiddenCaseRequest& request, Wanted& wanted) {
   if (wanted.kind != CaseKind::pair) return;
   wanted.effects.resize(1);
   const EffectDefinition* companion = draw_effect_kind(random);
-  while (!can_be_a_pair(*wanted.effects[0], *companion)) companion = draw_effect_kind(random);
+  while (!can_be_a_pair(hiding_of(*wanted.effects[0]), hiding_of(*companion))) companion = draw_effect_kind(random);
   wanted.effects.push_back(companion);
 }
 
-std::string number_words(const PlacedEffect& effect) {
+std::string number_words(const DrawnEffect& effect) {
   std::string words;
   for (const auto& [name, value] : effect.parameters)
     if (value != 0.0) words += fmt::format("{}{} {:.4g}", words.empty() ? " (" : ", ", name, value);
@@ -203,14 +202,14 @@ class Finishing {
   }
 
  private:
-  [[nodiscard]] Eigen::VectorXd of(const PlacedEffect& effect) const {
+  [[nodiscard]] Eigen::VectorXd of(const DrawnEffect& effect) const {
     return vector_of(contribution(case_.scene, effect));
   }
 
   bool settle_sigma() {
     double sigma_um = log_between(random_, 0.1, 2.0);
     for (const HiddenEffect& hidden : case_.hidden)
-      if (hidden.effect.kind->natural_size) sigma_um = rms_of(absorbed_.left_of(of(hidden.effect))) / snr_;
+      if (hiding_of(hidden.effect).natural_size) sigma_um = rms_of(absorbed_.left_of(of(hidden.effect))) / snr_;
     if (!(sigma_um >= kLeastSigma_um && sigma_um <= kMostSigma_um)) return false;
     case_.noise = draw_noise_level(random_, sigma_um, law_);
     return true;
@@ -218,9 +217,9 @@ class Finishing {
 
   void size_hidden() {
     for (HiddenEffect& hidden : case_.hidden) {
-      if (hidden.effect.kind->natural_size) continue;
+      if (hiding_of(hidden.effect).natural_size) continue;
       const double factor = snr_ * case_.noise.sigma_um / rms_of(absorbed_.left_of(of(hidden.effect)));
-      if (hidden.effect.kind->seat == Seat::unit)
+      if (hiding_of(hidden.effect).seat == Seat::unit)
         scale_map(case_.scene, factor);
       else
         hidden.effect = scaled(hidden.effect, factor);
@@ -234,13 +233,13 @@ class Finishing {
   }
 
   void size_background() {
-    for (PlacedEffect& effect : case_.base)
-      if (!effect.kind->natural_size)
+    for (DrawnEffect& effect : case_.base)
+      if (!hiding_of(effect).natural_size)
         effect = scaled(effect, case_.noise.sigma_um * log_between(random_, 1.5, 20.0) / rms_of(of(effect)));
   }
 
-  [[nodiscard]] std::vector<PlacedEffect> all_effects() const {
-    std::vector<PlacedEffect> all = case_.base;
+  [[nodiscard]] std::vector<DrawnEffect> all_effects() const {
+    std::vector<DrawnEffect> all = case_.base;
     for (const HiddenEffect& hidden : case_.hidden) all.push_back(hidden.effect);
     return all;
   }
@@ -250,7 +249,7 @@ class Finishing {
     const auto effects = all_effects();
     Eigen::VectorXd straight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(case_.scene.stops.size()));
     Eigen::VectorXd blur = straight;
-    for (const PlacedEffect& effect : effects) {
+    for (const DrawnEffect& effect : effects) {
       const Eigen::VectorXd own = of(effect);
       straight += own;
       blur += own - vector_of(contribution(case_.recorded, effect));
@@ -305,9 +304,9 @@ class Finishing {
   [[nodiscard]] bool companions_apart() const {
     if (case_.hidden.size() < 2) return true;
     const Eigen::VectorXd both = of(case_.hidden[0].effect) + of(case_.hidden[1].effect);
-    for (const EffectDefinition* kind : effects())
-      for (const PlacedEffect& single :
-           kind->explains_two ? possible_places(case_.scene, ground_, *kind) : std::vector<PlacedEffect>{}) {
+    for (const EffectDefinition& kind : effects())
+      for (const DrawnEffect& single :
+           hiding_of(kind).explains_two ? possible_places(case_.scene, ground_, kind) : std::vector<DrawnEffect>{}) {
         Absorbed with = absorbed_;
         with.add(contribution_columns(case_.scene, ground_, single));
         if (with.left_of(both).norm() < kApart * case_.noise.sigma_um) return false;

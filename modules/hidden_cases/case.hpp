@@ -16,25 +16,25 @@
 
 #include "base/result.hpp"
 #include "base/words.hpp"
-#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/scene.hpp"
+#include "modules/hidden_cases/hiding.hpp"
+#include "modules/hidden_cases/scene.hpp"
 
 namespace ecs::emulator {
 
 /// Value of the effect's component, or what the instrument adds, at this stop [um, um/m]; 0 where it does not act.
 /// @pre its seat is not the unit
-[[nodiscard]] double amount(const Scene& scene, const PlacedEffect& effect, const Stop& stop);
+[[nodiscard]] double amount(const Scene& scene, const DrawnEffect& effect, const Stop& stop);
 /// How much of a component's value reaches the sense of this reading: levers and signs of the chain.
 [[nodiscard]] double share_in(const Scene& scene, Component component, const Stop& stop);
 
 /// Compensation that a unit adds to this reading, with the faults among `effects` [um, um/m].
-[[nodiscard]] double unit_compensation(const Scene& scene, const std::vector<PlacedEffect>& effects, const Stop& stop);
+[[nodiscard]] double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop);
 /// Value of one of the map's curves; 0 where the map lacks it.
 [[nodiscard]] double table_value(const UnitMap& map, Axis axis, Sense sense, double position_mm, int approach);
 
 /// What the effect adds to each reading, to first order [um, um/m] (readings).
-[[nodiscard]] std::vector<double> contribution(const Scene& scene, const PlacedEffect& effect);
+[[nodiscard]] std::vector<double> contribution(const Scene& scene, const DrawnEffect& effect);
 
 /// How what does not repeat is distributed.
 enum class NoiseLaw : std::uint8_t {
@@ -62,7 +62,7 @@ struct Noise {
 
 /// Without noise: what the exact matrices of the chain, the unit's map and the instrument's own errors make of each
 /// stop [um, um/m]. @param extra  added to the component that is measured, one per stop; empty: nothing
-[[nodiscard]] std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEffect>& effects,
+[[nodiscard]] std::vector<double> exact_errors(const Scene& scene, const std::vector<DrawnEffect>& effects,
                                                const std::vector<double>& extra);
 
 /// Noise of each reading, in the order of time, by its law; turbulence is a first-order Gauss-Markov process.
@@ -108,7 +108,7 @@ struct HiddenCaseRequest {
 };
 
 struct HiddenEffect {
-  PlacedEffect effect;
+  DrawnEffect effect;
   double rms_um = 0.0;  ///< of its contribution, all readings
   double snr = 0.0;     ///< rms of what the base model cannot absorb of it / sigma of one reading
 };
@@ -118,7 +118,7 @@ struct HiddenCase {
   CaseKind kind = CaseKind::blank;
   Scene scene;                       ///< as it really was
   Scene recorded;                    ///< as the sensors show it
-  std::vector<PlacedEffect> base;    ///< the base model, with its true sizes
+  std::vector<DrawnEffect> base;     ///< the base model, with its true sizes
   bool free_base = false;            ///< its nonlinear parameters are not given
   std::vector<HiddenEffect> hidden;  ///< by falling snr
   Structure structure;

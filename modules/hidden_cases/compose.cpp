@@ -8,9 +8,6 @@
 #include <map>
 
 #include "base/moved_targets.hpp"
-#include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/random/random.hpp"
-#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -100,8 +97,8 @@ std::optional<Ground> prepare(Random& random, const Needs& needs, bool known, st
   return ground;
 }
 
-std::optional<PlacedEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground,
-                                        const EffectDefinition& kind) {
+std::optional<DrawnEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground,
+                                       const EffectDefinition& kind) {
   const auto places = good_places(scene, ground, kind);
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));
@@ -137,8 +134,8 @@ Eigen::MatrixXd offsets_of_runs(const Scene& scene) {
 
 /// Whether a condition that nobody sets acts like the offset of one run, or of each of few runs: a bad run, by
 /// docs/physics.md, limits of effects.
-bool is_offset_of_runs(const Scene& scene, const Absorbed& absorbed, const PlacedEffect& effect) {
-  const Needs& needs = effect.kind->needs;
+bool is_offset_of_runs(const Scene& scene, const Absorbed& absorbed, const DrawnEffect& effect) {
+  const Needs& needs = hiding_of(effect).needs;
   if (!needs.temperature && !needs.air && !needs.time) return false;
   const Eigen::VectorXd own = vector_of(contribution(scene, effect));
   const double alone = absorbed.left_of(own).squaredNorm();
@@ -175,14 +172,14 @@ bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorb
 Needs needs_of(const Wanted& wanted) {
   if (wanted.kind == CaseKind::out_of_library) return wanted.structure->needs;
   Needs needs;
-  for (const EffectDefinition* kind : wanted.effects) needs = needs | kind->needs;
+  for (const EffectDefinition* kind : wanted.effects) needs = needs | hiding_of(*kind).needs;
   return needs;
 }
 
 /// What the base model and the noise ask of the design, too.
 Needs needs_beside(const Wanted& wanted) {
   Needs needs;
-  if (wanted.in_base != nullptr) needs = wanted.in_base->needs;
+  if (wanted.in_base != nullptr) needs = hiding_of(*wanted.in_base).needs;
   needs.one_run = wanted.law == NoiseLaw::slow;
   if (wanted.law == NoiseLaw::by_run) needs.least_runs = kLeastRuns;
   return needs;
@@ -232,14 +229,14 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
   }
   Absorbed absorbed(c.scene.stops.size());
   c.base = draw_background(random, c.scene, *ground, reserved, absorbed);
-  for (const PlacedEffect& hidden : reserved.hidden) {
+  for (const DrawnEffect& hidden : reserved.hidden) {
     const Eigen::VectorXd own = vector_of(contribution(c.scene, hidden));
     if (!(absorbed.left_of(own).squaredNorm() >= kLeastShare * own.squaredNorm()) || own.norm() == 0.0)
       return std::nullopt;
     if (is_offset_of_runs(c.scene, absorbed, hidden)) return std::nullopt;
   }
   if (!c.structure.value.empty() && !is_foreign(c.scene, *ground, absorbed, c.structure.value)) return std::nullopt;
-  if (wanted.in_base != nullptr && std::none_of(c.base.begin(), c.base.end(), [&](const PlacedEffect& effect) {
+  if (wanted.in_base != nullptr && std::none_of(c.base.begin(), c.base.end(), [&](const DrawnEffect& effect) {
         return effect.kind == wanted.in_base;
       }))
     return std::nullopt;
@@ -289,8 +286,8 @@ const std::array<ConfoundedDesign, 8>& designs() {
 /// Effects that such a design can hide.
 std::vector<const EffectDefinition*> members_of(const ConfoundedDesign& design) {
   std::vector<const EffectDefinition*> members;
-  for (const EffectDefinition* kind : effects())
-    if ((kind->confounded_in & design.id) != 0) members.push_back(kind);
+  for (const EffectDefinition& kind : effects())
+    if ((hiding_of(kind).confounded_in & design.id) != 0) members.push_back(&kind);
   return members;
 }
 
@@ -316,13 +313,13 @@ Scene confounded_scene(Random& random, const Wanted& wanted) {
 
 /// A size that nature allows, with some room.
 bool is_natural(const Rival& rival) {
-  if (!rival.effect.kind->natural_size) return true;
-  const Range& range = rival.effect.kind->parameters.front().range;
+  if (!hiding_of(rival.effect).natural_size) return true;
+  const Range& range = hiding_of(rival.effect).range;
   return rival.size > range.above && rival.size < range.below;
 }
 
 /// A rotation that acts on its own line through the position of its own axis.
-bool has_own_lever(const Scene& scene, const PlacedEffect& effect) {
+bool has_own_lever(const Scene& scene, const DrawnEffect& effect) {
   if (effect.kind->placed_by != PlacedBy::code_of_rotation) return false;
   return std::any_of(scene.terms.begin(), scene.terms.end(), [&](const Term& term) {
     return term.component == *effect.code && term.observed == direction_of(scene.stops.front().sense) &&
@@ -334,12 +331,13 @@ bool has_own_lever(const Scene& scene, const PlacedEffect& effect) {
 std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, const Absorbed& absorbed,
                                   const ConfoundedDesign& design) {
   const auto members = members_of(design);
-  const bool curves = std::all_of(members.begin(), members.end(), [](const auto* kind) { return is_flexible(*kind); });
+  const bool curves =
+      std::all_of(members.begin(), members.end(), [](const auto* kind) { return hiding_of(*kind).is_flexible(); });
   std::vector<std::string> group;
   bool disturbed = false;
   const auto weigh = [&](const Rival& rival) {
     if (rival.separation >= kApart) return false;
-    const bool expected = curves ? (rival.effect.kind->confounded_in & design.id) != 0 : !rival.flexible;
+    const bool expected = curves ? (hiding_of(rival.effect).confounded_in & design.id) != 0 : !rival.flexible;
     disturbed = rival.separation > kSame || !expected || !is_natural(rival) || has_own_lever(c.scene, rival.effect);
     group.push_back(name_of(rival.effect));
     return disturbed;
@@ -349,19 +347,19 @@ std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, con
   return disturbed || tried.empty() ? std::vector<std::string>{} : group;
 }
 
-std::optional<PlacedEffect> member(Random& random, const Wanted& wanted, const Scene& scene, const Ground& ground) {
+std::optional<DrawnEffect> member(Random& random, const Wanted& wanted, const Scene& scene, const Ground& ground) {
   const EffectDefinition& kind =
       wanted.effects.empty() ? *one(random, members_of(*wanted.design)) : *wanted.effects.front();
   const bool rotation = kind.placed_by == PlacedBy::code_of_rotation;
   auto places = rotation ? possible_places(scene, ground, kind) : good_places(scene, ground, kind);
-  std::erase_if(places, [&](const PlacedEffect& place) { return rotation && *place.axis != scene.stops.front().axis; });
+  std::erase_if(places, [&](const DrawnEffect& place) { return rotation && *place.axis != scene.stops.front().axis; });
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));
 }
 
 /// What holds mean and slope of the curves of the group.
-std::vector<PlacedEffect> lines_of(const ConfoundedDesign& design, const Stop& first) {
-  std::vector<PlacedEffect> lines;
+std::vector<DrawnEffect> lines_of(const ConfoundedDesign& design, const Stop& first) {
+  std::vector<DrawnEffect> lines;
   for (const EffectDefinition* kind : members_of(design))
     if (const auto line = line_of(at_place(*kind, first.axis, first.sense))) lines.push_back(*line);
   return lines;
@@ -412,7 +410,8 @@ const std::vector<const ConfoundedDesign*>& confounded_designs() {
 
 std::vector<const ConfoundedDesign*> confounded_designs_of(const EffectDefinition& kind) {
   std::vector<const ConfoundedDesign*> found = confounded_designs();
-  std::erase_if(found, [&](const ConfoundedDesign* design) { return (kind.confounded_in & design->id) == 0; });
+  std::erase_if(found,
+                [&](const ConfoundedDesign* design) { return (hiding_of(kind).confounded_in & design->id) == 0; });
   return found;
 }
 
@@ -452,7 +451,7 @@ std::optional<HiddenCase> compose_xytz(Random& random, const Wanted& wanted) {
   const auto at = [](const char* id, Axis axis, std::optional<Sense> sense, std::optional<Component> code) {
     return at_place(*effect_named(id), axis, sense, code);
   };
-  for (const PlacedEffect& place :
+  for (const DrawnEffect& place :
        {at("offset", Axis::Y, Sense::EY, {}), at("scale", Axis::Y, Sense::EY, {}),
         at("progressive", Axis::Y, Sense::EY, {}), at("angular", Axis::X, {}, Component::ECX),
         at("angular", Axis::X, {}, Component::EAX), at("angular", Axis::Y, {}, Component::EAY)}) {

@@ -8,17 +8,16 @@
 
 #include <Eigen/Dense>
 
-#include "ecs_emulator/effects/definition.hpp"
-#include "ecs_emulator/scene/scene.hpp"
 #include "modules/hidden_cases/case.hpp"
+#include "modules/hidden_cases/hiding.hpp"
+#include "modules/hidden_cases/scene.hpp"
 
 namespace ecs::emulator {
 
 /// Contributions that span an effect (readings × functions).
-[[nodiscard]] Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground,
-                                                   const PlacedEffect& effect);
+[[nodiscard]] Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, const DrawnEffect& effect);
 /// How its contribution changes with each searched parameter (readings × parameters).
-[[nodiscard]] Eigen::MatrixXd slope_columns(const Scene& scene, const PlacedEffect& effect);
+[[nodiscard]] Eigen::MatrixXd slope_columns(const Scene& scene, const DrawnEffect& effect);
 [[nodiscard]] Eigen::VectorXd vector_of(const std::vector<double>& values);
 [[nodiscard]] double rms_of(const Eigen::VectorXd& values);
 
@@ -39,7 +38,7 @@ class Absorbed {
 
 /// An effect that may stand in the place of another.
 struct Rival {
-  PlacedEffect effect;
+  DrawnEffect effect;
   double separation = 0.0;  ///< length of what it cannot reproduce of the other, in standard deviations of one reading
   double size = 0.0;        ///< coefficient with which it comes closest, where it has a single one
   bool flexible = false;    ///< a smooth curve, or a nonlinear parameter that was searched
@@ -60,21 +59,21 @@ inline constexpr double kApart = 8.0;
 
 /// What the base model must leave alone.
 struct Reserved {
-  std::vector<PlacedEffect> hidden;
-  std::vector<PlacedEffect> needed;  ///< places that it must hold
-  bool free = false;                 ///< its nonlinear parameters are not given, and any effect may be in it
-  Designs design = kNoDesign;        ///< effects excluded from it have no place in this base model
+  std::vector<DrawnEffect> hidden;
+  std::vector<DrawnEffect> needed;  ///< places that it must hold
+  bool free = false;                ///< its nonlinear parameters are not given, and any effect may be in it
+  Designs design = kNoDesign;       ///< effects excluded from it have no place in this base model
 };
 
 /// Share of an error's mean square that the base model must leave.
 inline constexpr double kLeastShare = 0.05;
 
 /// The effect that holds the mean and slope of a curve which has none itself.
-[[nodiscard]] std::optional<PlacedEffect> line_of(const PlacedEffect& effect);
+[[nodiscard]] std::optional<DrawnEffect> line_of(const DrawnEffect& effect);
 
 /// Draws it; sizes are about 1 um still. `absorbed` becomes what it can produce.
-[[nodiscard]] std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
-                                                        const Reserved& reserved, Absorbed& absorbed);
+[[nodiscard]] std::vector<DrawnEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
+                                                       const Reserved& reserved, Absorbed& absorbed);
 
 /// A design on which different effects do the same (compose.cpp).
 struct ConfoundedDesign;

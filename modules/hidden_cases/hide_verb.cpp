@@ -11,11 +11,11 @@
 #include "base/file.hpp"
 #include "base/sealed.hpp"
 #include "base/text.hpp"
-#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/verbs/module.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 #include "laser/writers/writers.hpp"
 #include "modules/hidden_cases/case.hpp"
+#include "modules/hidden_cases/hiding.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -59,14 +59,14 @@ std::string machine_file(const params::Machine& machine) {
 }
 
 /// The sense of a set-up is its rotation, which files name by its code.
-std::string_view sense_key(const PlacedEffect& effect) {
+std::string_view sense_key(const DrawnEffect& effect) {
   return effect.kind->placed_by == PlacedBy::code_of_set_up ? "code" : "sense";
 }
 
 std::string model_file(const HiddenCase& c) {
   std::string text = "# What the engineer believes of this machine so far; sizes are fitted from the data.\n";
   if (!c.scene.map.empty()) text += "\n[map]\nfile = \"map.csv\"\n";
-  for (const PlacedEffect& effect : c.base) {
+  for (const DrawnEffect& effect : c.base) {
     text += fmt::format("\n[[effect]]\nid = \"{}\"\n", effect.kind->id);
     if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
     if (effect.sense) text += fmt::format("{} = \"{}\"\n", sense_key(effect), name_of(*effect.sense));
@@ -74,12 +74,8 @@ std::string model_file(const HiddenCase& c) {
     if (effect.approach != Approach::unknown) text += fmt::format("approach = \"{}\"\n", word_for(effect.approach));
     if (!effect.sensor.empty()) text += fmt::format("sensor = \"{}\"\n", effect.sensor);
     if (!effect.sensor2.empty()) text += fmt::format("sensor2 = \"{}\"\n", effect.sensor2);
-    std::string given;
-    for (const ParameterDefinition& parameter : effect.kind->parameters)
-      if (parameter.search != nullptr && !c.free_base)  // no fit of the base model looks for it
-        given += fmt::format("{}{} = {}", given.empty() ? "" : ", ", parameter.name,
-                             shortest(effect.parameter(parameter.name)));
-    if (!given.empty()) text += "parameters = { " + given + " }\n";
+    if (const auto given = hiding_of(effect).searched; !given.empty() && !c.free_base)  // no fit looks for it
+      text += fmt::format("parameters = {{ {} = {} }}\n", given, shortest(effect.parameter(given)));
   }
   for (const KnownCurve& known : c.scene.known)
     text += fmt::format("\n[[known]]\ncode = \"{}\"\np_mm = {}\nvalue = {}\n", name_of(known.code), list_of(known.p_mm),
@@ -137,7 +133,7 @@ std::string data_file(const HiddenCase& c) {
 }
 
 nlohmann::ordered_json json_of(const HiddenEffect& hidden) {
-  const PlacedEffect& e = hidden.effect;
+  const DrawnEffect& e = hidden.effect;
   nlohmann::ordered_json json;
   json["effect"] = e.kind->id;
   json["axis"] = e.axis ? nlohmann::ordered_json(std::string(1, letter_of(*e.axis))) : nlohmann::ordered_json();

@@ -1,58 +1,24 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
-#include "ecs_emulator/random/random.hpp"
 #include "modules/hidden_cases/case.hpp"
 #include "modules/hidden_cases/compose.hpp"
 
 namespace ecs::emulator {
 namespace {
 
-/// A stop as the effect sees it.
-class StopConditions final : public Conditions {
- public:
-  StopConditions(const Scene& scene, const PlacedEffect& effect, const Stop& stop)
-      : scene_(scene), effect_(effect), stop_(stop) {
-    p_mm = scene.p_mm(stop, effect.axis.value_or(Axis::X));
-    approach = stop.approach;
-    if (!effect.curve.empty()) curve = value_at(effect.curve, p_mm);
-    time_s = stop.time_s;
-    feed_mm_min = stop.feed_mm_min;
-    load_kg = stop.load_kg;
-    travel_since_reversal_mm = stop.travel_since_reversal_mm;
-  }
-  [[nodiscard]] double material_degC() const override { return scene_.degC("t_material_degC", stop_, 20.0); }
-  [[nodiscard]] double degC(const std::string& sensor) const override { return scene_.degC(sensor, stop_, 0.0); }
-  [[nodiscard]] double first_degC(const std::string& sensor) const override {
-    return scene_.degC(sensor, scene_.stops.front(), 0.0);
-  }
-  [[nodiscard]] double missing_refraction() const override { return emulator::missing_refraction(scene_, stop_); }
-  [[nodiscard]] double known_value() const override {
-    for (const KnownCurve& known : scene_.known)
-      if (known.code == *effect_.code)
-        return between_points(known.p_mm, known.value, stop_.position_mm[index_of(moving_axis(known.code))]);
-    return 0.0;
-  }
-
- private:
-  const Scene& scene_;
-  const PlacedEffect& effect_;
-  const Stop& stop_;
-};
-
 /// The fault that concerns a curve of the map, if any does.
-bool concerns(const PlacedEffect& fault, Axis axis, Sense sense) {
-  return fault.kind->seat == Seat::unit && (!fault.axis || *fault.axis == axis) &&
+bool concerns(const DrawnEffect& fault, Axis axis, Sense sense) {
+  return hiding_of(fault).seat == Seat::unit && (!fault.axis || *fault.axis == axis) &&
          (!fault.sense || *fault.sense == sense);
 }
 
-double faulty_value(const Scene& scene, const std::vector<PlacedEffect>& effects, const Stop& stop, Axis axis,
+double faulty_value(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop, Axis axis,
                     Sense sense) {
   MapReading reading{stop.position_mm[index_of(axis)], axis == stop.axis ? stop.approach : 0, 1.0};
-  for (const PlacedEffect& fault : effects)
-    if (concerns(fault, axis, sense)) fault.kind->spoil(fault, reading);
+  for (const DrawnEffect& fault : effects)
+    if (concerns(fault, axis, sense)) hiding_of(fault).spoil(fault, reading);
   return reading.gain * table_value(scene.map, axis, sense, reading.position_mm, reading.approach);
 }
 
@@ -76,6 +42,12 @@ void add_mapped_errors(const Scene& scene, const Stop& stop, ComponentValues& er
   }
 }
 
+std::vector<DrawnEffect> drawn_parts_of(const DrawnEffect& effect) {
+  std::vector<DrawnEffect> parts;
+  for (PlacedEffect& part : parts_of(effect)) parts.push_back({std::move(part), effect.curve});
+  return parts;
+}
+
 /// Student's t of three degrees of freedom, of variance 1.
 double student_of_three(Random& random) {
   double squares = 0.0;
@@ -85,8 +57,22 @@ double student_of_three(Random& random) {
 
 }  // namespace
 
-double amount(const Scene& scene, const PlacedEffect& effect, const Stop& stop) {
-  return acts_on(effect, stop) ? effect.kind->value(effect, StopConditions(scene, effect, stop)) : 0.0;
+double amount(const Scene& scene, const DrawnEffect& effect, const Stop& stop) {
+  if (!acts_on(effect, stop)) return 0.0;
+  if (const auto adds = hiding_of(effect).adds) return adds(effect, scene, stop);
+  const EffectDefinition& kind = *effect.kind;
+  Conditions at{.p_mm = scene.p_mm(stop, effect.axis.value_or(Axis::X)),
+                .approach = static_cast<double>(stop.approach),
+                .time_s = stop.time_s,
+                .feed_mm_min = stop.feed_mm_min,
+                .load_kg = stop.load_kg,
+                .travel_since_reversal_mm = stop.travel_since_reversal_mm};
+  if (kind.curve) at.curve = value_at(effect.curve, at.p_mm);
+  if (kind.of_material) at.material_degC = scene.degC("t_material_degC", stop, 20.0);
+  if (kind.sensors > 0) at.degC[0] = scene.degC(effect.sensor, stop, 0.0);
+  if (kind.sensors > 0) at.first_degC = scene.degC(effect.sensor, scene.stops.front(), 0.0);
+  if (kind.sensors > 1) at.degC[1] = scene.degC(effect.sensor2, stop, 0.0);
+  return kind.value(effect, at);
 }
 
 double share_in(const Scene& scene, Component component, const Stop& stop) {
@@ -105,7 +91,7 @@ double table_value(const UnitMap& map, Axis axis, Sense sense, double position_m
   return 0.0;
 }
 
-double unit_compensation(const Scene& scene, const std::vector<PlacedEffect>& effects, const Stop& stop) {
+double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop) {
   double sum = 0.0;
   for (std::size_t i = 0; i < scene.map.size(); ++i) {
     const UnitTable& table = scene.map[i];
@@ -117,14 +103,14 @@ double unit_compensation(const Scene& scene, const std::vector<PlacedEffect>& ef
   return sum;
 }
 
-std::vector<double> contribution(const Scene& scene, const PlacedEffect& effect) {
+std::vector<double> contribution(const Scene& scene, const DrawnEffect& effect) {
   std::vector<double> sum(scene.stops.size());
-  const std::vector<PlacedEffect> parts = parts_of(effect);
+  const std::vector<DrawnEffect> parts = drawn_parts_of(effect);
   for (std::size_t k = 0; k < sum.size(); ++k) {
     const Stop& stop = scene.stops[k];
-    switch (effect.kind->seat) {
+    switch (hiding_of(effect).seat) {
       case Seat::machine:
-        for (const PlacedEffect& part : parts)
+        for (const DrawnEffect& part : parts)
           sum[k] += amount(scene, part, stop) * share_in(scene, carrier_of(part), stop);
         break;
       case Seat::instrument:
@@ -138,19 +124,19 @@ std::vector<double> contribution(const Scene& scene, const PlacedEffect& effect)
   return sum;
 }
 
-std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEffect>& effects,
+std::vector<double> exact_errors(const Scene& scene, const std::vector<DrawnEffect>& effects,
                                  const std::vector<double>& extra) {
   const ChainGeometry geometry{scene.chain, scene.lines_mm, {}};
-  std::vector<PlacedEffect> parts;
-  for (const PlacedEffect& effect : effects)
-    for (PlacedEffect& part : parts_of(effect)) parts.push_back(std::move(part));
+  std::vector<DrawnEffect> parts;
+  for (const DrawnEffect& effect : effects)
+    for (DrawnEffect& part : drawn_parts_of(effect)) parts.push_back(std::move(part));
   std::vector<double> readings;
   readings.reserve(scene.stops.size());
   for (const Stop& stop : scene.stops) {
     ComponentValues errors{};
     double laser = 0.0;
-    for (const PlacedEffect& effect : parts) {
-      const Seat seat = effect.kind->seat;
+    for (const DrawnEffect& effect : parts) {
+      const Seat seat = hiding_of(effect).seat;
       if (seat == Seat::machine) errors[index_of(carrier_of(effect))] += amount(scene, effect, stop);
       if (seat == Seat::instrument) laser += amount(scene, effect, stop);
     }
@@ -205,12 +191,12 @@ namespace {
 constexpr double kSmallStep = 1e-4;  ///< of a parameter, for a slope
 constexpr double kNothing = 1e-7;    ///< of its size: what is left of a column that is absorbed already
 
-double distance(const Eigen::MatrixXd& left_columns, const Eigen::VectorXd& left, const EffectDefinition& kind) {
-  if (kind.fixed_size) return (left - left_columns.col(0)).norm();
+double distance(const Eigen::MatrixXd& left_columns, const Eigen::VectorXd& left, const Hiding& hiding) {
+  if (hiding.fixed_size) return (left - left_columns.col(0)).norm();
   if (left_columns.cols() == 1) {
     const double length2 = left_columns.col(0).squaredNorm();
     const double coefficient = left_columns.col(0).dot(left) / length2;
-    if (has_one_sign(kind) && coefficient < 0.0) return left.norm();
+    if (hiding.square && coefficient < 0.0) return left.norm();
     return (left - coefficient * left_columns.col(0)).norm();
   }
   Absorbed own(static_cast<std::size_t>(left.size()));
@@ -220,57 +206,57 @@ double distance(const Eigen::MatrixXd& left_columns, const Eigen::VectorXd& left
 
 constexpr double kLeastInFreeBase = 0.08;  ///< how often a free base holds an effect at a good place
 
-bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return name_of(a) == name_of(b); }
+bool same_place(const DrawnEffect& a, const DrawnEffect& b) { return name_of(a) == name_of(b); }
 
 class Background {
  public:
   Background(Random& random, const Scene& scene, const Ground& ground, const Reserved& reserved, Absorbed& absorbed)
       : random_(random), scene_(scene), ground_(ground), reserved_(reserved), absorbed_(absorbed) {
-    for (const PlacedEffect& hidden : reserved.hidden) hidden_.push_back(vector_of(contribution(scene, hidden)));
+    for (const DrawnEffect& hidden : reserved.hidden) hidden_.push_back(vector_of(contribution(scene, hidden)));
     most_functions_ = std::min<Eigen::Index>(45, static_cast<Eigen::Index>(scene.stops.size()) / 8);
   }
 
-  std::vector<PlacedEffect> draw() {
-    for (const EffectDefinition* kind : effects())
-      if (kind->in_every_base)
-        for (const PlacedEffect& place : good_places(scene_, ground_, *kind)) take(place, 0.0);
-    for (const PlacedEffect& place : reserved_.needed) take(place, 0.0);
-    std::vector<PlacedEffect> wanted;
-    for (const EffectDefinition* kind : effects())
-      if (const double probability = base_probability(*kind); probability > 0.0)
-        for (const PlacedEffect& place : good_places(scene_, ground_, *kind))
+  std::vector<DrawnEffect> draw() {
+    for (const EffectDefinition& kind : effects())
+      if (hiding_of(kind).in_every_base)
+        for (const DrawnEffect& place : good_places(scene_, ground_, kind)) take(place, 0.0);
+    for (const DrawnEffect& place : reserved_.needed) take(place, 0.0);
+    std::vector<DrawnEffect> wanted;
+    for (const EffectDefinition& kind : effects())
+      if (const double probability = base_probability(hiding_of(kind)); probability > 0.0)
+        for (const DrawnEffect& place : good_places(scene_, ground_, kind))
           if (chance(random_, probability)) wanted.push_back(place);
     shuffle(random_, wanted);
     const std::size_t most = taken_.size() + static_cast<std::size_t>(whole(random_, 1, 4)) + ground_.senses.size();
-    for (const PlacedEffect& place : wanted)
+    for (const DrawnEffect& place : wanted)
       if (taken_.size() < most) take_with_its_line(place);
     return std::move(taken_);
   }
 
  private:
-  [[nodiscard]] double base_probability(const EffectDefinition& kind) const {
-    if (!reserved_.free || kind.seat == Seat::unit) return kind.base_probability;
-    return std::max(kind.base_probability, kLeastInFreeBase);
+  [[nodiscard]] double base_probability(const Hiding& hiding) const {
+    if (!reserved_.free || hiding.seat == Seat::unit) return hiding.base_probability;
+    return std::max(hiding.base_probability, kLeastInFreeBase);
   }
 
   /// A curve without mean and slope comes with the effect that has them.
-  void take_with_its_line(const PlacedEffect& place) {
+  void take_with_its_line(const DrawnEffect& place) {
     const auto line = line_of(place);
     if (line && !holds(*line) && !take(*line, 0.1)) return;
     take(place, 0.1);
   }
 
-  [[nodiscard]] bool holds(const PlacedEffect& place) const {
+  [[nodiscard]] bool holds(const DrawnEffect& place) const {
     return std::any_of(taken_.begin(), taken_.end(), [&](const auto& t) { return same_place(t, place); });
   }
-  [[nodiscard]] bool is_free(const PlacedEffect& place) const {
-    return !holds(place) && (place.kind->excluded_from & reserved_.design) == 0 &&
+  [[nodiscard]] bool is_free(const DrawnEffect& place) const {
+    return !holds(place) && (hiding_of(place).excluded_from & reserved_.design) == 0 &&
            std::none_of(reserved_.hidden.begin(), reserved_.hidden.end(),
                         [&](const auto& hidden) { return same_place(hidden, place); });
   }
 
   /// @param share  least part of its mean square that the model did not hold before
-  bool take(const PlacedEffect& place, double share) {
+  bool take(const DrawnEffect& place, double share) {
     if (!is_free(place)) return false;
     const auto effect = with_shape(random_, scene_, ground_, place);
     if (!effect) return false;
@@ -294,7 +280,7 @@ class Background {
   const Reserved& reserved_;
   Absorbed& absorbed_;
   std::vector<Eigen::VectorXd> hidden_;
-  std::vector<PlacedEffect> taken_;
+  std::vector<DrawnEffect> taken_;
   Eigen::Index most_functions_ = 45;
 };
 
@@ -308,7 +294,7 @@ double rms_of(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, const PlacedEffect& effect) {
+Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, const DrawnEffect& effect) {
   const auto units = unit_effects(ground, effect);
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), static_cast<Eigen::Index>(units.size()));
   for (std::size_t k = 0; k < units.size(); ++k)
@@ -316,18 +302,16 @@ Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, c
   return columns;
 }
 
-Eigen::MatrixXd slope_columns(const Scene& scene, const PlacedEffect& effect) {
+Eigen::MatrixXd slope_columns(const Scene& scene, const DrawnEffect& effect) {
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), 0);
-  for (const ParameterDefinition& parameter : effect.kind->parameters) {
-    if (parameter.search == nullptr) continue;
-    const auto at = [&](double factor) {
-      PlacedEffect moved = effect;
-      moved.parameters[std::string(parameter.name)] *= factor;
-      return vector_of(contribution(scene, moved));
-    };
-    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
-    columns.rightCols(1) = at(1.0 + kSmallStep) - at(1.0 - kSmallStep);
-  }
+  if (hiding_of(effect).search == nullptr) return columns;
+  const auto at = [&](double factor) {
+    DrawnEffect moved = effect;
+    moved.parameters[std::string(hiding_of(effect).searched)] *= factor;
+    return vector_of(contribution(scene, moved));
+  };
+  columns.conservativeResize(Eigen::NoChange, 1);
+  columns.rightCols(1) = at(1.0 + kSmallStep) - at(1.0 - kSmallStep);
   return columns;
 }
 
@@ -362,16 +346,17 @@ std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Abs
                              const std::function<bool(const Rival&)>& enough) {
   const Eigen::VectorXd left = absorbed.left_of(hidden);
   std::vector<Rival> rivals;
-  for (const EffectDefinition* kind : effects()) {
-    if (is_flexible(*kind) && !flexible) continue;
-    for (const PlacedEffect& place : possible_places(scene, ground, *kind)) {
-      Rival rival{place, left.norm() / sigma_um, 0.0, is_flexible(*kind)};
-      for (const PlacedEffect& trial : trials_of(scene, ground, place)) {
+  for (const EffectDefinition& kind : effects()) {
+    const Hiding& hiding = hiding_of(kind);
+    if (hiding.is_flexible() && !flexible) continue;
+    for (const DrawnEffect& place : possible_places(scene, ground, kind)) {
+      Rival rival{place, left.norm() / sigma_um, 0.0, hiding.is_flexible()};
+      for (const DrawnEffect& trial : trials_of(scene, ground, place)) {
         const Eigen::MatrixXd columns = contribution_columns(scene, ground, trial);
         if (columns.cols() == 0) continue;
         const Eigen::MatrixXd left_columns = absorbed.left_of(columns);
         if (left_columns.norm() == 0.0) continue;
-        const double separation = distance(left_columns, left, *kind) / sigma_um;
+        const double separation = distance(left_columns, left, hiding) / sigma_um;
         if (separation < rival.separation) {
           rival.separation = separation;
           rival.effect = trial;
@@ -386,13 +371,13 @@ std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Abs
   return rivals;
 }
 
-std::optional<PlacedEffect> line_of(const PlacedEffect& effect) {
-  if (effect.kind->line.empty()) return std::nullopt;
-  return at_place(*effect_named(effect.kind->line), effect.axis, effect.sense);
+std::optional<DrawnEffect> line_of(const DrawnEffect& effect) {
+  if (hiding_of(effect).line.empty()) return std::nullopt;
+  return at_place(*effect_named(hiding_of(effect).line), effect.axis, effect.sense);
 }
 
-std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
-                                          const Reserved& reserved, Absorbed& absorbed) {
+std::vector<DrawnEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
+                                         const Reserved& reserved, Absorbed& absorbed) {
   return Background(random, scene, ground, reserved, absorbed).draw();
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <numbers>
 
-#include "ecs_emulator/random/random.hpp"
 #include "modules/hidden_cases/case.hpp"
 
 namespace ecs::emulator {

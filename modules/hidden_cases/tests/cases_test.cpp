@@ -16,7 +16,7 @@ namespace {
 
 /// What the hidden effects change in readings without noise.
 std::vector<double> difference_made(const HiddenCase& c) {
-  std::vector<PlacedEffect> all = c.base;
+  std::vector<DrawnEffect> all = c.base;
   for (const HiddenEffect& hidden : c.hidden) all.push_back(hidden.effect);
   const auto with = exact_errors(c.scene, all, {});
   const auto without = exact_errors(c.scene, c.base, {});
@@ -28,7 +28,7 @@ std::vector<double> difference_made(const HiddenCase& c) {
 /// One reading and the effect hidden in it, in the words of the formulas.
 struct At {
   const Scene& scene;
-  const PlacedEffect& effect;
+  const DrawnEffect& effect;
   const Stop& stop;
   double operator[](const char* parameter) const { return effect.parameters.at(parameter); }
   [[nodiscard]] double place() const { return stop.position_mm[index_of(*effect.axis)]; }
@@ -121,7 +121,7 @@ std::vector<double> left_of(std::vector<double> values, const std::vector<std::v
 }
 
 /// One column for an effect with a single size, by the formulas above.
-std::vector<double> column_of(const Scene& scene, PlacedEffect effect, const char* size) {
+std::vector<double> column_of(const Scene& scene, DrawnEffect effect, const char* size) {
   effect.parameters[size] = 1.0;
   std::vector<double> column;
   for (const Stop& stop : scene.stops)
@@ -137,7 +137,7 @@ std::optional<std::vector<std::vector<double>>> plain_columns(const HiddenCase& 
                                                       {"thermal_scale", "um_per_m_degC"},
                                                       {"time_drift", "um_per_h"}};
   std::vector<std::vector<double>> columns;
-  for (const PlacedEffect& effect : c.base) {
+  for (const DrawnEffect& effect : c.base) {
     const auto size = sizes.find(effect.kind->id);
     if (size == sizes.end()) return std::nullopt;
     columns.push_back(column_of(c.scene, effect, size->second));
@@ -167,7 +167,7 @@ TEST_CASE("what is hidden adds to the readings what its formula says") {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       CAPTURE(seed);
       const HiddenCase c = case_of(request_for(seed, CaseKind::single, kind));
-      const PlacedEffect& effect = only(c.hidden).effect;
+      const DrawnEffect& effect = only(c.hidden).effect;
       CHECK(effect.kind->id == kind);
       std::vector<double> wrong = difference_made(c);
       const double size = rms(wrong);
@@ -203,7 +203,7 @@ TEST_CASE("a rotation acts through the levers that the exact matrices give its c
   for (std::uint64_t seed = 1; seed <= 250; ++seed) {
     const HiddenCase c = case_of(request_for(seed, CaseKind::single, "angular"));
     for (const Row& row : rows) {
-      const PlacedEffect& effect = c.hidden[0].effect;
+      const DrawnEffect& effect = c.hidden[0].effect;
       const Stop& first = c.scene.stops.front();
       if (c.scene.machine.configuration != row.chain || effect.code != row.code || first.sense != row.sense) continue;
       seen.insert(row.chain);
@@ -223,7 +223,7 @@ TEST_CASE("a rotation acts through the levers that the exact matrices give its c
 TEST_CASE("squareness tilts one axis against another with the signs of docs/physics.md") {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const HiddenCase c = case_of(request_for(seed, CaseKind::single, "squareness"));
-    const PlacedEffect& effect = c.hidden[0].effect;
+    const DrawnEffect& effect = c.hidden[0].effect;
     const auto change = difference_made(c);
     for (std::size_t k = 0; k < change.size(); ++k) {
       const Stop& stop = c.scene.stops[k];
@@ -240,7 +240,7 @@ TEST_CASE("squareness tilts one axis against another with the signs of docs/phys
 TEST_CASE("smooth curves leave mean and slope to other effects") {
   for (const std::string_view kind : {"progressive", "reversal_curve"}) {
     const HiddenCase c = case_of(request_for(4, CaseKind::single, kind));
-    const PlacedEffect& effect = c.hidden[0].effect;
+    const DrawnEffect& effect = c.hidden[0].effect;
     double sum = 0.0, moment = 0.0, size = 0.0;
     for (const Stop& stop : c.scene.stops) {
       if (stop.sense != *effect.sense || (kind == "reversal_curve" && stop.axis != *effect.axis)) continue;
@@ -266,7 +266,7 @@ TEST_CASE("a fault of the unit changes the readings by what it makes of the map"
     CAPTURE(kind);
     for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
       const HiddenCase c = case_of(request_for(seed, CaseKind::single, kind));
-      const PlacedEffect& fault = c.hidden[0].effect;
+      const DrawnEffect& fault = c.hidden[0].effect;
       REQUIRE(!c.scene.map.empty());
       const auto change = difference_made(c);
       for (std::size_t k = 0; k < change.size(); ++k) {
@@ -357,7 +357,7 @@ TEST_CASE(
     request.free_base = true;
     const HiddenCase c = case_of(request);
     CHECK(!contains(files_of(c).at("model.toml"), "parameters"));
-    for (const PlacedEffect& effect : c.base) held.emplace(effect.kind->id);
+    for (const DrawnEffect& effect : c.base) held.emplace(effect.kind->id);
   }
   for (const char* id : {"cyclic", "progressive", "warm_up", "reversal_spike", "step", "cosine", "thermal_bend"})
     CHECK_MESSAGE(held.contains(id), id);
@@ -365,12 +365,12 @@ TEST_CASE(
 }
 
 TEST_CASE("every effect of the library can be hidden, alone and in company") {
-  for (const EffectDefinition* effect : effects()) {
-    CAPTURE(effect->id);
-    CHECK(case_of(request_for(11, CaseKind::single, effect->id)).hidden.at(0).effect.kind == effect);
-    const HiddenCase pair = case_of(request_for(11, CaseKind::pair, effect->id));
+  for (const EffectDefinition& effect : effects()) {
+    CAPTURE(effect.id);
+    CHECK(case_of(request_for(11, CaseKind::single, effect.id)).hidden.at(0).effect.kind == &effect);
+    const HiddenCase pair = case_of(request_for(11, CaseKind::pair, effect.id));
     REQUIRE(pair.hidden.size() == 2);
-    CHECK((pair.hidden[0].effect.kind == effect || pair.hidden[1].effect.kind == effect));
+    CHECK((pair.hidden[0].effect.kind == &effect || pair.hidden[1].effect.kind == &effect));
     CHECK(pair.hidden[0].snr >= pair.hidden[1].snr);
   }
 }
@@ -380,7 +380,7 @@ TEST_CASE("no base model holds what is hidden") {
     for (const CaseKind kind : {CaseKind::single, CaseKind::pair}) {
       const HiddenCase c = case_of(request_for(seed, kind));
       for (const HiddenEffect& hidden : c.hidden)
-        for (const PlacedEffect& known : c.base) CHECK(name_of(known) != name_of(hidden.effect));
+        for (const DrawnEffect& known : c.base) CHECK(name_of(known) != name_of(hidden.effect));
     }
 }
 
@@ -428,4 +428,85 @@ TEST_CASE("on an XYTZ machine the yaw of Y does not enter equation (27)") {
   CHECK(c.scene.machine.configuration == "XYTZ");
   CHECK(name_of(c.hidden.at(0).effect) == "angular:Y:ECY");
   for (const Stop& stop : c.scene.stops) CHECK(stop.sense == Sense::EY);
+}
+
+TEST_CASE("a turned set-up is hidden where asked for, in both senses of its plane") {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    CAPTURE(seed);
+    const HiddenCase c = case_of(request_for(seed, CaseKind::single, "set_up_rotation"));
+    const DrawnEffect& effect = c.hidden.at(0).effect;
+    const Axis about = direction_of(*effect.sense);
+    const auto one = static_cast<Axis>((index_of(about) + 1) % kAxes);
+    const auto other = static_cast<Axis>((index_of(about) + 2) % kAxes);
+    const auto values = contribution(c.scene, effect);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const Stop& stop = c.scene.stops[k];
+      const double c_um_per_mm = effect.parameters.at("um_per_m") / 1000.0;
+      double expected = 0.0;
+      if (stop.sense == static_cast<Sense>(one)) expected = -c_um_per_mm * c.scene.p_mm(stop, other);
+      if (stop.sense == static_cast<Sense>(other)) expected = c_um_per_mm * c.scene.p_mm(stop, one);
+      REQUIRE(values[k] == Approx(expected));
+    }
+    const auto truth = nlohmann::json::parse(truth_of(c));
+    CHECK(truth["effects"][0]["name"] == name_of(effect));
+    CHECK(truth["effects"][0]["code"] == name_of(*effect.sense));
+    CHECK(truth["effects"][0]["sense"].is_null());
+  }
+}
+
+TEST_CASE("a thermal bend is hidden where asked for, as its formula says, and drawn nowhere else") {
+  const auto& drawn = drawn_effects();
+  CHECK(std::find(drawn.begin(), drawn.end(), effect_named("thermal_bend")) == drawn.end());
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+    CAPTURE(seed);
+    const HiddenCase c = case_of(request_for(seed, CaseKind::single, "thermal_bend"));
+    const DrawnEffect& effect = c.hidden.at(0).effect;
+    CHECK(effect.sensor != effect.sensor2);
+    CHECK(static_cast<std::size_t>(*effect.sense) != index_of(*effect.axis));
+    const auto values = contribution(c.scene, effect);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const Stop& stop = c.scene.stops[k];
+      const double p_m = c.scene.p_mm(stop, *effect.axis) * 1e-3;
+      const double difference_degC =
+          stop.weather.degC[*c.scene.sensor(effect.sensor)] - stop.weather.degC[*c.scene.sensor(effect.sensor2)];
+      const double expected =
+          stop.sense == *effect.sense ? effect.parameters.at("um_per_m2_degC") * p_m * p_m * difference_degC : 0.0;
+      REQUIRE(values[k] == Approx(expected));
+    }
+    const auto truth = nlohmann::json::parse(truth_of(c));
+    CHECK(truth["effects"][0]["name"] == name_of(effect));
+    CHECK(truth["effects"][0]["sensor2"] == effect.sensor2);
+  }
+}
+
+TEST_CASE("every effect says how it is hidden, in the order of the list, and what it adds where the machine does not") {
+  REQUIRE(hidings().size() == effects().size());
+  for (const EffectDefinition& kind : effects()) {
+    const Hiding& hiding = hiding_of(kind);
+    CAPTURE(kind.id);
+    CHECK(hiding.id == kind.id);
+    CHECK((kind.value != nullptr || hiding.adds != nullptr) != (hiding.seat == Seat::unit));
+    CHECK((hiding.spoil != nullptr) == (hiding.seat == Seat::unit));
+    CHECK((hiding.search != nullptr) != hiding.searched.empty());
+    CHECK(hiding.range.above < hiding.range.below);
+    if (hiding.draw == nullptr) CHECK(kind.parameters.size() <= 1);
+    if (!hiding.line.empty()) CHECK(effect_named(hiding.line) != nullptr);
+    for (std::string_view name : hiding.sizes)
+      CHECK(std::any_of(kind.parameters.begin(), kind.parameters.end(), [&](const auto& p) { return p.name == name; }));
+  }
+}
+
+TEST_CASE("what spans an effect spans what is drawn of it, and a contribution grows with the effect") {
+  for (const EffectDefinition* kind : drawn_effects()) {
+    CAPTURE(kind->id);
+    const HiddenCase c = case_of(request_for(21, CaseKind::single, kind->id));
+    const DrawnEffect& effect = c.hidden.at(0).effect;
+    const Ground ground = ground_of(c.scene);
+    CHECK(!unit_effects(ground, effect).empty());
+    for (const DrawnEffect& unit : unit_effects(ground, effect))
+      for (const double value : contribution(c.scene, unit)) REQUIRE(std::isfinite(value));
+    if (hiding_of(*kind).seat == Seat::unit) continue;
+    const auto once = contribution(c.scene, effect), thrice = contribution(c.scene, scaled(effect, 3.0));
+    for (std::size_t k = 0; k < once.size(); ++k) REQUIRE(thrice[k] == Approx(3.0 * once[k]));
+  }
 }

@@ -1,4 +1,6 @@
-// A hidden case on disc: readable by others, sealed against accident, whole or not there at all.
+// A hidden case on disc: readable by others, sealed against accident, whole or not there at all; what a diagnosis says
+// of it does not contradict itself.
+#include <chrono>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
@@ -7,6 +9,8 @@
 #include "base/sealed.hpp"
 #include "laser/measurement_set.hpp"
 #include "modules/hidden_cases/tests/hidden_cases.hpp"
+#include "tests/model/support/measured_lines.hpp"
+#include "tests/model/support/sentences.hpp"
 #include "tests/support/folder.hpp"
 
 using namespace ecs;
@@ -65,4 +69,31 @@ TEST_CASE("what cannot be hidden is refused and leaves nothing behind") {
   HiddenCaseRequest silent = request_for(1, CaseKind::single);
   silent.snr = 0.0;
   CHECK(refusal(silent) == "snr: expected above 0 and up to 1000, got 0");
+}
+
+namespace {
+
+model::Diagnosis answer_for(const HiddenCase& hidden) {
+  const Folder folder;
+  for (const auto& [name, content] : files_of(hidden)) (void)folder.with(name, content);
+  const auto model = must(model::read_model(folder / "model.toml"));
+  const auto set = must(laser::read_measurement_set(folder / "data.csv"));
+  const auto machine = must(params::read_machine(folder / "machine.toml"));
+  model::DiagnoseOptions options{.noise_replicates = 50};
+  return must(model::diagnose(model, model::observations_of(set, model, machine.machine), options));
+}
+
+}  // namespace
+
+TEST_CASE("no sentence contradicts its own numbers in the answers of hidden cases") {
+  constexpr std::uint64_t kFirstSeed = 770'001;
+  constexpr int kFewest = 10, kMost = 400;
+  constexpr std::chrono::seconds kLongest{20};
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kMost && (i < kFewest || std::chrono::steady_clock::now() - begin < kLongest); ++i) {
+    const auto kind = static_cast<CaseKind>(i % 5);
+    auto request = request_for(kFirstSeed + static_cast<std::uint64_t>(i), kind);
+    CAPTURE(request.seed);
+    model::test::check_sentences(answer_for(case_of(request)));
+  }
 }

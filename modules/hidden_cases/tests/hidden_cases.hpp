@@ -1,7 +1,6 @@
 // Hidden cases as the tests ask for them.
 #pragma once
 
-#include "ecs_emulator/effects/definition.hpp"
 #include "modules/hidden_cases/case.hpp"
 #include "tests/support/test.hpp"
 

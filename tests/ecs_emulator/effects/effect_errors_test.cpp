@@ -1,4 +1,10 @@
-// [[effect]] tables: each against its formula in docs/physics.md, worked out by hand.
+// [[effect]] tables: each against its formula in docs/physics.md, worked out by hand; the list of effects, walked: what
+// every definition owes to errors files.
+#include <set>
+
+#include <fmt/format.h>
+
+#include "ecs_emulator/effects/effects.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
@@ -186,4 +192,170 @@ TEST_CASE("an effect on an axis that the machine lacks is refused with its line"
   machine.erase(machine.find("[axis.Y]"), std::string("[axis.Y]\ntravel_mm = [-400.0, 0.0]\n").size());
   const auto checked = must_fail(errors.checked_for(machine_of(machine).machine));
   check_holds(to_text(checked), {"errors.toml:2: effect scale: this machine has no Y"});
+}
+
+namespace {
+
+/// Everything at a value that no formula takes for zero.
+Conditions plain_at(double at_mm) {
+  return {.p_mm = at_mm,
+          .curve = 2.0,
+          .time_s = 1800.0,
+          .feed_mm_min = 3000.0,
+          .load_kg = 250.0,
+          .travel_since_reversal_mm = 12.0,
+          .material_degC = 23.0,
+          .degC = {26.0, 21.0},
+          .first_degC = 20.5};
+}
+
+PlacedEffect with_parameters(const EffectDefinition& kind) {
+  PlacedEffect effect{.kind = &kind, .sensor = "first", .sensor2 = "second"};
+  double value = 2.0;
+  for (const ParameterDefinition& parameter : kind.parameters) effect.parameters[std::string(parameter.name)] = value++;
+  return effect;
+}
+
+/// The table of an errors file that says the same.
+std::string table_of(const PlacedEffect& effect) {
+  const EffectDefinition& kind = *effect.kind;
+  std::string text = fmt::format("[[effect]]\nid = \"{}\"\n", kind.id);
+  if (kind.placed_by == PlacedBy::code_of_rotation)
+    text += "code = \"ECX\"\n";
+  else if (kind.placed_by == PlacedBy::code_of_squareness)
+    text += "code = \"B0Z\"\n";
+  else if (kind.placed_by == PlacedBy::code_of_set_up)
+    text += "code = \"EC\"\n";
+  else
+    text += "axis = \"X\"\nsense = \"EY\"\n";
+  if (kind.sensors > 0) text += "sensor = \"first\"\n";
+  if (kind.sensors > 1) text += "sensor2 = \"t_second_degC\"\n";
+  if (kind.curve) return text + "formula = \"2\"\n";
+  text += "[effect.parameters]\n";
+  for (const auto& [name, value] : effect.parameters) text += fmt::format("{} = {}\n", name, value);
+  return text;
+}
+
+Component component_in_table(const EffectDefinition& kind) {
+  if (kind.placed_by == PlacedBy::code_of_rotation) return Component::ECX;
+  return kind.placed_by == PlacedBy::code_of_squareness ? Component::B0Z : Component::EYX;
+}
+
+}  // namespace
+
+TEST_CASE("every effect has an id of its own and is found by it") {
+  std::set<std::string_view> ids;
+  for (const EffectDefinition& kind : effects()) {
+    CAPTURE(kind.id);
+    CHECK(ids.insert(kind.id).second);
+    CHECK(effect_named(kind.id) == &kind);
+  }
+  CHECK(effect_named("no_such_effect") == nullptr);
+}
+
+TEST_CASE("every effect has a value or says where it has its place, and parameters with units or a curve") {
+  for (const EffectDefinition& kind : effects()) {
+    CAPTURE(kind.id);
+    CHECK((kind.value != nullptr) == kind.elsewhere.empty());
+    CHECK((kind.curve != !kind.parameters.empty() || !kind.elsewhere.empty()));
+    bool optional = false;
+    for (const ParameterDefinition& parameter : kind.parameters) {
+      CAPTURE(parameter.name);
+      CHECK(!parameter.name.empty());
+      CHECK(!parameter.unit.empty());
+      CHECK((!optional || parameter.optional));  // those that an errors file must give come first
+      optional = parameter.optional;
+    }
+  }
+}
+
+TEST_CASE("every value of an effect is finite, and not nothing") {
+  for (const EffectDefinition& kind : effects()) {
+    if (kind.value == nullptr) continue;
+    CAPTURE(kind.id);
+    for (const double p_mm : {-700.0, 0.0, 300.0, 1250.0})
+      CHECK(std::isfinite(kind.value(with_parameters(kind), plain_at(p_mm))));
+    CHECK(kind.value(with_parameters(kind), plain_at(1250.0)) != 0.0);
+  }
+}
+
+TEST_CASE("every effect of the machine reads from an errors file what its definition computes") {
+  MachineState state{.position_mm = {300.0, 0.0, 0.0}, .feed_mm_min = 3000.0, .load_kg = 250.0, .time_s = 1800.0};
+  state.travel_since_reversal_mm[0] = 12.0;
+  Conditions expected = plain_at(300.0);
+  expected.material_degC = 20.0;
+  expected.first_degC = 20.0;
+  for (const EffectDefinition& kind : effects()) {
+    CAPTURE(kind.id);
+    const PlacedEffect effect = with_parameters(kind);
+    const std::string text = table_of(effect) + "[temperature]\nfirst = '20 + t/300'\nsecond = '21'\n";
+    const auto errors = TrueErrors::parse(text, "errors.toml", ".");
+    CHECK(errors.has_value() == kind.elsewhere.empty());
+    if (!errors) {
+      CHECK(contains(to_text(errors.error()), kind.elsewhere));
+      continue;
+    }
+    CHECK(errors->at(state)[index_of(component_in_table(kind))] == Approx(kind.value(effect, expected)));
+  }
+}
+
+namespace {
+
+std::string turned(const std::string& keys) {
+  return "[[effect]]\nid = 'set_up_rotation'\n" + keys + "\nparameters = { um_per_m = 40 }\n";
+}
+
+}  // namespace
+
+TEST_CASE("a turned set-up gives each axis of the plane a straightness in the direction of the other") {
+  const TrueErrors errors = errors_of(turned("code = 'EB'"));
+  MachineState state;
+  state.position_mm = {500.0, 300.0, -250.0};
+  const ComponentValues values = errors.at(state);
+  CHECK(values[index_of(Component::EZX)] == Approx(-40.0 * 0.5));
+  CHECK(values[index_of(Component::EXZ)] == Approx(40.0 * -0.25));
+  CHECK(values[index_of(Component::EXX)] == 0.0);
+  CHECK(values[index_of(Component::EYX)] == 0.0);
+}
+
+TEST_CASE("a turned set-up has a code EA, EB or EC and no place besides") {
+  const auto refusal = [](const std::string& keys) {
+    return to_text(must_fail(TrueErrors::parse(turned(keys), "errors.toml", ".")));
+  };
+  CHECK(contains(refusal("code = 'ECX'"), "code: expected EA, EB or EC"));
+  CHECK(contains(refusal(""), "code: expected EA, EB or EC"));
+  CHECK(contains(refusal("code = 'EC'\naxis = 'X'"), "axis: set_up_rotation has a code alone"));
+}
+
+namespace {
+
+const std::string kTemperatures = "[temperature]\ntop = '26 + t/3600'\nfoot = '21'\n";
+
+std::string bend(const std::string& keys) {
+  return "[[effect]]\nid = 'thermal_bend'\n" + keys + "\nparameters = { um_per_m2_degC = 2 }\n" + kTemperatures;
+}
+
+std::string refusal(const std::string& text) { return to_text(must_fail(TrueErrors::parse(text, "errors.toml", "."))); }
+
+}  // namespace
+
+TEST_CASE("a bed bends with the square of the position and the difference of two temperatures") {
+  TrueErrors errors = errors_of(bend("axis = 'X'\nsense = 'EZ'\nsensor = 'top'\nsensor2 = 't_foot_degC'"));
+  MachinePlace place;
+  place.datum_mm = {-100.0, 0.0, 0.0};
+  errors.put_on(place);
+  MachineState state;
+  state.position_mm = {1400.0, 0.0, 0.0};  // 1.5 m from the datum
+  CHECK(errors.at(state)[index_of(Component::EZX)] == Approx(2.0 * 2.25 * 5.0));
+  state.time_s = 7200.0;
+  CHECK(errors.at(state)[index_of(Component::EZX)] == Approx(2.0 * 2.25 * 7.0));
+  CHECK(errors.at(state)[index_of(Component::EXX)] == 0.0);
+}
+
+TEST_CASE("a thermal bend needs a sense across its axis and two sensors") {
+  const std::string sensors = "\nsensor = 'top'\nsensor2 = 'foot'";
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EX'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EB'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(contains(refusal(bend("sense = 'EY'" + sensors)), "axis: expected X, Y or Z"));
+  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EY'\nsensor = 'top'")), "sensor2: expected a sensor"));
 }

@@ -1,10 +1,11 @@
 // What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map, what its
 // stops cover; machine, weather and the order of stops drawn so that what shall be hidden can show. Does not live here:
-// errors (ecs_emulator/effects), readings (modules/hidden_cases/case.hpp), Ciddor's equations of the virtual laser
-// (ecs_emulator/instruments/interferometer.hpp).
+// errors (ecs_emulator/effects, modules/hidden_cases/hiding.hpp), readings (modules/hidden_cases/case.hpp), Ciddor's
+// equations of the virtual laser (ecs_emulator/instruments/interferometer.hpp).
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -15,6 +16,35 @@
 #include "params/machine.hpp"
 
 namespace ecs::emulator {
+
+[[nodiscard]] inline double between(Random& random, double low, double high) {
+  return low + (high - low) * random.uniform();
+}
+/// Even on a logarithmic scale. @pre 0 < low <= high
+[[nodiscard]] inline double log_between(Random& random, double low, double high) {
+  return low * std::exp(std::log(high / low) * random.uniform());
+}
+[[nodiscard]] inline bool chance(Random& random, double probability) { return random.uniform() < probability; }
+[[nodiscard]] inline double sign_of_chance(Random& random) { return chance(random, 0.5) ? 1.0 : -1.0; }
+/// From low to high, both included.
+[[nodiscard]] inline int whole(Random& random, int low, int high) {
+  return low + static_cast<int>(random.uniform() * (high - low + 1));
+}
+/// @pre !of.empty()
+template <class T>
+[[nodiscard]] const T& one(Random& random, const std::vector<T>& of) {
+  return of[static_cast<std::size_t>(random.uniform() * static_cast<double>(of.size()))];
+}
+template <class T>
+void shuffle(Random& random, std::vector<T>& list) {
+  for (std::size_t i = list.size(); i > 1; --i)
+    std::swap(list[i - 1], list[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
+}
+/// To a multiple of 1/per_unit.
+[[nodiscard]] inline double rounded(double value, double per_unit) {
+  const double steps = std::round(value * per_unit);
+  return steps == 0.0 ? 0.0 : steps / per_unit;
+}
 
 /// Air and bodies at one time.
 struct Weather {
@@ -138,20 +168,17 @@ struct Needs {
 /// What both need.
 [[nodiscard]] Needs operator|(const Needs& a, const Needs& b);
 
-/// Refractive index of air less 1, at 633 nm: Edlén's equation as revised by Birch and Downs (Metrologia 30, 1993, 155;
-/// 31, 1994, 315), with the Magnus formula for the vapour pressure.
-[[nodiscard]] double refractivity(double air_degC, double pressure_hPa, double humidity_pct);
 /// n − n at 20 °C, 1013.25 hPa, 50 %RH. Air temperature of the stop's sensor t_air_degC.
 [[nodiscard]] double missing_refraction(const Scene& scene, const Stop& stop);
-
-/// A machine of one to three axes in any configuration.
-[[nodiscard]] params::Machine draw_machine(Random& random, int least_axes);
 
 /// @param readings  about so many
 [[nodiscard]] Scene draw_scene(Random& random, const Needs& needs, std::size_t readings);
 
 /// The geometry that follows from the machine.
 void settle_geometry(Scene& scene);
+
+/// The sense of what is measured along an axis.
+[[nodiscard]] constexpr Sense translation_along(Axis axis) { return static_cast<Sense>(index_of(axis)); }
 
 /// One line of a measurement: an axis moves through its targets while the others are parked.
 struct Line {
@@ -172,8 +199,5 @@ struct Travel {
 };
 /// Stops in the order of time, run by run, line by line; the weather is not filled in.
 [[nodiscard]] std::vector<Stop> stops_along(const std::vector<Line>& lines, const Travel& travel);
-
-/// Sensors and weather for stops that have their times.
-void draw_weather(Random& random, const Needs& needs, Scene& scene);
 
 }  // namespace ecs::emulator
