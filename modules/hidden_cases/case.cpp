@@ -131,7 +131,7 @@ std::optional<CaseKind> case_kind_named(std::string_view name) {
 }
 
 Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request) {
-  if (auto fit = check(request); !fit) return tl::unexpected(fit.error());
+  ECS_DO(check(request));
   Random choice(seed_of(request.seed, 0x68696465, 0));
   Wanted wanted = begin(choice, request);
   for (int attempt = 0; attempt < kTries; ++attempt) {

@@ -82,6 +82,7 @@ struct StructureDefinition {
   std::string_view id;
   Needs needs;  ///< of the measurement that can show it
   Structure (*draw)(StructureDrawing& drawing) = nullptr;
+  std::size_t least_targets = 0;  ///< of its line
 };
 
 /// The emulator's list of them. Hidden cases draw by its order.

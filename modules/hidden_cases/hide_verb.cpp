@@ -52,7 +52,7 @@ std::string machine_file(const params::Machine& machine) {
     std::string line;
     for (const Axis other : kAllAxes)
       if (const auto& at = axis->measurement_line_mm[index_of(other)])
-        line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", "xyz"[index_of(other)], shortest(*at));
+        line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", small_letter_of(other), shortest(*at));
     if (!line.empty()) text += "measurement_line_mm = { " + line + " }\n";
   }
   return text;
@@ -121,7 +121,7 @@ std::string data_file(const HiddenCase& c) {
   set.metadata = {{"machine", c.scene.machine.name}, {"instrument", "virtual laser"}, {"readings", "at standstill"}};
   set.columns = {"axis", "sense"};
   for (const Axis a : kAllAxes)
-    if (c.scene.chain.has(a)) set.columns.push_back(fmt::format("{}_mm", "xyz"[index_of(a)]));
+    if (c.scene.chain.has(a)) set.columns.push_back(fmt::format("{}_mm", small_letter_of(a)));
   set.columns.emplace_back("reading");
   if (c.scene.shown.approach) set.columns.emplace_back("approach");
   if (c.scene.shown.run) set.columns.emplace_back("run");
@@ -195,8 +195,7 @@ Result<void> write_case(const HiddenCase& c, const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error)
     return problem(ProblemKind::output, fmt::format("{}: cannot make it: {}", folder.string(), error.message()));
-  for (const auto& [name, content] : files_of(c))
-    if (auto written = write_file(folder / name, content); !written) return written;
+  for (const auto& [name, content] : files_of(c)) ECS_DO(write_file(folder / name, content));
   return {};
 }
 
@@ -240,13 +239,12 @@ Result<std::vector<std::string>> write_hidden_cases(const HiddenCaseRequest& req
   for (int k = 0; k < count; ++k) {
     HiddenCaseRequest one = request;
     one.seed += static_cast<std::uint64_t>(k);
-    const auto made = draw_hidden_case(one);
-    if (!made) return tl::unexpected(made.error());
+    ECS_TRY(made, draw_hidden_case(one));
     const std::string name = count == 1 ? "" : fmt::format("{:04}", k + 1);
-    if (auto written = write_case(*made, bench.path() / name); !written) return tl::unexpected(written.error());
-    lines.push_back(fmt::format("{}: {}", (folder / name).string(), line_about(*made)));
+    ECS_DO(write_case(made, bench.path() / name));
+    lines.push_back(fmt::format("{}: {}", (folder / name).string(), line_about(made)));
   }
-  if (auto real = bench.become_real(); !real) return tl::unexpected(real.error());
+  ECS_DO(bench.become_real());
   return lines;
 }
 
@@ -282,15 +280,14 @@ struct HideRequest {
 };
 
 Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
-  HiddenCaseRequest request;
-  request.seed = arguments.seed.value_or(1);
-  request.snr = arguments.snr;
-  request.readings = arguments.readings;
-  request.xytz = !arguments.printed_case.empty();
-  request.free_base = arguments.free_base;
-  if (!arguments.noise.empty()) request.noise = kNoiseLaws.value_of(arguments.noise).value_or(NoiseLaw::usual);
-  if (!arguments.kind.empty()) request.kind = case_kind_named(arguments.kind);
-  if (!arguments.effect.empty()) request.effect = effect_named(arguments.effect);
+  const HiddenCaseRequest request{.seed = arguments.seed.value_or(1),
+                                  .kind = case_kind_named(arguments.kind),
+                                  .effect = effect_named(arguments.effect),
+                                  .snr = arguments.snr,
+                                  .readings = arguments.readings,
+                                  .free_base = arguments.free_base,
+                                  .noise = kNoiseLaws.value_of(arguments.noise).value_or(NoiseLaw::usual),
+                                  .xytz = !arguments.printed_case.empty()};
   if (!arguments.effect.empty() && request.effect == nullptr)
     return problem(ProblemKind::usage,
                    fmt::format("--effect: expected one of the {} effects of docs/physics.md, got {}", effects().size(),

@@ -40,7 +40,7 @@ class StructureDrawing {
     return (scene.p_mm(stop, axis) - places_mm->front()) / (places_mm->back() - places_mm->front());
   }
   /// Column of the coordinate of an axis.
-  [[nodiscard]] static std::string column_of(Axis axis) { return std::string(1, "xyz"[index_of(axis)]) + "_mm"; }
+  [[nodiscard]] static std::string column_of(Axis axis) { return std::string(1, small_letter_of(axis)) + "_mm"; }
   [[nodiscard]] std::string position() const { return column_of(axis); }
   [[nodiscard]] double mean(const Value& value) const {
     double sum = 0.0;
@@ -58,16 +58,13 @@ class StructureDrawing {
     for (const double p : *places_mm) values[p] = random.normal();
     return values;
   }
-  /// Waves along the line that its targets can show, no whole number of them; 0 where it has too few targets.
+  /// Waves along the line that its targets can show, no whole number of them. @pre kTargetsOfWaves targets
   [[nodiscard]] double draw_waves() {
-    constexpr std::size_t kFewestTargets = 24;
     constexpr double kTargetsAWave = 4.0, kFewest = 3.2;
-    if (places_mm->size() < kFewestTargets) return 0.0;
     return log_between(random, kFewest, static_cast<double>(places_mm->size()) / kTargetsAWave);
   }
-  /// A sensor, not the air's, if there is one.
-  [[nodiscard]] std::optional<std::size_t> draw_sensor() {
-    if (scene.sensors.size() < 2) return std::nullopt;
+  /// A sensor, not the air's. @pre temperatures were needed: there are two
+  [[nodiscard]] std::size_t draw_sensor() {
     return static_cast<std::size_t>(whole(random, 1, static_cast<int>(scene.sensors.size()) - 1));
   }
 
@@ -84,10 +81,10 @@ class StructureDrawing {
 namespace {
 
 constexpr double kRevolution_rad = 2.0 * std::numbers::pi;
+constexpr std::size_t kTargetsOfWaves = 24;
 double turn(double waves) { return std::sin(kRevolution_rad * waves); }
 
 Structure bad_run(StructureDrawing& d) {
-  if (d.runs < 3) return {};
   const int bad = whole(d.random, 1, d.runs);
   const double tilt = chance(d.random, 0.3) ? between(d.random, -1.5, 1.5) : 0.0;
   return d.with({"run", "time_s"}, "one run differs from all others",
@@ -95,7 +92,6 @@ Structure bad_run(StructureDrawing& d) {
 }
 
 Structure bad_pass(StructureDrawing& d) {
-  if (d.runs < 3) return {};
   const int bad = whole(d.random, 1, d.runs);
   const int way = chance(d.random, 0.5) ? 1 : -1;
   return d.with({"run", "approach", "time_s"}, "the axis stuck in one direction of one run",
@@ -116,25 +112,22 @@ Structure bumped_optics(StructureDrawing& d) {
 }
 
 Structure random_runs(StructureDrawing& d) {
-  if (d.runs < 5) return {};
   const auto walk = d.draw_for_each_run();
   return d.with({"run", "time_s"}, "the zero walks at random from run to run",
                 [&](const Stop& s) { return walk.at(s.run); });
 }
 
 Structure run_slopes(StructureDrawing& d) {
-  if (d.runs < 4) return {};
   const auto slopes = d.draw_for_each_run();
   return d.with({"run", "time_s", d.position()}, "every run has a scale of its own",
                 [&](const Stop& s) { return slopes.at(s.run) * (d.part(s) - 0.5); });
 }
 
 Structure squared_temperature(StructureDrawing& d) {
-  const auto sensor = d.draw_sensor();
-  if (!sensor) return {};
-  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[*sensor]; });
-  return d.with({d.scene.sensors[*sensor], "time_s", "run"}, "an error that grows with the square of a temperature",
-                [&](const Stop& s) { return std::pow(s.weather.degC[*sensor] - middle, 2); });
+  const std::size_t sensor = d.draw_sensor();
+  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[sensor]; });
+  return d.with({d.scene.sensors[sensor], "time_s", "run"}, "an error that grows with the square of a temperature",
+                [&](const Stop& s) { return std::pow(s.weather.degC[sensor] - middle, 2); });
 }
 
 Structure humidity(StructureDrawing& d) {
@@ -162,7 +155,6 @@ Structure product(StructureDrawing& d) {
 }
 
 Structure chirp(StructureDrawing& d) {
-  if (d.places_mm->size() < 40) return {};
   const double most = static_cast<double>(d.places_mm->size()) / 3.5;
   const double few = between(d.random, 0.25, 0.5) * most;
   const double phase = between(d.random, 0.0, kRevolution_rad);
@@ -173,7 +165,6 @@ Structure chirp(StructureDrawing& d) {
 }
 
 Structure burst(StructureDrawing& d) {
-  if (d.places_mm->size() < 30) return {};
   const double step = 1.0 / static_cast<double>(d.places_mm->size());
   const double centre = between(d.random, 0.25, 0.75);
   const double width = between(d.random, 3.0, 5.0) * step;
@@ -186,7 +177,6 @@ Structure burst(StructureDrawing& d) {
 }
 
 Structure dent(StructureDrawing& d) {
-  if (d.places_mm->size() < 20) return {};
   const double step = 1.0 / static_cast<double>(d.places_mm->size());
   const double centre = between(d.random, 0.2, 0.8);
   const double width = between(d.random, 1.0, 1.8) * step;
@@ -197,7 +187,6 @@ Structure dent(StructureDrawing& d) {
 }
 
 Structure graduation(StructureDrawing& d) {
-  if (d.runs < 3 || d.places_mm->size() < 14) return {};
   const auto marks = d.draw_for_each_target();
   return d.with({d.position()}, "every line of the scale is off by an amount of its own",
                 [&](const Stop& s) { return marks.at(d.scene.p_mm(s, d.axis)); });
@@ -209,11 +198,10 @@ Structure growing_backlash(StructureDrawing& d) {
 }
 
 Structure warm_backlash(StructureDrawing& d) {
-  const auto sensor = d.draw_sensor();
-  if (!sensor) return {};
-  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[*sensor]; });
-  return d.with({"approach", d.scene.sensors[*sensor], "time_s", "run"}, "lost motion that changes with temperature",
-                [&](const Stop& s) { return s.approach * (s.weather.degC[*sensor] - middle); });
+  const std::size_t sensor = d.draw_sensor();
+  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[sensor]; });
+  return d.with({"approach", d.scene.sensors[sensor], "time_s", "run"}, "lost motion that changes with temperature",
+                [&](const Stop& s) { return s.approach * (s.weather.degC[sensor] - middle); });
 }
 
 Structure squared_feed(StructureDrawing& d) {
@@ -228,7 +216,6 @@ Structure squared_load(StructureDrawing& d) {
 
 Structure dying_wave(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   const double phase = d.random.uniform(), decay = between(d.random, 2.5, 4.0);
   const bool from_far_end = chance(d.random, 0.5);
   return d.with({d.position()}, "a wave that dies along the travel: a bent screw far from its bearing",
@@ -240,7 +227,6 @@ Structure dying_wave(StructureDrawing& d) {
 
 Structure beating_waves(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   const double other = waves + between(d.random, 1.0, 1.8), phase = d.random.uniform();
   return d.with({d.position()}, "a wave whose size rises and falls: two gears of nearly the same pitch",
                 [&](const Stop& s) { return turn(waves * d.part(s)) + turn(other * d.part(s) + phase); });
@@ -248,7 +234,6 @@ Structure beating_waves(StructureDrawing& d) {
 
 Structure period_jump(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   const double other = waves * between(d.random, 1.4, 1.9), place = between(d.random, 0.35, 0.65);
   return d.with({d.position()}, "a wave whose period changes at one place: two scales joined", [&](const Stop& s) {
     const double x = d.part(s);
@@ -257,7 +242,6 @@ Structure period_jump(StructureDrawing& d) {
 }
 
 Structure scale_walk(StructureDrawing& d) {
-  if (d.places_mm->size() < 20) return {};
   std::map<double, double> walk;
   double at = 0.0;
   for (const double p : *d.places_mm) walk[p] = at += d.random.normal();
@@ -266,7 +250,6 @@ Structure scale_walk(StructureDrawing& d) {
 }
 
 Structure one_way_graduation(StructureDrawing& d) {
-  if (d.runs < 3 || d.places_mm->size() < 14) return {};
   const int way = chance(d.random, 0.5) ? 1 : -1;
   const auto marks = d.draw_for_each_target();
   return d.with({d.position(), "approach"},
@@ -275,7 +258,6 @@ Structure one_way_graduation(StructureDrawing& d) {
 }
 
 Structure zoned_backlash(StructureDrawing& d) {
-  if (d.places_mm->size() < 20) return {};
   std::vector<double> edges, sizes;
   for (int zone = 0; zone < 5; ++zone) {
     edges.push_back((zone + between(d.random, 0.7, 1.3)) / 5.0);
@@ -290,7 +272,6 @@ Structure zoned_backlash(StructureDrawing& d) {
 
 Structure growing_wave(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   const double phase = d.random.uniform();
   return d.with({d.position(), "time_s", "run"}, "a wave that grows with time: a bearing that fails",
                 [&](const Stop& s) { return (s.time_s / d.duration_s - 0.4) * turn(waves * d.part(s) + phase); });
@@ -298,7 +279,6 @@ Structure growing_wave(StructureDrawing& d) {
 
 Structure turning_phase(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   const double turns = between(d.random, 1.0, 2.5);
   return d.with({d.position(), "time_s", "run"}, "a wave whose phase drifts with time: a belt that slips",
                 [&](const Stop& s) { return turn(waves * d.part(s) + turns * s.time_s / d.duration_s); });
@@ -319,13 +299,12 @@ Structure settling(StructureDrawing& d) {
 }
 
 Structure warm_form(StructureDrawing& d) {
-  const auto sensor = d.draw_sensor();
-  if (!sensor) return {};
-  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[*sensor]; });
+  const std::size_t sensor = d.draw_sensor();
+  const double middle = d.mean([&](const Stop& s) { return s.weather.degC[sensor]; });
   const double waves = between(d.random, 1.0, 1.6), phase = d.random.uniform();
-  return d.with({d.position(), d.scene.sensors[*sensor], "time_s", "run"},
+  return d.with({d.position(), d.scene.sensors[sensor], "time_s", "run"},
                 "a curve along the travel that grows with a temperature: a bed that warps",
-                [&](const Stop& s) { return (s.weather.degC[*sensor] - middle) * turn(waves * d.part(s) + phase); });
+                [&](const Stop& s) { return (s.weather.degC[sensor] - middle) * turn(waves * d.part(s) + phase); });
 }
 
 Structure loaded_backlash(StructureDrawing& d) {
@@ -336,7 +315,6 @@ Structure loaded_backlash(StructureDrawing& d) {
 
 Structure resonance(StructureDrawing& d) {
   const double waves = d.draw_waves();
-  if (waves == 0.0) return {};
   double fastest = 0.0;
   for (const Stop& s : d.scene.stops) fastest = std::max(fastest, s.feed_mm_min);
   return d.with({d.position(), "feed_mm_min", "run"}, "a wave at the highest feed only: a resonance",
@@ -370,26 +348,26 @@ const std::vector<StructureDefinition>& structures() {
       {"squared_temperature", {.temperature = true, .time = true, .least_runs = 5}, squared_temperature},
       {"humidity", {.air = true, .time = true, .least_runs = 5}, humidity},
       {"product", {.translations = true, .grid = true, .least_axes = 2}, product},
-      {"chirp", kOneLine, chirp},
-      {"burst", kOneLine, burst},
-      {"dent", kOneLine, dent},
-      {"graduation", kOneLine, graduation},
+      {"chirp", kOneLine, chirp, 40},
+      {"burst", kOneLine, burst, 30},
+      {"dent", kOneLine, dent, 20},
+      {"graduation", kOneLine, graduation, 14},
       {"growing_backlash", {.bidirectional = true, .time = true, .least_runs = 3}, growing_backlash},
       {"warm_backlash", {.temperature = true, .bidirectional = true, .time = true, .least_runs = 3}, warm_backlash},
       {"squared_feed", {.feeds = true, .least_runs = 3}, squared_feed},
       {"squared_load", {.loads = true, .least_runs = 4}, squared_load},
-      {"dying_wave", kOneLine, dying_wave},
-      {"beating_waves", kOneLine, beating_waves},
-      {"period_jump", kOneLine, period_jump},
-      {"scale_walk", kOneLine, scale_walk},
-      {"one_way_graduation", kBothWays, one_way_graduation},
-      {"zoned_backlash", kBothWays, zoned_backlash},
-      {"growing_wave", kTimed, growing_wave},
-      {"turning_phase", kTimed, turning_phase},
+      {"dying_wave", kOneLine, dying_wave, kTargetsOfWaves},
+      {"beating_waves", kOneLine, beating_waves, kTargetsOfWaves},
+      {"period_jump", kOneLine, period_jump, kTargetsOfWaves},
+      {"scale_walk", kOneLine, scale_walk, 20},
+      {"one_way_graduation", kBothWays, one_way_graduation, 14},
+      {"zoned_backlash", kBothWays, zoned_backlash, 20},
+      {"growing_wave", kTimed, growing_wave, kTargetsOfWaves},
+      {"turning_phase", kTimed, turning_phase, kTargetsOfWaves},
       {"settling", kTimed, settling},
       {"warm_form", {.temperature = true, .time = true, .least_runs = 5, .whole_runs = true}, warm_form},
       {"loaded_backlash", {.loads = true, .bidirectional = true, .least_runs = 4}, loaded_backlash},
-      {"resonance", {.feeds = true, .least_runs = 4, .whole_runs = true}, resonance},
+      {"resonance", {.feeds = true, .least_runs = 4, .whole_runs = true}, resonance, kTargetsOfWaves},
       {"crane", {.time = true, .least_runs = 5}, crane},
   };
   return kAll;
@@ -398,7 +376,7 @@ const std::vector<StructureDefinition>& structures() {
 Structure draw_structure(Random& random, const Scene& scene, const Ground& ground,
                          const StructureDefinition& definition) {
   StructureDrawing drawing(random, scene, ground);
-  return definition.draw(drawing);
+  return drawing.places_mm->size() >= definition.least_targets ? definition.draw(drawing) : Structure{};
 }
 
 }  // namespace ecs::emulator
