@@ -29,6 +29,13 @@ macro(ecs_module_tests)
   set(ecs_tests_of_${ecs_last} ${ARGN})
 endmacro()
 
+# ecs_module_fuzzers([READERS ids... READ_WITH sources...] [TEXTS ids... WITH sources...]): what of it is fuzzed, and the sources
+# of its folder, without .cpp, with tests/*_fuzz that adds it (tests/fuzz/parsers.hpp).
+macro(ecs_module_fuzzers)
+  list(GET ecs_modules -1 ecs_last)
+  set(ecs_fuzzers_of_${ecs_last} ${ARGN})
+endmacro()
+
 # The registry of a program as a source: those of the modules that are given.
 function(ecs_module_registry file part)
   set(declared)

@@ -51,9 +51,17 @@ std::string all_fuzzers() {
   return text;
 }
 
+/// What is fuzzed, of modules too.
+std::string all_lists() {
+  std::string text = read_file("tests/fuzz/CMakeLists.txt").value();
+  for (const auto& module : fs::directory_iterator("modules"))
+    text += read_file(module.path() / "CMakeLists.txt").value();
+  return text;
+}
+
 TEST_CASE("every parser of a text has a fuzzer") {
   const std::string fuzzers = all_fuzzers();
-  const std::string list = read_file("tests/fuzz/CMakeLists.txt").value();
+  const std::string list = all_lists();
   const std::set<std::string> names = parsers();
   CHECK(names.size() > 20);
   for (const std::string& name : names) {
@@ -68,14 +76,14 @@ TEST_CASE("every parser of a text has a fuzzer") {
 }
 
 TEST_CASE("every fuzzer of texts is run by ctest and has seeds that it reads whole") {
-  const std::string list = read_file("tests/fuzz/CMakeLists.txt").value();
+  const std::string list = all_lists();
   constexpr std::uintmax_t kMostBytes = 4096;  // tests/fuzz/fuzz: -max_len
   const auto ids = found_in(all_fuzzers(), R"rx(\{"([a-z_]+)", [a-z_]+\})rx");
   CHECK(ids.size() > 15);
   for (const std::string& id : ids) {
     CAPTURE(id);
     CHECK_MESSAGE(std::regex_search(list, std::regex("\\s" + id + "\\b")),
-                  "add " << id << " to texts in tests/fuzz/CMakeLists.txt");
+                  "add " << id << " to texts in tests/fuzz/CMakeLists.txt, or of its module");
     const fs::path seeds = "tests/fuzz/corpus/" + id;
     const bool seeded = fs::is_directory(seeds) && !fs::is_empty(seeds);
     CHECK_MESSAGE(seeded, "put a seed into " << seeds.string());

@@ -1,6 +1,7 @@
-// libFuzzer over every reader of measurement files, controller tables, maps and lengths: whatever the bytes are, a
+// libFuzzer over every reader of measurement files and maps, and those that modules add: whatever the bytes are, a
 // Result comes back, and what was read is finite. ECS_FUZZ_READER in the environment is the id of a format, "any",
-// "map" or "lengths". The seeds of each are in corpus/<id>.
+// "map" or of a module's reader. The seeds of each are in corpus/<id>.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,13 +14,11 @@
 #include "laser/import/import.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/writers.hpp"
-#include "modules/controllers/format.hpp"
-#include "modules/lengths/length_test.hpp"
+#include "tests/fuzz/parsers.hpp"
 
 namespace {
 
 using namespace ecs;
-using namespace ecs::controllers;
 using namespace ecs::laser;
 
 /// The first byte chooses options; the rest is the file.
@@ -98,42 +97,6 @@ void mapped_columns(std::string_view bytes, const ImportOptions& options) {
   any(bytes.substr(end + 1), mapped);
 }
 
-/// Tables that were read make a map, and that map can be written and read again.
-void use(const Result<ControllerTables>& tables) {
-  if (!tables) {
-    if (tables.error().message.empty()) std::abort();
-    return;
-  }
-  std::size_t points = 0;
-  for (const MapTable& table : tables->tables) {
-    points += table.position_mm.size();
-    if (table.position_mm.empty() || table.position_mm.size() != table.compensation.size()) std::abort();
-    for (std::size_t i = 0; i < table.position_mm.size(); ++i)
-      if (!std::isfinite(table.compensation[i]) || !std::isfinite(table.position_mm[i]) ||
-          (i > 0 && table.position_mm[i] <= table.position_mm[i - 1]))
-        std::abort();
-  }
-  if (points > 2000) return;
-  const ReadMap read = map_of(*tables);
-  for (const double value : read.squareness)
-    if (!std::isfinite(value)) std::abort();
-  const auto again = parse_map_csv(to_map_csv(read.map), "map.csv");
-  if (again && again->tables.size() != read.map.tables.size()) std::abort();
-}
-
-/// The same choices for the options of whichever format: a word of each, or none.
-void tables(const ControllerFormat& format, std::string_view bytes, const ImportOptions& options) {
-  OptionValues values(format.read_options);
-  values.set("axis", "X");
-  std::size_t choice = (options.axis ? 1u : 0u) + (options.table_holds_errors ? 2u : 0u);
-  for (const FormatOption& option : format.read_options) {
-    if (!option.words.empty() && choice > 0)
-      values.set(option.name, std::string(option.words[choice % option.words.size()]));
-    if (option.is_flag && options.accept_truncated) values.set(option.name, "1");
-  }
-  use(format.read({"fuzz", bytes, bytes, true, values}));
-}
-
 /// A map that was read is written and read again as the same tables.
 void map(std::string_view bytes) {
   const auto read = parse_map_csv(bytes, "map.csv");
@@ -143,23 +106,6 @@ void map(std::string_view bytes) {
   }
   const auto again = parse_map_csv(to_map_csv(*read), "map.csv");
   if (!again || again->tables != read->tables) std::abort();
-}
-
-/// Lengths, or a plan of them: what was read is finite and, written, is as many lengths again or refused.
-void lengths(std::string_view bytes, bool plan) {
-  const auto read = model::parse_lengths(bytes, "lengths.csv", plan);
-  if (!read) {
-    if (read.error().message.empty()) std::abort();
-    return;
-  }
-  for (const model::LengthReading& reading : read->readings) {
-    if (reading.set_up >= read->set_ups.size() || reading.tool >= read->tools.size()) std::abort();
-    for (const double number : {reading.position_mm[0], reading.position_mm[1], reading.position_mm[2],
-                                reading.deviation_um, model::point_of(*read, reading)[0]})
-      if (!std::isfinite(number)) std::abort();
-  }
-  const auto again = model::parse_lengths(model::to_csv(*read, plan), "again.csv", plan);
-  if (again && again->readings.size() != read->readings.size()) std::abort();
 }
 
 }  // namespace
@@ -174,17 +120,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     any(bytes, options);
   else if (kReader == "map")
     map(bytes);
-  else if (kReader == "lengths")
-    lengths(bytes, (data[0] & 1u) != 0);
   else if (kReader == "mapped_matrix")
     mapped_matrix(bytes, options);
   else if (kReader == "mapped_columns")
     mapped_columns(bytes, options);
   else if (const FileFormat* format = file_format(kReader))
     file(*format, bytes, options);
-  else if (const ControllerFormat* format_of_controller = controller_format(kReader))
-    tables(*format_of_controller, bytes, options);
   else
-    std::abort();
+    fuzz::check(std::any_of(fuzz::readers().begin(), fuzz::readers().end(),
+                            [&](fuzz::Reader read) { return read(kReader, data[0], bytes); }));
   return 0;
 }

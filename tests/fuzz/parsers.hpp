@@ -1,7 +1,10 @@
-// The parsers of texts that are fuzzed; each source of fuzzers adds its own.
+// The parsers of texts and readers of files that are fuzzed; each source of fuzzers, of modules too, adds its own.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +29,13 @@ bool was_read(const Result<Value>& result, bool of_file = true) {
   return false;
 }
 
+inline void check_finite(double value) { check(std::isfinite(value)); }
+inline void check_finite(const std::optional<double>& value) { check(!value || std::isfinite(*value)); }
+template <class Numbers>
+void all_finite(const Numbers& numbers) {
+  for (const auto& number : numbers) check_finite(number);
+}
+
 /// Each by the name of its function without parse_ (tests/base/fuzzed_parsers_test.cpp).
 struct Parser {
   std::string_view id;
@@ -39,6 +49,16 @@ struct AddedParsers {
   explicit AddedParsers(const std::vector<Parser>& more) {
     parsers().insert(parsers().end(), more.begin(), more.end());
   }
+};
+
+/// Of files behind one byte that chooses options (import_fuzz.cpp). False: the id is none of its own.
+using Reader = bool (*)(std::string_view id, std::uint8_t choice, std::string_view bytes);
+inline std::vector<Reader>& readers() {
+  static std::vector<Reader> all;
+  return all;
+}
+struct AddedReader {
+  explicit AddedReader(Reader more) { readers().push_back(more); }
 };
 
 }  // namespace ecs::fuzz

@@ -2,7 +2,7 @@
 // what the program keeps in files. Whatever the bytes are, a Result comes back; a problem has words and, of a file, its
 // name; what was read is finite; where there is a writer, what was read is written and read again as the same.
 // ECS_FUZZ_READER in the environment is the id of a parser; the seeds of each are in corpus/<id>, files as they are.
-// Does not live here: readings, tables of controls, maps and lengths (import_fuzz.cpp).
+// Does not live here: readings and maps (import_fuzz.cpp), what modules read (modules/*/tests/*_fuzz.cpp).
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -31,10 +31,6 @@
 #include "laser/standards/diagonals.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/model_file.hpp"
-#include "modules/capture/description.hpp"
-#include "modules/fleet/batch.hpp"
-#include "modules/report/diagnosis.hpp"
-#include "modules/traces/trace.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 #include "tests/fuzz/parsers.hpp"
@@ -47,20 +43,13 @@ using namespace ecs::fuzz;
 
 const std::filesystem::path kFolder = "/nowhere";  // no file that a text names is found
 
-void finite(double value) { check(std::isfinite(value)); }
-void finite(const std::optional<double>& value) { check(!value || std::isfinite(*value)); }
-template <class Numbers>
-void all_finite(const Numbers& numbers) {
-  for (const auto& number : numbers) finite(number);
-}
-
 void circle_test(std::string_view text) {
   const auto read = laser::parse_circle_test(text, kFile);
   if (!was_read(read)) return;
   check(read->radius_mm > 0.0 && read->plane[0] != read->plane[1]);
-  finite(read->radius_mm);
-  finite(read->feed_mm_min);
-  finite(read->start_angle_deg);
+  check_finite(read->radius_mm);
+  check_finite(read->feed_mm_min);
+  check_finite(read->start_angle_deg);
   all_finite(read->centre_mm);
   for (const laser::CircleReading& reading : read->readings)
     all_finite(std::array{reading.angle_deg, reading.deviation_um});
@@ -82,8 +71,8 @@ void map_recipe(std::string_view text) {
   if (!was_read(read)) return;
   for (const laser::ComponentRecipe& one : read->components) {
     check(!one.files.empty());
-    finite(one.smoothing_mm);
-    finite(one.increment_mm);
+    check_finite(one.smoothing_mm);
+    check_finite(one.increment_mm);
   }
 }
 
@@ -97,7 +86,7 @@ void rotary_errors(std::string_view text) {
     all_finite(table.p_deg);
     all_finite(table.error);
     all_finite(table.u);
-    for (const double angle : {-3600.0, 0.0, 12.5, 7200.0}) finite(volume::value_at(table, angle));
+    for (const double angle : {-3600.0, 0.0, 12.5, 7200.0}) check_finite(volume::value_at(table, angle));
   }
   for (const auto& location : read->location) all_finite(location);
   for (const auto& location : read->location_u) all_finite(location);
@@ -154,7 +143,7 @@ void parameters(std::string_view text) {
 
 void check_effect(const model::EffectInstance& effect) {
   for (const auto* values : {&effect.parameters, &effect.fitted})
-    for (const auto& [name, value] : *values) finite(value);
+    for (const auto& [name, value] : *values) check_finite(value);
   for (const model::UserParameter& one : effect.user)
     all_finite(std::array{one.value, one.start, one.least, one.greatest});
   check(effect.curve.p_mm.size() == effect.curve.value.size());
@@ -187,27 +176,6 @@ void add_request(std::string_view text) {
   if (was_read(read, false)) check(read->id != nullptr);
 }
 
-void drive(std::string_view text) {
-  const auto read = model::parse_drive(text, kFile);
-  if (!was_read(read)) return;
-  for (const double value : read->value) check(std::isfinite(value) && value > 0.0);
-}
-
-void trace(std::string_view text) {
-  const auto read = model::parse_trace(text, kFile);
-  if (!was_read(read)) return;
-  all_finite(read->time_s);
-  check(!read->signals.empty() && std::is_sorted(read->time_s.begin(), read->time_s.end()));
-  for (const model::RecordedSignal& signal : read->signals) {
-    check(signal.value.size() == read->time_s.size() && signal.noise > 0.0);
-    all_finite(signal.value);
-    all_finite(std::array{signal.quantum, signal.noise});
-    all_finite(std::array{signal.clipped_above, signal.clipped_below});
-    const model::StepShape shape = model::shape_of(read->time_s, signal.value, signal.noise);
-    all_finite(std::array{shape.start_s, shape.steady, shape.rise_s, shape.decay_start_s, shape.fall_s});
-  }
-}
-
 void program(std::string_view text) {
   const auto read = emulator::parse_program(text, kFile);
   if (!was_read(read)) return;
@@ -225,7 +193,7 @@ void workshop_machine(std::string_view text) {
   const auto read = emulator::parse_workshop_machine(text, kFile, kFolder);
   if (!was_read(read)) return;
   check_machine(read->machine);
-  finite(read->settings.load_kg);
+  check_finite(read->settings.load_kg);
   all_finite(read->settings.tool_offset_mm);
   check(!read->settings.serial_number.empty() && read->settings.serial_number.size() <= 16);
   for (const emulator::AxisSettings& axis : read->settings.axes) check(axis.dac_um_per_count != 0.0);
@@ -237,28 +205,16 @@ void true_errors(std::string_view text) {
   emulator::MachineState state;
   state.position_mm = {12.5, -40.0, 300.0};
   state.time_s = 60.0;
-  for (const double value : read->at(state)) finite(value);
+  for (const double value : read->at(state)) check_finite(value);
   for (const double value : read->reading_scatter()) check(std::isfinite(value) && value >= 0.0);
-  for (const auto& [sensor, degC] : read->temperatures(3600.0)) finite(degC);
-}
-
-void device(std::string_view text) {
-  const auto read = devices::parse_device(text, kFile);
-  if (!was_read(read)) return;
-  for (const devices::ReportField& field : read->fields) all_finite(std::array{field.scale, field.offset});
-  const std::string written = devices::to_toml(*read);
-  const auto again = devices::parse_device(written, kFile);
-  check(again && devices::to_toml(*again) == written);
-  const devices::Bytes report(read->report.bytes == 0 ? 8 : read->report.bytes, std::uint8_t{0x81});
-  for (const auto& [quantity, value] : devices::values_in(*read, {report})) finite(value);
-  static_cast<void>(devices::held_in(*read, report));
+  for (const auto& [sensor, degC] : read->temperatures(3600.0)) check_finite(degC);
 }
 
 void snapshot(std::string_view text) {
   const auto read = commissioning::parse_snapshot(text, kFile);
   if (!was_read(read)) return;
   for (const auto& value : read->selected)
-    if (value) finite(value->value);
+    if (value) check_finite(value->value);
   const std::string written =
       commissioning::json_with_registers(*read).dump(1, ' ', false, Json::error_handler_t::replace);
   const auto again = commissioning::parse_snapshot(written, kFile);
@@ -291,24 +247,6 @@ void plan(std::string_view text) {
   }
 }
 
-void batch_plan(std::string_view text) {
-  const auto read = commissioning::parse_batch_plan(text, kFile, kFolder);
-  if (!was_read(read)) return;
-  check(!read->empty());
-  for (const commissioning::PlannedUnit& unit : *read) check(!to_text(unit.link).empty());
-}
-
-void diagnosis(std::string_view text) {
-  const auto read = app::parse_diagnosis(text, kFile);
-  if (!was_read(read)) return;
-  check(!read->headline.empty());
-  all_finite(std::array{read->rms_um, read->noise_um});
-  finite(read->rms_after_um);
-  for (const app::ReportedEffect& one : read->effects)
-    all_finite(std::array{one.rms_after_um, one.explained, one.held_out_before_um, one.held_out_after_um});
-  for (const app::ReportedDependence& one : read->where) finite(one.strength);
-}
-
 const AddedParsers kTexts{{
     {"circle_test", circle_test},
     {"diagonals", diagonals},
@@ -319,17 +257,12 @@ const AddedParsers kTexts{{
     {"parameters", parameters},
     {"model", model_file},
     {"add_request", add_request},
-    {"drive", drive},
-    {"trace", trace},
     {"program", program},
     {"workshop_machine", workshop_machine},
     {"true_errors", true_errors},
-    {"device", device},
     {"snapshot", snapshot},
     {"recording", recording},
     {"plan", plan},
-    {"batch_plan", batch_plan},
-    {"diagnosis", diagnosis},
 }};
 
 /// Numbers, words and texts in quotes.

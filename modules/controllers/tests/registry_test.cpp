@@ -99,7 +99,7 @@ TEST_CASE("a controller format refuses a file of another kind, with the file nam
 }
 
 TEST_CASE("every controller format has a fuzzer and seeds for it") {
-  const auto list = must(read_file("tests/fuzz/CMakeLists.txt"));
+  const auto list = must(read_file("modules/controllers/CMakeLists.txt"));
   for (const ControllerFormat* format : controller_formats()) {
     CAPTURE(format->id);
     CHECK(contains(list, " " + std::string(format->id)));
