@@ -124,12 +124,6 @@ std::string sentence(const HiddenCase& c) {
 
 }  // namespace
 
-std::optional<CaseKind> case_kind_named(std::string_view name) {
-  std::string word(name);
-  std::replace(word.begin(), word.end(), '-', '_');
-  return kCaseKinds.value_of(word);
-}
-
 Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request) {
   ECS_DO(check(request));
   Random choice(seed_of(request.seed, 0x68696465, 0));
@@ -306,7 +300,7 @@ class Finishing {
     const Eigen::VectorXd both = of(case_.hidden[0].effect) + of(case_.hidden[1].effect);
     for (const EffectDefinition& kind : effects())
       for (const DrawnEffect& single :
-           hiding_of(kind).explains_two ? possible_places(case_.scene, ground_, kind) : std::vector<DrawnEffect>{}) {
+           hiding_of(kind).explains_two ? places_of(kind, case_.scene, ground_) : std::vector<DrawnEffect>{}) {
         Absorbed with = absorbed_;
         with.add(contribution_columns(case_.scene, ground_, single));
         if (with.left_of(both).norm() < kApart * case_.noise.sigma_um) return false;

@@ -22,17 +22,6 @@
 
 namespace ecs::emulator {
 
-/// Value of the effect's component, or what the instrument adds, at this stop [um, um/m]; 0 where it does not act.
-/// @pre its seat is not the unit
-[[nodiscard]] double amount(const Scene& scene, const DrawnEffect& effect, const Stop& stop);
-/// How much of a component's value reaches the sense of this reading: levers and signs of the chain.
-[[nodiscard]] double share_in(const Scene& scene, Component component, const Stop& stop);
-
-/// Compensation that a unit adds to this reading, with the faults among `effects` [um, um/m].
-[[nodiscard]] double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop);
-/// Value of one of the map's curves; 0 where the map lacks it.
-[[nodiscard]] double table_value(const UnitMap& map, Axis axis, Sense sense, double position_mm, int approach);
-
 /// What the effect adds to each reading, to first order [um, um/m] (readings).
 [[nodiscard]] std::vector<double> contribution(const Scene& scene, const DrawnEffect& effect);
 
@@ -93,8 +82,6 @@ struct StructureDefinition {
 
 enum class CaseKind : std::uint8_t { blank, single, pair, out_of_library, confounded };
 inline constexpr WordTable<CaseKind, 5> kCaseKinds{{"blank", "single", "pair", "out_of_library", "confounded"}};
-/// `out-of-library` is understood too.
-[[nodiscard]] std::optional<CaseKind> case_kind_named(std::string_view name);
 
 /// What is asked for; what is absent is drawn.
 struct HiddenCaseRequest {

@@ -99,7 +99,7 @@ std::optional<Ground> prepare(Random& random, const Needs& needs, bool known, st
 
 std::optional<DrawnEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground,
                                        const EffectDefinition& kind) {
-  const auto places = good_places(scene, ground, kind);
+  const auto places = places_of(kind, scene, ground, true);
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));
 }
@@ -210,7 +210,7 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
   Reserved reserved;
   reserved.free = wanted.free_base;
   if (wanted.in_base != nullptr) {
-    const auto places = good_places(c.scene, *ground, *wanted.in_base);
+    const auto places = places_of(*wanted.in_base, c.scene, *ground, true);
     if (places.empty()) return std::nullopt;
     reserved.needed.push_back(one(random, places));
   }
@@ -351,7 +351,7 @@ std::optional<DrawnEffect> member(Random& random, const Wanted& wanted, const Sc
   const EffectDefinition& kind =
       wanted.effects.empty() ? *one(random, members_of(*wanted.design)) : *wanted.effects.front();
   const bool rotation = kind.placed_by == PlacedBy::code_of_rotation;
-  auto places = rotation ? possible_places(scene, ground, kind) : good_places(scene, ground, kind);
+  auto places = places_of(kind, scene, ground, !rotation);
   std::erase_if(places, [&](const DrawnEffect& place) { return rotation && *place.axis != scene.stops.front().axis; });
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));

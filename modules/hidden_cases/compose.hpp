@@ -16,8 +16,6 @@ namespace ecs::emulator {
 
 /// Contributions that span an effect (readings × functions).
 [[nodiscard]] Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, const DrawnEffect& effect);
-/// How its contribution changes with each searched parameter (readings × parameters).
-[[nodiscard]] Eigen::MatrixXd slope_columns(const Scene& scene, const DrawnEffect& effect);
 [[nodiscard]] Eigen::VectorXd vector_of(const std::vector<double>& values);
 [[nodiscard]] double rms_of(const Eigen::VectorXd& values);
 

@@ -279,6 +279,13 @@ struct HideRequest {
   }
 };
 
+/// `out-of-library` is understood too.
+std::optional<CaseKind> case_kind_named(std::string_view name) {
+  std::string word(name);
+  std::replace(word.begin(), word.end(), '-', '_');
+  return kCaseKinds.value_of(word);
+}
+
 Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
   const HiddenCaseRequest request{.seed = arguments.seed.value_or(1),
                                   .kind = case_kind_named(arguments.kind),

@@ -685,17 +685,10 @@ bool acts_on(const DrawnEffect& e, const Stop& stop) {
   return e.approach == Approach::unknown || static_cast<int>(e.approach) == stop.approach;
 }
 
-std::vector<DrawnEffect> places_of(const PlaceSearch& search) {
-  const auto places = hiding_of(search.kind).places;
+std::vector<DrawnEffect> places_of(const EffectDefinition& kind, const Scene& scene, const Ground& ground, bool good) {
+  const auto places = hiding_of(kind).places;
+  const PlaceSearch search{kind, scene, ground, good};
   return places == nullptr ? on_axes(search) : places(search);
-}
-
-std::vector<DrawnEffect> possible_places(const Scene& scene, const Ground& ground, const EffectDefinition& kind) {
-  return places_of({kind, scene, ground, false});
-}
-
-std::vector<DrawnEffect> good_places(const Scene& scene, const Ground& ground, const EffectDefinition& kind) {
-  return places_of({kind, scene, ground, true});
 }
 
 DrawnEffect at_place(const EffectDefinition& kind, std::optional<Axis> axis, std::optional<Sense> sense,

@@ -140,10 +140,9 @@ struct Hiding {
 /// Those that a hidden case may draw by itself.
 [[nodiscard]] const std::vector<const EffectDefinition*>& drawn_effects();
 
-[[nodiscard]] std::vector<DrawnEffect> possible_places(const Scene& scene, const Ground& ground,
-                                                       const EffectDefinition& kind);
-[[nodiscard]] std::vector<DrawnEffect> good_places(const Scene& scene, const Ground& ground,
-                                                   const EffectDefinition& kind);
+/// @param good  as of PlaceSearch
+[[nodiscard]] std::vector<DrawnEffect> places_of(const EffectDefinition& kind, const Scene& scene, const Ground& ground,
+                                                 bool good = false);
 [[nodiscard]] DrawnEffect at_place(const EffectDefinition& kind, std::optional<Axis> axis, std::optional<Sense> sense,
                                    std::optional<Component> code = {});
 

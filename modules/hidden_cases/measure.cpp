@@ -8,6 +8,44 @@
 namespace ecs::emulator {
 namespace {
 
+/// Value of the effect's component, or what the instrument adds, at this stop [um, um/m]; 0 where it does not act.
+/// @pre its seat is not the unit
+double amount(const Scene& scene, const DrawnEffect& effect, const Stop& stop) {
+  if (!acts_on(effect, stop)) return 0.0;
+  if (const auto adds = hiding_of(effect).adds) return adds(effect, scene, stop);
+  const EffectDefinition& kind = *effect.kind;
+  Conditions at{.p_mm = scene.p_mm(stop, effect.axis.value_or(Axis::X)),
+                .approach = static_cast<double>(stop.approach),
+                .time_s = stop.time_s,
+                .feed_mm_min = stop.feed_mm_min,
+                .load_kg = stop.load_kg,
+                .travel_since_reversal_mm = stop.travel_since_reversal_mm};
+  if (kind.curve) at.curve = value_at(effect.curve, at.p_mm);
+  if (kind.of_material) at.material_degC = scene.degC("t_material_degC", stop, 20.0);
+  if (kind.sensors > 0) at.degC[0] = scene.degC(effect.sensor, stop, 0.0);
+  if (kind.sensors > 0) at.first_degC = scene.degC(effect.sensor, scene.stops.front(), 0.0);
+  if (kind.sensors > 1) at.degC[1] = scene.degC(effect.sensor2, stop, 0.0);
+  return kind.value(effect, at);
+}
+
+/// How much of a component's value reaches the sense of this reading: levers and signs of the chain.
+double share_in(const Scene& scene, Component component, const Stop& stop) {
+  if (is_rotation(stop.sense)) return !is_squareness(component) && sense_of(component) == stop.sense ? 1.0 : 0.0;
+  ComponentValues one{};
+  one[index_of(component)] = 1.0;
+  return tool_error_um(scene.terms, one, stop.position_mm, scene.lines_mm, {})[index_of(direction_of(stop.sense))];
+}
+
+/// Value of one of the map's curves; 0 where the map lacks it.
+double table_value(const UnitMap& map, Axis axis, Sense sense, double position_mm, int approach) {
+  for (const UnitTable& table : map) {
+    if (table.axis != axis || table.sense != sense) continue;
+    if (table.approach == Approach::unknown || approach == 0 || static_cast<int>(table.approach) == approach)
+      return between_points(table.p_mm, table.value, position_mm);
+  }
+  return 0.0;
+}
+
 /// The fault that concerns a curve of the map, if any does.
 bool concerns(const DrawnEffect& fault, Axis axis, Sense sense) {
   return hiding_of(fault).seat == Seat::unit && (!fault.axis || *fault.axis == axis) &&
@@ -20,6 +58,19 @@ double faulty_value(const Scene& scene, const std::vector<DrawnEffect>& effects,
   for (const DrawnEffect& fault : effects)
     if (concerns(fault, axis, sense)) hiding_of(fault).spoil(fault, reading);
   return reading.gain * table_value(scene.map, axis, sense, reading.position_mm, reading.approach);
+}
+
+/// Compensation that a unit adds to this reading, with the faults among `effects` [um, um/m].
+double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < scene.map.size(); ++i) {
+    const UnitTable& table = scene.map[i];
+    const bool again = i > 0 && scene.map[i - 1].axis == table.axis && scene.map[i - 1].sense == table.sense;
+    if (again) continue;  // the reverse table of the same curve
+    const double share = share_in(scene, curve_of(table.sense, table.axis), stop);
+    if (share != 0.0) sum += share * faulty_value(scene, effects, stop, table.axis, table.sense);
+  }
+  return sum;
 }
 
 constexpr double kThermometer_degC = 0.004;
@@ -56,52 +107,6 @@ double student_of_three(Random& random) {
 }
 
 }  // namespace
-
-double amount(const Scene& scene, const DrawnEffect& effect, const Stop& stop) {
-  if (!acts_on(effect, stop)) return 0.0;
-  if (const auto adds = hiding_of(effect).adds) return adds(effect, scene, stop);
-  const EffectDefinition& kind = *effect.kind;
-  Conditions at{.p_mm = scene.p_mm(stop, effect.axis.value_or(Axis::X)),
-                .approach = static_cast<double>(stop.approach),
-                .time_s = stop.time_s,
-                .feed_mm_min = stop.feed_mm_min,
-                .load_kg = stop.load_kg,
-                .travel_since_reversal_mm = stop.travel_since_reversal_mm};
-  if (kind.curve) at.curve = value_at(effect.curve, at.p_mm);
-  if (kind.of_material) at.material_degC = scene.degC("t_material_degC", stop, 20.0);
-  if (kind.sensors > 0) at.degC[0] = scene.degC(effect.sensor, stop, 0.0);
-  if (kind.sensors > 0) at.first_degC = scene.degC(effect.sensor, scene.stops.front(), 0.0);
-  if (kind.sensors > 1) at.degC[1] = scene.degC(effect.sensor2, stop, 0.0);
-  return kind.value(effect, at);
-}
-
-double share_in(const Scene& scene, Component component, const Stop& stop) {
-  if (is_rotation(stop.sense)) return !is_squareness(component) && sense_of(component) == stop.sense ? 1.0 : 0.0;
-  ComponentValues one{};
-  one[index_of(component)] = 1.0;
-  return tool_error_um(scene.terms, one, stop.position_mm, scene.lines_mm, {})[index_of(direction_of(stop.sense))];
-}
-
-double table_value(const UnitMap& map, Axis axis, Sense sense, double position_mm, int approach) {
-  for (const UnitTable& table : map) {
-    if (table.axis != axis || table.sense != sense) continue;
-    if (table.approach == Approach::unknown || approach == 0 || static_cast<int>(table.approach) == approach)
-      return between_points(table.p_mm, table.value, position_mm);
-  }
-  return 0.0;
-}
-
-double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& effects, const Stop& stop) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < scene.map.size(); ++i) {
-    const UnitTable& table = scene.map[i];
-    const bool again = i > 0 && scene.map[i - 1].axis == table.axis && scene.map[i - 1].sense == table.sense;
-    if (again) continue;  // the reverse table of the same curve
-    const double share = share_in(scene, curve_of(table.sense, table.axis), stop);
-    if (share != 0.0) sum += share * faulty_value(scene, effects, stop, table.axis, table.sense);
-  }
-  return sum;
-}
 
 std::vector<double> contribution(const Scene& scene, const DrawnEffect& effect) {
   std::vector<double> sum(scene.stops.size());
@@ -204,6 +209,20 @@ double distance(const Eigen::MatrixXd& left_columns, const Eigen::VectorXd& left
   return own.left_of(left).norm();
 }
 
+/// How its contribution changes with the parameter that is searched (readings × parameters).
+Eigen::MatrixXd slope_columns(const Scene& scene, const DrawnEffect& effect) {
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), 0);
+  if (hiding_of(effect).search == nullptr) return columns;
+  const auto at = [&](double factor) {
+    DrawnEffect moved = effect;
+    moved.parameters[std::string(hiding_of(effect).searched)] *= factor;
+    return vector_of(contribution(scene, moved));
+  };
+  columns.conservativeResize(Eigen::NoChange, 1);
+  columns.rightCols(1) = at(1.0 + kSmallStep) - at(1.0 - kSmallStep);
+  return columns;
+}
+
 constexpr double kLeastInFreeBase = 0.08;  ///< how often a free base holds an effect at a good place
 
 bool same_place(const DrawnEffect& a, const DrawnEffect& b) { return name_of(a) == name_of(b); }
@@ -219,12 +238,12 @@ class Background {
   std::vector<DrawnEffect> draw() {
     for (const EffectDefinition& kind : effects())
       if (hiding_of(kind).in_every_base)
-        for (const DrawnEffect& place : good_places(scene_, ground_, kind)) take(place, 0.0);
+        for (const DrawnEffect& place : places_of(kind, scene_, ground_, true)) take(place, 0.0);
     for (const DrawnEffect& place : reserved_.needed) take(place, 0.0);
     std::vector<DrawnEffect> wanted;
     for (const EffectDefinition& kind : effects())
       if (const double probability = base_probability(hiding_of(kind)); probability > 0.0)
-        for (const DrawnEffect& place : good_places(scene_, ground_, kind))
+        for (const DrawnEffect& place : places_of(kind, scene_, ground_, true))
           if (chance(random_, probability)) wanted.push_back(place);
     shuffle(random_, wanted);
     const std::size_t most = taken_.size() + static_cast<std::size_t>(whole(random_, 1, 4)) + ground_.senses.size();
@@ -302,19 +321,6 @@ Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, c
   return columns;
 }
 
-Eigen::MatrixXd slope_columns(const Scene& scene, const DrawnEffect& effect) {
-  Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), 0);
-  if (hiding_of(effect).search == nullptr) return columns;
-  const auto at = [&](double factor) {
-    DrawnEffect moved = effect;
-    moved.parameters[std::string(hiding_of(effect).searched)] *= factor;
-    return vector_of(contribution(scene, moved));
-  };
-  columns.conservativeResize(Eigen::NoChange, 1);
-  columns.rightCols(1) = at(1.0 + kSmallStep) - at(1.0 - kSmallStep);
-  return columns;
-}
-
 void Absorbed::add(const Eigen::MatrixXd& columns) {
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
     const double size = columns.col(k).norm();
@@ -349,7 +355,7 @@ std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Abs
   for (const EffectDefinition& kind : effects()) {
     const Hiding& hiding = hiding_of(kind);
     if (hiding.is_flexible() && !flexible) continue;
-    for (const DrawnEffect& place : possible_places(scene, ground, kind)) {
+    for (const DrawnEffect& place : places_of(kind, scene, ground)) {
       Rival rival{place, left.norm() / sigma_um, 0.0, hiding.is_flexible()};
       for (const DrawnEffect& trial : trials_of(scene, ground, place)) {
         const Eigen::MatrixXd columns = contribution_columns(scene, ground, trial);
