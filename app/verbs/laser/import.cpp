@@ -45,13 +45,12 @@ struct FileImportRequest {
 constexpr std::size_t kLinesShown = 20;
 
 Cell file_cell(const std::string& file, const laser::Imported& imported) {
-  AnswerFields fields{{"file", word_cell(file)}, {"format", word_cell(imported.format->title)}};
+  AnswerFields fields{"file"_is(file), "format"_is(imported.format->title)};
   append(fields, set_fields(imported.set, kLinesShown));
-  const Cell records = count_cell(imported.environment.rows.size());
-  fields.push_back({"environment_records", imported.environment.rows.empty() ? shown_cell(records.text) : records});
-  fields.push_back({"environment", imported.environment.rows.empty()
-                                       ? shown_cell({})
-                                       : conditions_cell(conditions_in(imported.environment), "rows")});
+  const Cell records = cell_of(imported.environment.rows.size());
+  fields.push_back("environment_records"_is(imported.environment.rows.empty() ? shown_cell(records.text) : records));
+  fields.push_back("environment"_is(
+      imported.environment.rows.empty() ? shown_cell() : conditions_cell(conditions_in(imported.environment), "rows")));
   return record_cell(imported.set.readings.empty()
                          ? "{file}: {format}\n  no readings; {environment_records} records of the environment, to be "
                            "joined by --environment\n{environment}{notes}"
@@ -68,13 +67,12 @@ Cell format_cell(const Json& files) {
 
 Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std::string& output,
                  const std::string& profile) {
-  AnswerFields fields{{"format", format_cell(files.json)}};
+  AnswerFields fields{"format"_is(format_cell(files.json))};
   append(fields, set_fields(set));
-  append(fields, {{"output", output.empty() ? null_cell("nothing written: give -o OUT.csv to keep it\n")
-                                            : Cell{output, fmt::format("{} readings written to {}\n",
-                                                                       set.readings.size(), output)}},
-                  {"files", files},
-                  {"profile", shown_cell(profile)}});
+  append(fields, {"output"_is(output.empty() ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                                             : Cell{output, fmt::format("{} readings written to {}\n",
+                                                                        set.readings.size(), output)}),
+                  "files"_is(files), "profile"_shown(profile)});
   return record_cell("{files}{profile}{output}", fields);
 }
 
@@ -134,14 +132,10 @@ Cell target_cell(const laser::TargetReadings& t, bool rotary) {
   return record_cell(fmt::format("{{{}:>12}} ", position) +
                          "{mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
                          "{undirected:>4} {reversal:>12}\n",
-                     {{position, number_cell(t.position_mm, 4)},
-                      {"mean_forward", mean_cell(t.forward)},
-                      {"forward", readings_cell(t.forward)},
-                      {"mean_reverse", mean_cell(t.reverse)},
-                      {"reverse", readings_cell(t.reverse)},
-                      {"mean_undirected", mean_cell(t.undirected)},
-                      {"undirected", readings_cell(t.undirected)},
-                      {"reversal", shown_cell(number_cell(reversal(t), 3).text)}});
+                     {FieldKey(position)(t.position_mm, 4), "mean_forward"_is(mean_cell(t.forward)),
+                      "forward"_is(readings_cell(t.forward)), "mean_reverse"_is(mean_cell(t.reverse)),
+                      "reverse"_is(readings_cell(t.reverse)), "mean_undirected"_is(mean_cell(t.undirected)),
+                      "undirected"_is(readings_cell(t.undirected)), "reversal"_shown(reversal(t), 3)});
 }
 
 Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary) {
@@ -155,11 +149,11 @@ Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary
 Result<Outcome> show(VerbContext&, const ShowRequest& request) {
   ECS_TRY(imported, read_measurements(request.file, request.import));
   const laser::MeasurementSet& set = imported.set;
-  AnswerFields fields{{"file", word_cell(request.file)}, {"format", word_cell(imported.format->title)}};
+  AnswerFields fields{"file"_is(request.file), "format"_is(imported.format->title)};
   append(fields, set_fields(set));
   const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported.environment), "rows")
                                                : conditions_cell(conditions_in(set), "readings");
-  fields.push_back({"conditions", conditions.json.empty() ? shown_cell({}) : conditions});
+  fields.push_back("conditions"_is(conditions.json.empty() ? shown_cell() : conditions));
   Cell answer = record_cell("{file}: {format}, {readings} readings\n{metadata}{notes}{conditions}\n{lines}", fields);
   const auto groups = laser::groups_of(set);
   for (std::size_t i = 0; i < groups.size(); ++i) {

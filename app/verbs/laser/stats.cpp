@@ -174,13 +174,12 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   if (!uncertainty) return null_cell("  no uncertainty: the options are for lengths at two targets or more\n");
   Json parts = Json::array();
   std::string text = "  uncertainty (k = 2)";
-  AnswerFields fields{{"coverage_factor", {laser::kCoverage, {}}},
-                      {"length_mm", {number_or_null(uncertainty->length_mm), {}}}};
+  AnswerFields fields{"coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm)};
   const char* separator = ": ";
   for (const LaserQuantity& quantity : kLaserQuantities) {
     if (quantity.uncertainty == nullptr) continue;
     const auto& U = *uncertainty.*quantity.uncertainty;
-    fields.push_back({quantity.key, {number_or_null(U), {}}});
+    fields.push_back(FieldKey(quantity.key)(U, ""));
     if (U && std::string_view(quantity.key).size() == 1) {
       text += fmt::format("{}U({}) {:.2f}", separator, quantity.key, *U);
       separator = ", ";
@@ -188,10 +187,10 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   }
   text += " um\n";
   for (const laser::UncertaintyPart& part : uncertainty->parts) {
-    parts.push_back({{"name", part.name}, {"U_um", number_or_null(part.U_um)}});
+    parts.push_back(object_of({"name"_is(part.name), "U_um"_is(part.U_um)}));
     text += fmt::format("    {:<28} {:>8.2f} um\n", part.name, part.U_um);
   }
-  fields.push_back({"parts", {std::move(parts), {}}});
+  fields.push_back("parts"_is(std::move(parts)));
   return {object_of(fields), std::move(text)};
 }
 
@@ -293,7 +292,7 @@ Cell drift_cell(const MeasuredLine& line) {
   const auto unit = laser::unit_of(line.group.sense);
   Json runs = Json::array();
   for (const laser::RunOffset& run : drift->runs)
-    runs.push_back({{"run", run.run}, {"offset", number_or_null(run.offset)}, {"sigma", number_or_null(run.sigma)}});
+    runs.push_back(object_of({"run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma)}));
   std::string text;
   if (drift->drifts)
     text += fmt::format("  drift: {:+.3g} +- {:.2g} {} per run, {:+.3g} {} from the first to the last run\n",
@@ -302,12 +301,9 @@ Cell drift_cell(const MeasuredLine& line) {
     if (std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end())
       text += fmt::format("  run {} is apart from the others: {:+.3g} +- {:.2g} {}\n", run.run, run.offset, run.sigma,
                           unit);
-  return {{{"per_run", number_or_null(drift->per_run)},
-           {"per_run_sigma", number_or_null(drift->per_run_sigma)},
-           {"first_to_last", number_or_null(drift->first_to_last)},
-           {"drifts", drift->drifts},
-           {"apart", drift->apart},
-           {"runs", std::move(runs)}},
+  return {object_of({"per_run"_is(drift->per_run), "per_run_sigma"_is(drift->per_run_sigma),
+                     "first_to_last"_is(drift->first_to_last), "drifts"_is(drift->drifts), "apart"_is(drift->apart),
+                     "runs"_is(std::move(runs))}),
           std::move(text)};
 }
 
@@ -327,20 +323,15 @@ Cell growth_cell(const MeasuredLine& line) {
                   growth->range, unit, growth->range_last_hour, unit);
   Json sensors = Json::array();
   for (const laser::SensorGrowth& one : growth->sensors) {
-    sensors.push_back({{"sensor", one.sensor},
-                       {"per_degC", number_or_null(one.per_degC)},
-                       {"lag_s", number_or_null(one.lag_s)},
-                       {"explained", number_or_null(one.explained)},
-                       {"rms_left", number_or_null(one.rms_left)}});
+    sensors.push_back(object_of({"sensor"_is(one.sensor), "per_degC"_is(one.per_degC), "lag_s"_is(one.lag_s),
+                                 "explained"_is(one.explained), "rms_left"_is(one.rms_left)}));
     text += fmt::format("    {:<22} {:+8.3f} {} per degC, {}: {:.1f} % of it, {:.2f} {} rms left\n", one.sensor,
                         one.per_degC, unit, lag_text(one.lag_s), 100.0 * one.explained, one.rms_left, unit);
   }
-  return {{{"hours", number_or_null(growth->hours)},
-           {"range", number_or_null(growth->range)},
-           {"range_last_hour", number_or_null(growth->range_last_hour)},
-           {"stretches", growth->stretches},
-           {"sensors", std::move(sensors)}},
-          std::move(text)};
+  return {
+      object_of({"hours"_is(growth->hours), "range"_is(growth->range), "range_last_hour"_is(growth->range_last_hour),
+                 "stretches"_is(growth->stretches), "sensors"_is(std::move(sensors))}),
+      std::move(text)};
 }
 
 std::string wave_text(const laser::TurnWave& wave, Sense sense) {
@@ -363,25 +354,17 @@ Cell turn_cell(const MeasuredLine& line) {
                   turn->offset, unit, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : "",
                   100.0 * turn->explained, turn->rms_left, unit);
   for (const laser::TurnWave& wave : turn->waves) {
-    waves.push_back({{"order", wave.order},
-                     {"period_deg", 360.0 / wave.order},
-                     {"amplitude", number_or_null(wave.amplitude)},
-                     {"amplitude_sigma", number_or_null(wave.amplitude_sigma)},
-                     {"phase_deg", number_or_null(wave.phase_deg)},
-                     {"p_value", number_or_null(wave.p_value)}});
+    waves.push_back(object_of({"order"_is(wave.order), "period_deg"_is(360.0 / wave.order),
+                               "amplitude"_is(wave.amplitude), "amplitude_sigma"_is(wave.amplitude_sigma),
+                               "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value)}));
     text += wave_text(wave, line.group.sense);
   }
   if (turn->waves.empty())
     text +=
         fmt::format("    no wave of {} to {} a turn stands out of the noise\n", turn->least_waves, turn->most_waves);
-  return {{{"offset", number_or_null(turn->offset)},
-           {"reversal", number_or_null(turn->reversal)},
-           {"waves", std::move(waves)},
-           {"least_order", turn->least_waves},
-           {"most_order", turn->most_waves},
-           {"rms", number_or_null(turn->rms)},
-           {"rms_left", number_or_null(turn->rms_left)},
-           {"explained", number_or_null(turn->explained)}},
+  return {object_of({"offset"_is(turn->offset), "reversal"_is(turn->reversal), "waves"_is(std::move(waves)),
+                     "least_order"_is(turn->least_waves), "most_order"_is(turn->most_waves), "rms"_is(turn->rms),
+                     "rms_left"_is(turn->rms_left), "explained"_is(turn->explained)}),
           std::move(text)};
 }
 
@@ -390,27 +373,25 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
       "{compensated}\n";
-  AnswerFields fields{{"file", {line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))}},
-                      {"files", {line.files, {}}}};
+  AnswerFields fields{"file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))),
+                      "files"_is(line.files)};
   append(fields, measured_line_fields(line.group));
   for (const LaserQuantity& q : kLaserQuantities) {
-    fields.push_back({q.key, quantity_cell(q.symbol, iso.*q.value, unit, q.name)});
+    fields.push_back(FieldKey(q.key)(quantity_cell(q.symbol, iso.*q.value, unit, q.name)));
     layout += fmt::format("{{{}}}", q.key);
   }
-  append(fields, {{"unit_of_targets", word_cell(laser::target_unit(iso.rotary))},
-                  {"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
-                  {"uncertainty", uncertainty_cell(iso, request.uncertainty)},
-                  {"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}},
-                  {"targets", list_cell(iso.targets,
-                                        [&](const auto& target) {
-                                          return Cell{target_json(target, iso.rotary), {}};
-                                        })},
-                  {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
-                  {"outliers", outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)},
-                  {"drift", drift_cell(line)},
-                  {"growth", growth_cell(line)},
-                  {"turn", turn_cell(line)},
-                  {"notes", lines_cell(iso.notes, "  note: ")}});
+  append(fields,
+         {"unit_of_targets"_is(laser::target_unit(iso.rotary)),
+          "range"_is(quantity_cell("range", iso.range, unit, "largest minus smallest reading")),
+          "uncertainty"_is(uncertainty_cell(iso, request.uncertainty)), "merge_tolerance_mm"_is(iso.merge_tolerance_mm),
+          "targets"_is(list_cell(iso.targets,
+                                 [&](const auto& target) {
+                                   return Cell{target_json(target, iso.rotary), {}};
+                                 })),
+          "count"_shown(iso.targets.size()),
+          "outliers"_is(outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)),
+          "drift"_is(drift_cell(line)), "growth"_is(growth_cell(line)), "turn"_is(turn_cell(line)),
+          "notes"_is(lines_cell(iso.notes, "  note: "))});
   return record_cell(layout + "{range}{uncertainty}{growth}{turn}{outliers}{drift}{notes}", fields);
 }
 
@@ -492,7 +473,7 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
     }
   }
   if (!request.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);
-  return outcome_of(record_cell("{lines}", {{"lines", lines}}));
+  return outcome_of(record_cell("{lines}", {"lines"_is(lines)}));
 }
 
 }  // namespace

@@ -56,10 +56,8 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadRequest& request) {
   const std::string digits = hex_of(bytes, "");
   return outcome_of(record_cell(
       to_stdout ? "{bytes}" : "{length} bytes written to {file}",
-      {{"address", word_cell(hex_address(address))},
-       {"length", integer_cell(length)},
-       {"file", text_cell(request.output)},
-       {"bytes", to_stdout ? Cell{digits, request.hex ? digits : listing(address, bytes)} : shown_cell({})}}));
+      {"address"_is(hex_address(address)), "length"_is(length), "file"_is(text_cell(request.output)),
+       "bytes"_is(to_stdout ? Cell{digits, request.hex ? digits : listing(address, bytes)} : shown_cell())}));
 }
 
 // --- write
@@ -99,7 +97,7 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
       !written)
     return tl::unexpected(written.error());
   return outcome_of(record_cell("{length} bytes written from {address} on",
-                                {{"address", word_cell(hex_address(address))}, {"length", count_cell(bytes.size())}}));
+                                {"address"_is(hex_address(address)), "length"_is(bytes.size())}));
 }
 
 // --- dump
@@ -120,16 +118,14 @@ Result<Outcome> dump_memory(VerbContext& context, const DumpRequest& request) {
   ECS_DO(write_file(request.output, to_bytes(dump)));
   std::size_t bytes = 0;
   for (const DumpRegion& region : dump.regions) bytes += region.bytes.size();
-  return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
-                                {{"file", word_cell(request.output)},
-                                 {"show", shown_cell(shell_command({"ecs", "memory", "show", request.output}))},
-                                 {"unit", shown_cell(dump.serial_number)},
-                                 {"bytes", count_cell(bytes)},
-                                 {"regions", list_cell(dump.regions, [](const DumpRegion& region) {
-                                    return record_cell({}, {{"name", word_cell(region.name)},
-                                                            {"address", word_cell(hex_address(region.address))},
-                                                            {"bytes", count_cell(region.bytes.size())}});
-                                  })}}));
+  return outcome_of(record_cell(
+      "{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
+      {"file"_is(request.output), "show"_shown(shell_command({"ecs", "memory", "show", request.output})),
+       "unit"_shown(dump.serial_number), "bytes"_is(bytes),
+       "regions"_is(list_cell(dump.regions, [](const DumpRegion& region) {
+         return record_cell(
+             {}, {"name"_is(region.name), "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size())});
+       }))}));
 }
 
 // --- load
@@ -170,10 +166,8 @@ Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
                              progress_bar(context, "image")));
   return finished_outcome_of(
       record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
-                  {{"file", word_cell(request.file)},
-                   {"bytes", count_cell(report.bytes)},
-                   {"commit_sequence", count_cell(report.commit_sequence)},
-                   {"verified", yes_cell(true, "", "")}}));
+                  {"file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
+                   "verified"_is(true)}));
 }
 
 constexpr std::string_view kUnitWord = "unit";
@@ -233,18 +227,15 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_TRY(b, dump_from(context, request.b));
   Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
-    return record_cell("{what}: A {a} | B {b}\n",
-                       {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}});
+    return record_cell("{what}: A {a} | B {b}\n", {"what"_is(what), "a"_is(in_a), "b"_is(in_b)});
   });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";
   const Cell damage_a = damage_cell("A", request.a, a), damage_b = damage_cell("B", request.b, b);
   return outcome_of(
-      record_cell("{damaged}{differences}", {{"a", word_cell(request.a)},
-                                             {"b", word_cell(request.b)},
-                                             {"same", yes_cell(same, "", "")},
-                                             {"damaged", record_cell("{a}{b}", {{"a", damage_a}, {"b", damage_b}})},
-                                             {"differences", found}}),
+      record_cell("{damaged}{differences}",
+                  {"a"_is(request.a), "b"_is(request.b), "same"_is(same),
+                   "damaged"_is(record_cell("{a}{b}", {"a"_is(damage_a), "b"_is(damage_b)})), "differences"_is(found)}),
       same && damage_a.json.empty() && damage_b.json.empty() ? kDone : kDoesNotHold);
 }
 

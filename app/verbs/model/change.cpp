@@ -88,16 +88,13 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
       name_with_alternatives(added.effect.effect), added.rms_before_um, added.rms_after_um, unit,
       outliers > 0 ? fmt::format(" with {} outlier{}", outliers, outliers == 1 ? "" : "s") : "", added.noise_um, unit));
   return record_cell("{summary}{effect}\n{history}{model}\n",
-                     {{"summary", shown_cell(summary)},
-                      {"rms_before_um", {number_or_null(added.rms_before_um), ""}},
-                      {"rms_after_um", {number_or_null(added.rms_after_um), ""}},
-                      {"noise_um", {number_or_null(added.noise_um), ""}},
-                      {"peak_um", {number_or_null(added.step.peak_um), ""}},
-                      {"held_out_rms_um", {number_or_null(added.step.held_out_rms_um), ""}},
-                      {"effect", {std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)}},
-                      {"history", ladder_cell(added.model)},
-                      {"model", output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
-                                               : Cell{output, "model written to " + output}}});
+                     {"summary"_shown(summary), "rms_before_um"_is(added.rms_before_um),
+                      "rms_after_um"_is(added.rms_after_um), "noise_um"_is(added.noise_um),
+                      "peak_um"_is(added.step.peak_um), "held_out_rms_um"_is(added.step.held_out_rms_um),
+                      "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
+                      "history"_is(ladder_cell(added.model)),
+                      "model"_is(output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
+                                                : Cell{output, "model written to " + output})});
 }
 
 Result<Outcome> add(VerbContext& context, const AddRequest& request) {
@@ -141,9 +138,8 @@ Result<Outcome> undo(VerbContext&, const UndoRequest& request) {
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, before, request.model));
   const std::string taken = model->history.back().effect;
-  return outcome_of(
-      record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
-                  {{"undone", word_cell(taken)}, {"history", ladder_cell(before)}, {"model", word_cell(output)}}));
+  return outcome_of(record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
+                                {"undone"_is(taken), "history"_is(ladder_cell(before)), "model"_is(output)}));
 }
 
 struct RemoveRequest {
@@ -170,12 +166,9 @@ Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
   return outcome_of(
       record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
                   "to {model}\n",
-                  {{"effect", word_cell(without.name)},
-                   {"rms_before_um", number_cell(without.rms_before_um, 3)},
-                   {"rms_after_um", number_cell(without.fit.rms_um, 3)},
-                   {"unit", shown_cell(std::string(work.data.reading_unit()))},
-                   {"history", ladder_cell(kept)},
-                   {"model", word_cell(output)}}));
+                  {"effect"_is(without.name), "rms_before_um"_is(without.rms_before_um, 3),
+                   "rms_after_um"_is(without.fit.rms_um, 3), "unit"_shown(work.data.reading_unit()),
+                   "history"_is(ladder_cell(kept)), "model"_is(output)}));
 }
 
 struct DecideRequest {
@@ -205,9 +198,7 @@ Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, *model, request.model));
   return outcome_of(record_cell("it is {effect}, not {alternatives}\nmodel written to {model}\n",
-                                {{"effect", word_cell(request.effect)},
-                                 {"alternatives", word_cell(alternatives)},
-                                 {"model", word_cell(output)}}));
+                                {"effect"_is(request.effect), "alternatives"_is(alternatives), "model"_is(output)}));
 }
 
 struct HistoryRequest {
@@ -227,7 +218,7 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
     ECS_DO(write_plot(request.plot, ladder_figure(model.history, "Error after every step")));
     ladder.text += "plot written to " + request.plot + "\n";
   }
-  return outcome_of(record_cell("{history}", {{"model", word_cell(request.model)}, {"history", ladder}}));
+  return outcome_of(record_cell("{history}", {"model"_is(request.model), "history"_is(ladder)}));
 }
 
 }  // namespace

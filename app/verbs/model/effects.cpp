@@ -27,12 +27,12 @@ using model::ParameterDefinition;
 Cell parameter_cell(const ParameterDefinition& parameter) {
   const auto& limits = parameter.limits;
   const AnswerFields fields{
-      {"name", word_cell(parameter.name)},
-      {"unit", {parameter.unit, fmt::format("{}{}", parameter.unit.empty() ? "" : " ", parameter.unit)}},
-      {"least", limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()},
-      {"greatest", limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()},
-      {"searched", yes_cell(parameter.coding == model::Coding::searched, " (searched)", "")},
-      {"meaning", word_cell(parameter.meaning)}};
+      "name"_is(parameter.name),
+      "unit"_is(parameter.unit, fmt::format("{}{}", parameter.unit.empty() ? "" : " ", parameter.unit)),
+      "least"_is(limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()),
+      "greatest"_is(limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()),
+      "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""),
+      "meaning"_is(parameter.meaning)};
   return {object_of(fields),
           paragraph(laid_out("parameter:    {name}{unit}: {meaning}{least}{greatest}{searched}", fields), 2, 16)};
 }
@@ -44,18 +44,18 @@ AnswerFields fields_of(const EffectDefinition& effect) {
   std::map<std::string, std::string> facts;
   for (const commissioning::EffectFact& fact : commissioning::facts_of(effect))
     facts[fact.label] = paragraph(label_before(fact.label) + fact.text, 2, 16);
-  return {{"effect", word_cell(effect.id)},
-          {"title", word_cell(effect.title)},
-          {"formula", {effect.formula, facts["formula"]}},
-          {"cause", {effect.cause, facts["cause"]}},
-          {"tells_apart", {effect.tells_apart, facts["distinguished by"]}},
-          {"check", {effect.check, facts["check"]}},
-          {"parameters", std::move(parameters)},
-          {"of_approach", yes_cell(effect.traits.of_approach,
-                                   "  acts only on readings of known approach of its own moving axis\n", "")},
-          {"carrier", word_cell(commissioning::carrier_text(effect.carrier))},
-          {"compensated", {effect.is_carried(), ""}},
-          {"how", {effect.how, facts["compensated"]}}};
+  return {"effect"_is(effect.id),
+          "title"_is(effect.title),
+          "formula"_is(effect.formula, facts["formula"]),
+          "cause"_is(effect.cause, facts["cause"]),
+          "tells_apart"_is(effect.tells_apart, facts["distinguished by"]),
+          "check"_is(effect.check, facts["check"]),
+          "parameters"_is(std::move(parameters)),
+          "of_approach"_is(effect.traits.of_approach,
+                           "  acts only on readings of known approach of its own moving axis\n", ""),
+          "carrier"_is(commissioning::carrier_text(effect.carrier)),
+          "compensated"_is(effect.is_carried()),
+          "how"_is(effect.how, facts["compensated"])};
 }
 
 Result<Outcome> one_effect(const std::string& name) {
@@ -86,7 +86,7 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
                                                        commissioning::carrier_text(effect.carrier))});
-  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {{"effects", std::move(all)}}));
+  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {"effects"_is(std::move(all))}));
 }
 
 struct NewRequest {
@@ -107,13 +107,10 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   if (!request.machine.empty()) next.insert(next.end(), {"--machine", request.machine});
   const std::vector<std::string> import = commissioning::import_words(request.import);
   next.insert(next.end(), import.begin(), import.end());
-  return outcome_of(
-      record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
-                  {{"model", word_cell(request.model)},
-                   {"usual", shown_cell(usual_in_words(work.data))},
-                   {"of_paths", shown_cell(work.data.paths.empty() ? "" : "; of circles and diagonals nothing")},
-                   {"effects", lines_cell(effects, "  ")},
-                   {"next", shown_cell(shell_command(next))}}));
+  return outcome_of(record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
+                                {"model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
+                                 "of_paths"_shown(work.data.paths.empty() ? "" : "; of circles and diagonals nothing"),
+                                 "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))}));
 }
 
 struct PredictRequest {
@@ -152,16 +149,12 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
 
 Cell prediction_cell(const laser::Reading& r, bool has_readings) {
   const bool forward = r.approach == Approach::forward;
-  AnswerFields fields{{"row", integer_cell(r.row)},
-                      {"axis", word_cell(axis_json(r.axis, r.rotary))},
-                      {"sense", word_cell(name_of(r.sense))}};
+  AnswerFields fields{"row"_is(r.row), "axis"_is(axis_json(r.axis, r.rotary)), "sense"_is(name_of(r.sense))};
   add_position(fields, r.rotary ? r.angle_deg : r.position_mm, r.rotary);
-  fields.insert(
-      fields.end(),
-      {{"approach", {static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")}},
-       {"unit", word_cell(laser::unit_of(r.sense))},
-       {"predicted", number_cell(r.error, 3)},
-       {"measured", number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)}});
+  append(fields,
+         {"approach"_is(static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")),
+          "unit"_is(laser::unit_of(r.sense)), "predicted"_is(r.error, 3),
+          "measured"_is(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)});
   return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
                                  position_layout(r.rotary), has_readings ? " {measured:>10}" : ""),
                      fields);
@@ -202,9 +195,9 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
     ECS_DO(laser::write_measurement_set(request.output, result.set));
     predictions.text = fmt::format("{} predictions written to {}\n", result.set.readings.size(), request.output);
   }
-  return outcome_of(record_cell("{predictions}", {{"points", count_cell(result.set.readings.size())},
-                                                  {"output", text_cell(request.output)},
-                                                  {"predictions", predictions}}));
+  return outcome_of(
+      record_cell("{predictions}", {"points"_is(result.set.readings.size()), "output"_is(text_cell(request.output)),
+                                    "predictions"_is(predictions)}));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct ShowRequest {
 
 Result<Outcome> show_unit(VerbContext& context) {
   ECS_TRY(parameters, parameters_in_unit(context));
-  return outcome_of(record_cell("{parameters}", {{"parameters", parameters_cell(parameters)}}));
+  return outcome_of(record_cell("{parameters}", {"parameters"_is(parameters_cell(parameters))}));
 }
 
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
@@ -53,11 +53,10 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
   const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
-                                    {{"machine", text_cell(machine)}, {"serial_number", text_cell(serial_number)}});
-  return outcome_of(record_cell("{identity}{parameters}", {{"file", word_cell(request.file)},
-                                                           {"identity", identity},
-                                                           {"parameters", parameters_cell(file.parameters)},
-                                                           {"defaulted", {file.defaulted, {}}}}));
+                                    {"machine"_is(text_cell(machine)), "serial_number"_is(text_cell(serial_number))});
+  return outcome_of(record_cell("{identity}{parameters}",
+                                {"file"_is(request.file), "identity"_is(identity),
+                                 "parameters"_is(parameters_cell(file.parameters)), "defaulted"_is(file.defaulted)}));
 }
 
 // --- set
@@ -101,10 +100,8 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
 }
 
 Cell changed_cell(const params::Difference& d) {
-  return record_cell("{key}: {from} -> {to}{unit}\n", {{"key", word_cell(d.key)},
-                                                       {"from", word_cell(d.a)},
-                                                       {"to", word_cell(d.b)},
-                                                       {"unit", shown_cell(d.unit.empty() ? "" : " " + d.unit)}});
+  return record_cell("{key}: {from} -> {to}{unit}\n",
+                     {"key"_is(d.key), "from"_is(d.a), "to"_is(d.b), "unit"_shown(d.unit.empty() ? "" : " " + d.unit)});
 }
 
 void add_identity_change(Cell& changed, const char* key, const std::string& from, const std::string& to) {
@@ -134,7 +131,7 @@ Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
   add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
   if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
-  return outcome_of(record_cell("{changed}written to {file}", {{"file", word_cell(output)}, {"changed", changed}}));
+  return outcome_of(record_cell("{changed}written to {file}", {"file"_is(output), "changed"_is(changed)}));
 }
 
 // --- diff
@@ -153,10 +150,8 @@ Result<Outcome> diff_two(VerbContext& context, const DiffRequest& request) {
   const auto differences = params::diff(a, b);
   Cell list = differences_cell(differences, "a", "b", request.a, request.b);
   if (differences.empty()) list.text = "no difference";
-  return outcome_of(record_cell("{differences}", {{"a", word_cell(request.a)},
-                                                  {"b", word_cell(request.b)},
-                                                  {"same", yes_cell(differences.empty(), "", "")},
-                                                  {"differences", list}}),
+  return outcome_of(record_cell("{differences}", {"a"_is(request.a), "b"_is(request.b), "same"_is(differences.empty()),
+                                                  "differences"_is(list)}),
                     differences.empty() ? kDone : kDoesNotHold);
 }
 
@@ -178,9 +173,8 @@ Result<Outcome> new_file(VerbContext& context, const NewRequest& request) {
   return outcome_of(record_cell(
       "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
       "`{check}`",
-      {{"file", word_cell(request.output)},
-       {"check", shown_cell(shell_command({"ecs", "params", "check", request.output}))},
-       {"parameters", parameters_cell(parameters)}}));
+      {"file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
+       "parameters"_is(parameters_cell(parameters))}));
 }
 
 struct CheckRequest {
@@ -194,9 +188,8 @@ struct CheckRequest {
 
 Cell findings_cell(const std::vector<params::Finding>& findings, const std::string& file) {
   Cell list = list_cell(findings, [](const params::Finding& finding) {
-    return record_cell({}, {{"severity", word_cell(params::name_of(finding.severity))},
-                            {"keys", lines_cell(finding.keys, "")},
-                            {"message", word_cell(finding.message)}});
+    return record_cell({}, {"severity"_is(params::name_of(finding.severity)), "keys"_is(lines_cell(finding.keys, "")),
+                            "message"_is(finding.message)});
   });
   list.text = findings.empty() ? fmt::format("{}: sound", file) : params::to_text(findings);
   return list;
@@ -215,11 +208,11 @@ Result<Outcome> check_file(VerbContext& context, const CheckRequest& request) {
     findings.push_back(std::move(finding));
   std::string taken;
   for (const std::string& line : params::defaults_taken(file)) taken += "\n" + line;
-  return outcome_of(record_cell("{findings}{defaulted}", {{"file", word_cell(request.file)},
-                                                          {"sound", yes_cell(!params::has_errors(findings), "", "")},
-                                                          {"findings", findings_cell(findings, request.file)},
-                                                          {"defaulted", {file.defaulted, taken}}}),
-                    findings.empty() ? kDone : kDoesNotHold);
+  return outcome_of(
+      record_cell("{findings}{defaulted}",
+                  {"file"_is(request.file), "sound"_is(!params::has_errors(findings)),
+                   "findings"_is(findings_cell(findings, request.file)), "defaulted"_is(file.defaulted, taken)}),
+      findings.empty() ? kDone : kDoesNotHold);
 }
 
 struct SendRequest {
@@ -238,14 +231,11 @@ struct SendRequest {
 Outcome sent(const SendRequest& request, const SendReport& report, const params::ParametersFile& file) {
   return finished_outcome_of(record_cell(
       "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
-      {{"file", word_cell(request.file)},
-       {"bytes", count_cell(report.bytes)},
-       {"commit_sequence", count_cell(report.commit_sequence)},
-       {"verified", yes_cell(true, "", "")},
-       {"defaulted", lines_cell(file.defaulted, "")},
-       {"map_kept", yes_cell(report.map_kept, "\nthe map in the unit fits and stays", "")},
-       {"map_dropped", yes_cell(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", "")},
-       {"map_objections", lines_cell(report.map_objections, "")}}));
+      {"file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
+       "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
+       "map_kept"_is(report.map_kept, "\nthe map in the unit fits and stays", ""),
+       "map_dropped"_is(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", ""),
+       "map_objections"_is(lines_cell(report.map_objections, ""))}));
 }
 
 Result<Outcome> send(VerbContext& context, const SendRequest& request) {
@@ -280,12 +270,10 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   ECS_TRY(parameters, receive_parameters(unit.client()));
   const params::Identity owner{{}, identity.serial_number};
   if (!request.output.empty()) ECS_DO(params::write_parameters(request.output, parameters, owner));
-  return outcome_of(
-      record_cell(request.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
-                  {{"file", text_cell(request.output)},
-                   {"serial_number", text_cell(identity.serial_number)},
-                   {"parameters", parameters_cell(parameters)},
-                   {"toml", shown_cell(params::parameters_toml(parameters, owner))}}));
+  return outcome_of(record_cell(
+      request.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
+      {"file"_is(text_cell(request.output)), "serial_number"_is(text_cell(identity.serial_number)),
+       "parameters"_is(parameters_cell(parameters)), "toml"_shown(params::parameters_toml(parameters, owner))}));
 }
 
 }  // namespace
