@@ -42,8 +42,8 @@ Json size_json(const volume::ErrorSize& size, const VolumeWork& work) {
   Json along = Json::object();
   for (const Axis axis : kAllAxes)
     if (exists[index_of(axis)])
-      along[std::string(1, letter_of(axis))] = {{"largest_um", number_or_null(size.largest_along_um[index_of(axis)])},
-                                                {"rms_um", number_or_null(size.rms_along_um[index_of(axis)])}};
+      along[std::string(1, letter_of(axis))] = object_of(
+          {"largest_um"_is(size.largest_along_um[index_of(axis)]), "rms_um"_is(size.rms_along_um[index_of(axis)])});
   const auto& settings = work.answer.settings;
   return {
       {"largest_um", number_or_null(size.largest_um)},
@@ -113,7 +113,7 @@ Json budget_json(const VolumeWork& work) {
       return one.rotary.empty() && one.component == component;
     });
     if (share == work.shares.end()) continue;
-    Json one{{"component", name_of(component)}, {"unit", unit_of(component)}, {"share", number_or_null(share->share)}};
+    Json one = object_of({"component"_is(name_of(component)), "unit"_is(unit_of(component)), "share"_is(share->share)});
     if (is_squareness(component)) {
       one["value"] = number_or_null(work.budget.squareness_um_per_m[c]);
     } else {
@@ -129,29 +129,23 @@ Json budget_json(const VolumeWork& work) {
   }
   for (const ComponentShare& one : work.shares)
     if (!one.rotary.empty())
-      list.push_back({{"component", one.rotary},
-                      {"unit", one.rotary[0] == 'E'  ? (one.rotary[1] < 'X' ? "um/m" : "um")
-                               : one.rotary[0] < 'X' ? "um/m"
-                                                     : "um"},
-                      {"share", number_or_null(one.share)}});
+      list.push_back(object_of({"component"_is(one.rotary),
+                                "unit"_is(one.rotary[0] == 'E'  ? (one.rotary[1] < 'X' ? "um/m" : "um")
+                                          : one.rotary[0] < 'X' ? "um/m"
+                                                                : "um"),
+                                "share"_is(one.share)}));
   return list;
 }
 
 Json uncertainty_json(const VolumeWork& work) {
   const volume::VolumeUncertainty& u = work.uncertainty;
   const volume::UncertaintySettings& s = work.settings;
-  return {{"largest_50_um", number_or_null(u.largest_50_um)},
-          {"rms_50_um", number_or_null(u.rms_50_um)},
-          {"linear_rms_um", number_or_null(u.linear_rms_um)},
-          {"monte_carlo_rms_um", number_or_null(u.drawn_rms_um)},
-          {"draws", s.draws},
-          {"seed", s.seed},
-          {"instrument_um_per_m", number_or_null(s.instrument_um_per_m)},
-          {"temperature_degC", number_or_null(s.temperature_degC)},
-          {"expansion_um_per_m_degC", number_or_null(s.expansion_um_per_m_degC)},
-          {"declared_zero", number_or_null(s.declared_zero)},
-          {"squareness_um_per_m", number_or_null(s.squareness_um_per_m)},
-          {"components", budget_json(work)}};
+  return object_of({"largest_50_um"_is(u.largest_50_um), "rms_50_um"_is(u.rms_50_um),
+                    "linear_rms_um"_is(u.linear_rms_um), "monte_carlo_rms_um"_is(u.drawn_rms_um), "draws"_is(s.draws),
+                    "seed"_is(s.seed), "instrument_um_per_m"_is(s.instrument_um_per_m),
+                    "temperature_degC"_is(s.temperature_degC), "expansion_um_per_m_degC"_is(s.expansion_um_per_m_degC),
+                    "declared_zero"_is(s.declared_zero), "squareness_um_per_m"_is(s.squareness_um_per_m),
+                    "components"_is(budget_json(work))});
 }
 
 std::string bound_text(const VolumeWork& work) {
@@ -177,9 +171,8 @@ Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::R
   text += ":\n";
   for (const std::size_t side : {std::size_t{1}, std::size_t{0}}) {
     const Vector3 &before = at->before_um[side], &after = at->after_um[side];
-    sides.push_back({{"approach", static_cast<int>(volume::kSides[side])},
-                     {"before_um", vector_json(before)},
-                     {"after_um", vector_json(after)}});
+    sides.push_back(object_of({"approach"_is(static_cast<int>(volume::kSides[side])),
+                               "before_um"_is(vector_json(before)), "after_um"_is(vector_json(after))}));
     text +=
         fmt::format("  {}  before {:.1f} {:.1f} {:.1f}  after {:.1f} {:.1f} {:.1f} um",
                     side == 1 ? "forward" : "reverse", before[0], before[1], before[2], after[0], after[1], after[2]);
@@ -243,22 +236,18 @@ Cell slice_cell(const std::optional<VolumeSlice>& slice) {
   for (std::size_t a = 0; a < kAxes; ++a)
     if (slice->grid.exists[a] && a != slice->across && a != slice->up)
       through[letter(a)] = number_or_null(slice->grid.mm[a].front());
-  return {{{"across", letter(slice->across)},
-           {"up", letter(slice->up)},
-           {"at_mm", std::move(through)},
-           {"across_mm", slice->grid.mm[slice->across]},
-           {"up_mm", slice->grid.mm[slice->up]},
-           {"before_um", slice_json(*slice, slice->errors.before)},
-           {"after_um", slice_json(*slice, slice->errors.after)}},
+  return {object_of({"across"_is(letter(slice->across)), "up"_is(letter(slice->up)), "at_mm"_is(std::move(through)),
+                     "across_mm"_is(slice->grid.mm[slice->across]), "up_mm"_is(slice->grid.mm[slice->up]),
+                     "before_um"_is(slice_json(*slice, slice->errors.before)),
+                     "after_um"_is(slice_json(*slice, slice->errors.after))}),
           slice_text(*slice)};
 }
 
 Cell between_cell(const VolumeWork& work) {
   if (!work.between) return null_cell();
   const auto json = [](const volume::ErrorSize& size) {
-    return Json{{"largest_um", number_or_null(size.largest_um)},
-                {"at", vector_json(size.at_mm)},
-                {"approach", static_cast<int>(size.approach)}};
+    return object_of({"largest_um"_is(size.largest_um), "at"_is(vector_json(size.at_mm)),
+                      "approach"_is(static_cast<int>(size.approach))});
   };
   const volume::ErrorSize &before = work.between->before, &after = work.between->after;
   return {
@@ -287,11 +276,10 @@ Json rotary_json(const VolumeWork& work) {
   Json compensated = Json::array();
   for (const Axis axis : kAllAxes)
     if (work.answer.grid.exists[index_of(axis)]) compensated.push_back(std::string(1, letter_of(axis)));
-  return {{"chain", kinematics::iso_notation(rotary->machine.chain)},
-          {"travel_deg", std::move(travels)},
-          {"settings", work.answer.settings.size()},
-          {"shown_at_deg", angles_json(rotary, rotary->angles_deg)},
-          {"compensated", std::move(compensated)}};
+  return object_of({"chain"_is(kinematics::iso_notation(rotary->machine.chain)), "travel_deg"_is(std::move(travels)),
+                    "settings"_is(work.answer.settings.size()),
+                    "shown_at_deg"_is(angles_json(rotary, rotary->angles_deg)),
+                    "compensated"_is(std::move(compensated))});
 }
 
 std::string heading_of(const VolumeWork& work) {
@@ -318,28 +306,18 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   };
   return record_cell(
       "{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
-      {{"points", count_cell(settings * work.answer.grid.places())},
-       {"heading", shown_cell(heading_of(work))},
-       {"before", sizes("before", work.answer.before)},
-       {"after", sizes(work.prepared.errors_from == "the errors file" ? "after" : "left of that", work.answer.after)},
-       {"at_most", shown_cell(bound_row(work))},
-       {"between", between_cell(work)},
-       {"uncertainty_95_um",
-        {{{"largest", number_or_null(work.uncertainty.largest_95_um)},
-          {"rms", number_or_null(work.uncertainty.rms_95_um)}},
-         {}}},
-       {"bound", shown_cell(bound_text(work))},
-       {"errors_from", text_cell(work.prepared.errors_from)},
-       {"travel_mm", {travel_json(machine.travel_mm), {}}},
-       {"reference_mm", {vector_json(work.answer.grid.reference_mm), {}}},
-       {"tool_offset_mm", {vector_json(machine.tool_offset_mm), {}}},
-       {"uncertainty", {uncertainty_json(work), {}}},
-       {"slice", slice_cell(work.slice)},
-       {"at", at_cell(work.at, machine.rotary)},
-       {"rotary", {rotary_json(work), {}}},
-       {"notes", paragraphs_cell(work.notes, "note: ")},
-       {"picture", written_cell("picture", picture)},
-       {"values", written_cell("values", values)}});
+      {"points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
+       "before"_is(sizes("before", work.answer.before)),
+       "after"_is(sizes(work.prepared.errors_from == "the errors file" ? "after" : "left of that", work.answer.after)),
+       "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
+       "uncertainty_95_um"_is(
+           object_of({"largest"_is(work.uncertainty.largest_95_um), "rms"_is(work.uncertainty.rms_95_um)})),
+       "bound"_shown(bound_text(work)), "errors_from"_is(text_cell(work.prepared.errors_from)),
+       "travel_mm"_is(travel_json(machine.travel_mm)), "reference_mm"_is(vector_json(work.answer.grid.reference_mm)),
+       "tool_offset_mm"_is(vector_json(machine.tool_offset_mm)), "uncertainty"_is(uncertainty_json(work)),
+       "slice"_is(slice_cell(work.slice)), "at"_is(at_cell(work.at, machine.rotary)), "rotary"_is(rotary_json(work)),
+       "notes"_is(paragraphs_cell(work.notes, "note: ")), "picture"_is(written_cell("picture", picture)),
+       "values"_is(written_cell("values", values))});
 }
 
 std::string values_csv(const VolumeWork& work) {
