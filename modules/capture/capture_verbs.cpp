@@ -26,20 +26,15 @@ Cell end_cell(const CaptureEnd& end) {
     doubts += key == "in doubt" ? 1U : 0U;
     if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
   }
-  return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
-                                  : "left before the end: {kept}\n",
-                     {{"complete", yes_cell(end.complete, "", "")},
-                      {"output", text_cell(end.file)},
-                      {"part", end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}},
-                      {"targets", {end.targets, fmt::format("{}", end.targets)}},
-                      {"readings", count_cell(readings.size())},
-                      {"left_out", {end.skipped, {}}},
-                      {"in_doubt", count_cell(doubts)},
-                      {"runs", {end.runs, {}}},
-                      {"duration_s", readings.empty() ? null_cell() : Cell{number_or_null(readings.back().time_s), {}}},
-                      {"unplugged", {end.unplugged, {}}},
-                      {"remarks", shown_cell(remarks)},
-                      {"kept", shown_cell(end.kept)}});
+  return record_cell(
+      end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
+                   : "left before the end: {kept}\n",
+      {"complete"_is(end.complete), "output"_is(text_cell(end.file)),
+       "part"_is(end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}),
+       "targets"_is(end.targets, fmt::format("{}", end.targets)), "readings"_is(readings.size()),
+       "left_out"_is(end.skipped), "in_doubt"_is(doubts), "runs"_is(end.runs),
+       "duration_s"_is(readings.empty() ? null_cell() : Cell{number_or_null(readings.back().time_s), {}}),
+       "unplugged"_is(end.unplugged), "remarks"_shown(remarks), "kept"_shown(end.kept)});
 }
 
 Result<Outcome> capture_verb(VerbContext& context, const CaptureChoice& choice) {
@@ -93,28 +88,23 @@ Cell device_cell(const devices::HidIdentity& one) {
                           : fmt::format(", input report {} of {} bytes", number, bytes);
   return record_cell(
       "{path}\n  usage page {usage_page}, usage {usage}{input_reports}\n{described_by}{hindrance}",
-      {{"path", {one.path, devices::to_text(one)}},
-       {"vendor_id", word_cell(hex(one.vendor_id))},
-       {"product_id", word_cell(hex(one.product_id))},
-       {"serial", text_cell(one.serial)},
-       {"manufacturer", text_cell(one.manufacturer)},
-       {"product", text_cell(one.product)},
-       {"interface", one.interface >= 0 ? integer_cell(one.interface) : null_cell()},
-       {"usage_page", word_cell(hex(one.usage_page))},
-       {"usage", word_cell(hex(one.usage))},
-       {"input_reports", {lengths(one.reports.input), inputs}},
-       {"feature_reports", {lengths(one.reports.feature), {}}},
-       {"described_by", {text_or_null(known), known.empty() ? "" : fmt::format("  known: --environment {}\n", known)}},
-       {"usable", yes_cell(opened.has_value(), "", "")},
-       {"hindrance",
-        opened ? null_cell() : Cell{opened.error().message, fmt::format("  {}\n", opened.error().message)}}});
+      {"path"_is(one.path, devices::to_text(one)), "vendor_id"_is(hex(one.vendor_id)),
+       "product_id"_is(hex(one.product_id)), "serial"_is(text_cell(one.serial)),
+       "manufacturer"_is(text_cell(one.manufacturer)), "product"_is(text_cell(one.product)),
+       "interface"_is(one.interface >= 0 ? cell_of(one.interface) : null_cell()), "usage_page"_is(hex(one.usage_page)),
+       "usage"_is(hex(one.usage)), "input_reports"_is(lengths(one.reports.input), inputs),
+       "feature_reports"_is(lengths(one.reports.feature)),
+       "described_by"_is(text_or_null(known), known.empty() ? "" : fmt::format("  known: --environment {}\n", known)),
+       "usable"_is(opened.has_value()),
+       "hindrance"_is(opened ? null_cell()
+                             : Cell{opened.error().message, fmt::format("  {}\n", opened.error().message)})});
 }
 
 Result<Outcome> list() {
   ECS_TRY(present, devices::hid_devices());
   Cell list = list_cell(present, device_cell);
   if (present.empty()) list.text = "no HID device is plugged in (or the kernel has no hidraw)\n";
-  return outcome_of(record_cell("{devices}", {{"devices", list}}));
+  return outcome_of(record_cell("{devices}", {"devices"_is(list)}));
 }
 
 Result<Outcome> rules(const DevicesRequest& request) {
@@ -124,7 +114,7 @@ Result<Outcome> rules(const DevicesRequest& request) {
     devices.insert(devices.end(), more.begin(), more.end());
   }
   const std::string text = devices::udev_rules(devices);
-  return Outcome{text, one_line(Json{{"rules", text}, {"file", "/etc/udev/rules.d/70-ecs.rules"}}), kDone};
+  return Outcome{text, one_line(object_of({"rules"_is(text), "file"_is("/etc/udev/rules.d/70-ecs.rules")})), kDone};
 }
 
 Result<Outcome> learn(VerbContext& context, const DevicesRequest& request) {
@@ -134,15 +124,11 @@ Result<Outcome> learn(VerbContext& context, const DevicesRequest& request) {
   const std::string toml = devices::to_toml(found.description);
   ECS_DO(write_file(request.output, toml));
   const devices::TriggerLayout& trigger = found.description.trigger;
-  return outcome_of(record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n",
-                                {{"toml", shown_cell(toml)},
-                                 {"output", word_cell(request.output)},
-                                 {"name", word_cell(found.description.name)},
-                                 {"byte", {trigger.byte, {}}},
-                                 {"mask", {trigger.mask, {}}},
-                                 {"active", word_cell(trigger.active_high ? "high" : "low")},
-                                 {"debounce_ms", {trigger.debounce_ms, {}}},
-                                 {"bounce_ms", number_cell(found.bounce_ms, 0)}}));
+  return outcome_of(
+      record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n",
+                  {"toml"_shown(toml), "output"_is(request.output), "name"_is(found.description.name),
+                   "byte"_is(trigger.byte), "mask"_is(trigger.mask), "active"_is(trigger.active_high ? "high" : "low"),
+                   "debounce_ms"_is(trigger.debounce_ms), "bounce_ms"_is(found.bounce_ms, 0)}));
 }
 
 Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request, devices::DevicePort port) {
@@ -162,7 +148,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request,
         ProblemKind::refused,
         fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
                     seen, request.count, request.timeout_s));
-  return outcome_of(record_cell("{presses} presses\n", {{"presses", integer_cell(seen)}}));
+  return outcome_of(record_cell("{presses} presses\n", {"presses"_is(seen)}));
 }
 
 Json values_json(const devices::Values& values) {
@@ -196,7 +182,7 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesRequest& request, 
                    fmt::format("{} answered {} times of {} with a value within {} s: is its description "
                                "right, is its probe plugged in?",
                                name_of(sensor.port()), seen, request.count, request.timeout_s));
-  return Outcome{text, one_line(Json{{"answers", answers}}), kDone};
+  return Outcome{text, one_line(object_of({"answers"_is(answers)})), kDone};
 }
 
 Result<Outcome> try_device(VerbContext& context, const DevicesRequest& request) {
@@ -224,7 +210,7 @@ Result<Outcome> describe(const DevicesRequest& request) {
       text += fmt::format("# the same: vendor_id = 0x{:04x}, product_id = 0x{:04x}\n", device.match.ids[k].vendor_id,
                           device.match.ids[k].product_id);
   }
-  return Outcome{text, one_line(Json{{"toml", text}}), kDone};
+  return Outcome{text, one_line(object_of({"toml"_is(text)})), kDone};
 }
 
 Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
