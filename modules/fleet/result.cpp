@@ -13,34 +13,27 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "modules/fleet/run.hpp"
 
 namespace ecs::commissioning {
 std::string to_line(const FleetResult& result) {
   if (!result.error.empty()) {
-    Json error{{"id", text_or_null(result.id)}, {"error", result.error}};
+    Json error = object_of({"id"_is(text_or_null(result.id)), "error"_is(result.error)});
     if (result.doubled) error["doubled"] = true;
     return one_line(error);
   }
   Json causes = Json::array();
   for (const FleetCause& cause : result.causes)
-    causes.push_back({{"name", cause.name},
-                      {"probability", number_or_null(cause.probability)},
-                      {"e_value", number_or_null(cause.e_value)},
-                      {"false_naming", number_or_null(cause.false_naming)},
-                      {"p_value", number_or_null(cause.p_value)},
-                      {"standing", cause.standing}});
-  return one_line({{"id", result.id},
-                   {"hash", result.hash},
-                   {"verdict", result.verdict},
-                   {"p_value", number_or_null(result.p_value)},
-                   {"causes", std::move(causes)},
-                   {"type", text_or_null(result.type)},
-                   {"batch", text_or_null(result.batch)},
-                   {"processor_s", number_or_null(result.processor_s)}});
+    causes.push_back(
+        object_of({"name"_is(cause.name), "probability"_is(cause.probability), "e_value"_is(cause.e_value),
+                   "false_naming"_is(cause.false_naming), "p_value"_is(cause.p_value), "standing"_is(cause.standing)}));
+  return one_line(
+      object_of({"id"_is(result.id), "hash"_is(result.hash), "verdict"_is(result.verdict), "p_value"_is(result.p_value),
+                 "causes"_is(std::move(causes)), "type"_is(text_or_null(result.type)),
+                 "batch"_is(text_or_null(result.batch)), "processor_s"_is(result.processor_s)}));
 }
 
 std::optional<FleetResult> result_in(std::string_view line) {
