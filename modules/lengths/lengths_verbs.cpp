@@ -328,64 +328,49 @@ std::optional<double> freedom_of(const Identified& one) {
 
 Cell curve_cell(const model::IdentifiedCurve& curve) {
   const std::string unit(unit_of(curve.component));
-  Json points{{"position_mm", curve.position_mm},
-              {"forward", curve.forward},
-              {"reverse", curve.reverse},
-              {"U_forward", curve.U_forward},
-              {"U_reverse", curve.U_reverse}};
+  Json points =
+      object_of({"position_mm"_is(curve.position_mm), "forward"_is(curve.forward), "reverse"_is(curve.reverse),
+                 "U_forward"_is(curve.U_forward), "U_reverse"_is(curve.U_reverse)});
   if (!curve.determined) points = nullptr;
   const auto number = [&](double value) {
     return number_cell(curve.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
-                     {{"component", word_cell(name_of(curve.component))},
-                      {"description", word_cell(laser::description_of(curve.component))},
-                      {"unit", word_cell(unit)},
-                      {"determined", yes_cell(curve.determined, "", "")},
-                      {"largest", number(greatest_in(curve.forward, curve.reverse))},
-                      {"reversal",
-                       [&] {
-                         std::vector<double> reversal;
-                         for (std::size_t i = 0; i < curve.forward.size(); ++i)
-                           reversal.push_back(curve.forward[i] - curve.reverse[i]);
-                         return number(greatest_in(reversal, {}));
-                       }()},
-                      {"U_largest", number(greatest_in(curve.U_forward, curve.U_reverse))},
-                      {"degrees_of_freedom", number_cell(freedom_of(curve), 1)},
-                      {"points", {std::move(points), {}}}});
+  return record_cell(
+      "  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
+      {"component"_is(name_of(curve.component)), "description"_is(laser::description_of(curve.component)),
+       "unit"_is(unit), "determined"_is(curve.determined),
+       "largest"_is(number(greatest_in(curve.forward, curve.reverse))), "reversal"_is([&] {
+         std::vector<double> reversal;
+         for (std::size_t i = 0; i < curve.forward.size(); ++i) reversal.push_back(curve.forward[i] - curve.reverse[i]);
+         return number(greatest_in(reversal, {}));
+       }()),
+       "U_largest"_is(number(greatest_in(curve.U_forward, curve.U_reverse))),
+       "degrees_of_freedom"_is(freedom_of(curve), 1), "points"_is(std::move(points))});
 }
 
 Cell square_cell(const model::IdentifiedSquareness& square) {
   const auto number = [&](double value) {
     return number_cell(square.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
-                     {{"component", word_cell(name_of(square.component))},
-                      {"description", word_cell(laser::description_of(square.component))},
-                      {"unit", word_cell("um/m")},
-                      {"determined", yes_cell(square.determined, "", "")},
-                      {"um_per_m", number(square.um_per_m)},
-                      {"none", shown_cell("")},
-                      {"U", number(square.U_um_per_m)},
-                      {"degrees_of_freedom", number_cell(freedom_of(square), 1)}});
+  return record_cell(
+      "  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
+      {"component"_is(name_of(square.component)), "description"_is(laser::description_of(square.component)),
+       "unit"_is("um/m"), "determined"_is(square.determined), "um_per_m"_is(number(square.um_per_m)), "none"_shown(""),
+       "U"_is(number(square.U_um_per_m)), "degrees_of_freedom"_is(freedom_of(square), 1)});
 }
 
 Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
-  return record_cell(
-      "  set-up {name}: {readings} readings, residuals {rms_um} um, station off by {shown} mm\n",
-      {{"name", word_cell(set_up.name)},
-       {"readings", count_cell(set_up.readings)},
-       {"rms_um", number_cell(set_up.rms_um, 3)},
-       {"station_correction_mm", {Json(set_up.station_correction_mm), {}}},
-       {"shown", shown_cell(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
-                                        set_up.station_correction_mm[1], set_up.station_correction_mm[2]))}});
+  return record_cell("  set-up {name}: {readings} readings, residuals {rms_um} um, station off by {shown} mm\n",
+                     {"name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
+                      "station_correction_mm"_is(Json(set_up.station_correction_mm)),
+                      "shown"_shown(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
+                                                set_up.station_correction_mm[1], set_up.station_correction_mm[2]))});
 }
 
 Cell outlier_cell(const model::LengthOutlier& outlier) {
-  return record_cell("  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n",
-                     {{"line", integer_cell(outlier.line)},
-                      {"residual_um", number_cell(outlier.residual_um, 2)},
-                      {"sigmas", number_cell(outlier.sigmas, 1)}});
+  return record_cell(
+      "  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n",
+      {"line"_is(outlier.line), "residual_um"_is(outlier.residual_um, 2), "sigmas"_is(outlier.sigmas, 1)});
 }
 
 std::vector<std::string> missing_in(const model::Identification& found) {
@@ -414,15 +399,9 @@ Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes)
   return record_cell(
       "single set-ups for {wanted} um: {set_ups} of {runs} runs of {targets} targets{not_reached}, {minutes} minutes; "
       "ratio {ratio}\n",
-      {{"wanted", shown_cell(number_cell(U_um, 3).text)},
-       {"set_ups", integer_cell(single.set_ups)},
-       {"runs", integer_cell(single.runs)},
-       {"targets", integer_cell(single.targets)},
-       {"minutes", number_cell(single.minutes, 1)},
-       {"volume_U_um", number_cell(single.volume_U_um, 3)},
-       {"reached", yes_cell(single.reached, "", "")},
-       {"ratio", number_cell(minutes / single.minutes, 3)},
-       {"not_reached", shown_cell(single.reached ? "" : " (not reached)")}});
+      {"wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
+       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
+       "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)")});
 }
 
 /// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
@@ -440,32 +419,32 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
-      {{"file", word_cell(work.test.source)},
-       {"machine", word_cell(work.machine_name)},
-       {"readings", count_cell(found.readings)},
-       {"unknowns", integer_cell(found.unknowns)},
-       {"degrees_of_freedom", integer_cell(found.degrees_of_freedom)},
-       {"knots_mm", {Json(found.knots_mm), {}}},
-       {"determined", yes_cell(found.whole(), "", "")},
-       {"components", list_cell(acting, curve_cell,
-                                fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
-                                            "largest", "reversal", "U (95 %)"))},
-       {"squareness", list_cell(found.squareness, square_cell)},
-       {"without_effect", {Json(without_effect(found)), idle_text(without_effect(found))}},
-       {"not_determined", lines_cell(missing_in(found), "  ")},
-       {"residual_um", number_cell(found.residual_um, 3)},
-       {"white_um", number_cell(found.white_um, 3)},
-       {"stop_um", number_cell(found.stop_um, 3)},
-       {"stop_um_per_m", number_cell(found.stop_um_per_m, 3)},
-       {"pass_um", number_cell(found.pass_um, 3)},
-       {"pass_um_per_m", number_cell(found.pass_um_per_m, 3)},
-       {"repeat_um", number_cell(found.repeat_um, 3)},
-       {"volume_U_um", number_cell(found.volume_U_um, 3)},
-       {"set_ups", list_cell(found.set_ups, set_up_cell)},
-       {"outliers", list_cell(found.outliers, outlier_cell)},
-       {"notes", lines_cell(found.notes, "  note: ")},
-       {"map", written_cell("map", map, none)},
-       {"params_out", written_cell("parameters", params_out)}});
+      {"file"_is(work.test.source),
+       "machine"_is(work.machine_name),
+       "readings"_is(found.readings),
+       "unknowns"_is(found.unknowns),
+       "degrees_of_freedom"_is(found.degrees_of_freedom),
+       "knots_mm"_is(Json(found.knots_mm)),
+       "determined"_is(found.whole()),
+       "components"_is(list_cell(acting, curve_cell,
+                                 fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
+                                             "largest", "reversal", "U (95 %)"))),
+       "squareness"_is(list_cell(found.squareness, square_cell)),
+       "without_effect"_is(Json(without_effect(found)), idle_text(without_effect(found))),
+       "not_determined"_is(lines_cell(missing_in(found), "  ")),
+       "residual_um"_is(found.residual_um, 3),
+       "white_um"_is(found.white_um, 3),
+       "stop_um"_is(found.stop_um, 3),
+       "stop_um_per_m"_is(found.stop_um_per_m, 3),
+       "pass_um"_is(found.pass_um, 3),
+       "pass_um_per_m"_is(found.pass_um_per_m, 3),
+       "repeat_um"_is(found.repeat_um, 3),
+       "volume_U_um"_is(found.volume_U_um, 3),
+       "set_ups"_is(list_cell(found.set_ups, set_up_cell)),
+       "outliers"_is(list_cell(found.outliers, outlier_cell)),
+       "notes"_is(lines_cell(found.notes, "  note: ")),
+       "map"_is(written_cell("map", map, none)),
+       "params_out"_is(written_cell("parameters", params_out))});
 }
 
 /// The answer of `ecs lengths plan`. @param file  that was written; empty: none
@@ -473,32 +452,23 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
   const auto set_up = [&](const model::LengthSetUp& one) {
     return record_cell(
         "  {name}: {instrument} {place}\n",
-        {{"name", word_cell(one.name)},
-         {"instrument", word_cell(model::word_of(one.instrument))},
-         {"place",
-          {Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2])}}});
+        {"name"_is(one.name), "instrument"_is(model::word_of(one.instrument)),
+         "place"_is(Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2]))});
   };
   return record_cell(
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
       "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
       "{stations}{notes}{single}  with the first tool alone: {single_first_tool}{plan}",
-      {{"reached_text", shown_cell(plan.reached ? "reached" : "NOT REACHED with three runs of every path")},
-       {"reached", yes_cell(plan.reached, "", "")},
-       {"wanted_U_um", number_cell(wanted_U_um, 3)},
-       {"volume_U_um", number_cell(plan.volume_U_um, 3)},
-       {"first_tool_U_um", number_cell(plan.first_tool_U_um, 3)},
-       {"minutes", number_cell(plan.minutes, 1)},
-       {"set_up_minutes", number_cell(plan.set_up_minutes, 1)},
-       {"set_ups", count_cell(plan.set_ups)},
-       {"paths", count_cell(plan.paths)},
-       {"readings", count_cell(plan.test.readings.size())},
-       {"stations", list_cell(plan.test.set_ups, set_up)},
-       {"not_determined", {Json(plan.undetermined), {}}},
-       {"notes", lines_cell(plan.notes, "note: ")},
-       {"single", single_cell(plan.single, plan.volume_U_um, plan.minutes)},
-       {"single_first_tool", single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)},
-       {"plan", written_cell("plan", file, "plan not written: give -o plan.csv\n")}});
+      {"reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
+       "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
+       "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),
+       "set_up_minutes"_is(plan.set_up_minutes, 1), "set_ups"_is(plan.set_ups), "paths"_is(plan.paths),
+       "readings"_is(plan.test.readings.size()), "stations"_is(list_cell(plan.test.set_ups, set_up)),
+       "not_determined"_is(Json(plan.undetermined)), "notes"_is(lines_cell(plan.notes, "note: ")),
+       "single"_is(single_cell(plan.single, plan.volume_U_um, plan.minutes)),
+       "single_first_tool"_is(single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)),
+       "plan"_is(written_cell("plan", file, "plan not written: give -o plan.csv\n"))});
 }
 
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
