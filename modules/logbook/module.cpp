@@ -202,10 +202,9 @@ LogRecord record_of(const Action& action, const std::vector<std::string>& words,
   const Json answer = Json::parse(outcome.json, nullptr, false);
   const std::string name = *action.is.logged_as != '\0' ? action.is.logged_as : action.path;
   std::error_code error;
-  Json content{{"verb", name},
-               {"words", kept_words(action, words)},
-               {"folder", std::filesystem::current_path(error).string()},
-               {"exit_code", outcome.exit_code}};
+  Json content =
+      object_of({"verb"_is(name), "words"_is(kept_words(action, words)),
+                 "folder"_is(std::filesystem::current_path(error).string()), "exit_code"_is(outcome.exit_code)});
   if (answer.is_object() && outcome.json.size() <= kMostAnswer) content["answer"] = answer;
   std::string written;
   for (const SeenFile& file : seen.outputs())

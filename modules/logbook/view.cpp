@@ -45,12 +45,11 @@ std::string number_text(const std::optional<double>& value) { return value ? fmt
 Cell curve_cell(const ComparedCurve& one) {
   return record_cell(
       "{component:<5} {unit:<5} {largest_from:>12} {largest_to:>12} {largest_change:>15} {change_rms:>12}\n",
-      {{"component", word_cell(one.component)},
-       {"unit", word_cell(one.unit)},
-       {"largest_from", {number_or_null(one.largest[0]), number_text(one.largest[0])}},
-       {"largest_to", {number_or_null(one.largest[1]), number_text(one.largest[1])}},
-       {"largest_change", {number_or_null(one.largest_change), number_text(one.largest_change)}},
-       {"change_rms", {number_or_null(one.change_rms), number_text(one.change_rms)}}});
+      {"component"_is(one.component), "unit"_is(one.unit),
+       "largest_from"_is(one.largest[0], number_text(one.largest[0])),
+       "largest_to"_is(one.largest[1], number_text(one.largest[1])),
+       "largest_change"_is(one.largest_change, number_text(one.largest_change)),
+       "change_rms"_is(one.change_rms, number_text(one.change_rms))});
 }
 
 Cell cause_cell(const ComparedCause& one) {
@@ -58,9 +57,8 @@ Cell cause_cell(const ComparedCause& one) {
     return Cell{parameters ? Json(*parameters) : Json(nullptr),
                 parameters ? (parameters->empty() ? "named" : *parameters) : "not named"};
   };
-  return record_cell(
-      "{name}\n  then: {from}\n  now:  {to}\n",
-      {{"name", word_cell(one.name)}, {"from", side(one.parameters[0])}, {"to", side(one.parameters[1])}});
+  return record_cell("{name}\n  then: {from}\n  now:  {to}\n",
+                     {"name"_is(one.name), "from"_is(side(one.parameters[0])), "to"_is(side(one.parameters[1]))});
 }
 
 Json volume_json(const std::optional<ComparedVolume>& volume) {
@@ -92,10 +90,8 @@ std::string volume_text(const std::array<LoggedState, 2>& states) {
 Json number_of(const std::optional<LogbookEntry>& entry) { return entry ? Json(entry->number) : Json(nullptr); }
 
 Json state_json(const LoggedState& state) {
-  return {{"date", state.date},
-          {"map_entry", number_of(state.map)},
-          {"diagnosis_entry", number_of(state.diagnosis)},
-          {"volume", volume_json(state.volume)}};
+  return object_of({"date"_is(state.date), "map_entry"_is(number_of(state.map)),
+                    "diagnosis_entry"_is(number_of(state.diagnosis)), "volume"_is(volume_json(state.volume))});
 }
 
 std::string state_text(const char* word, const LoggedState& state) {
@@ -114,17 +110,12 @@ std::string log_list_head() {
 }
 
 Cell log_entry_cell(const LogbookEntry& entry) {
-  return record_cell("{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
-                     {{"number", integer_cell(entry.number)},
-                      {"time", word_cell(entry.time)},
-                      {"kind", word_cell(entry.kind)},
-                      {"hash", {entry.hash, entry.hash.substr(0, 8)}},
-                      {"previous", {entry.previous, {}}},
-                      {"operator", word_cell(entry.operator_name)},
-                      {"summary", word_cell(entry.summary)},
-                      {"machine", {text_or_null(entry.machine), {}}},
-                      {"serial_number", {text_or_null(entry.serial_number), {}}},
-                      {"instrument", {object_in(entry.instrument), {}}}});
+  return record_cell(
+      "{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
+      {"number"_is(entry.number), "time"_is(entry.time), "kind"_is(entry.kind),
+       "hash"_is(entry.hash, entry.hash.substr(0, 8)), "previous"_is(entry.previous),
+       "operator"_is(entry.operator_name), "summary"_is(entry.summary), "machine"_is(text_or_null(entry.machine)),
+       "serial_number"_is(text_or_null(entry.serial_number)), "instrument"_is(object_in(entry.instrument))});
 }
 
 Cell whole_entry_cell(const LogbookEntry& entry) {
@@ -154,38 +145,30 @@ Cell verdict_cell(const LogVerdict& verdict, const std::string& path) {
       : verdict.first
           ? fmt::format("entry {} does not fit: {}; {} before it fit\n", *verdict.first, verdict.why, verdict.entries)
           : fmt::format("{}\n", verdict.why);
-  return record_cell("{text}", {{"log", word_cell(path)},
-                                {"whole", {verdict.whole(), {}}},
-                                {"entries", count_cell(verdict.entries)},
-                                {"last_hash", {text_or_null(verdict.last_hash), {}}},
-                                {"first", {verdict.first ? Json(*verdict.first) : Json(nullptr), {}}},
-                                {"why", {text_or_null(verdict.why), {}}},
-                                {"text", shown_cell(text)}});
+  return record_cell("{text}", {"log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
+                                "last_hash"_is(text_or_null(verdict.last_hash)),
+                                "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),
+                                "why"_is(text_or_null(verdict.why)), "text"_shown(text)});
 }
 
 Cell replay_cell(const Replay& replay) {
   return record_cell(
       "active since entry {activation}\n{derived}{raw}{notes}image derived again: {map_sha256}\nimage that is active: "
       "{active_sha256}\n{same}\n",
-      {{"map_sha256", word_cell(replay.map_sha256)},
-       {"active_sha256", word_cell(replay.active_sha256)},
-       {"same", yes_cell(replay.same, "the same, bit for bit", "NOT THE SAME")},
-       {"activation", integer_cell(replay.activation)},
-       {"derived", list_cell(replay.derived,
-                             [](const DerivedFile& one) {
-                               return record_cell("again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
-                                                  {{"entry", integer_cell(one.entry)},
-                                                   {"name", word_cell(one.name)},
-                                                   {"verb", word_cell(one.verb)},
-                                                   {"sha256", {one.sha256, {}}},
-                                                   {"same", yes_cell(one.same, "the same", "DIFFERENT")}});
-                             })},
-       {"raw",
-        list_cell(replay.raw,
-                  [](const RawFile& one) {
-                    return record_cell("from {name}\n", {{"name", word_cell(one.name)}, {"sha256", {one.sha256, {}}}});
-                  })},
-       {"notes", lines_cell(replay.notes, "note: ")}});
+      {"map_sha256"_is(replay.map_sha256), "active_sha256"_is(replay.active_sha256),
+       "same"_is(replay.same, "the same, bit for bit", "NOT THE SAME"), "activation"_is(replay.activation),
+       "derived"_is(list_cell(replay.derived,
+                              [](const DerivedFile& one) {
+                                return record_cell(
+                                    "again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
+                                    {"entry"_is(one.entry), "name"_is(one.name), "verb"_is(one.verb),
+                                     "sha256"_is(one.sha256), "same"_is(one.same, "the same", "DIFFERENT")});
+                              })),
+       "raw"_is(list_cell(replay.raw,
+                          [](const RawFile& one) {
+                            return record_cell("from {name}\n", {"name"_is(one.name), "sha256"_is(one.sha256)});
+                          })),
+       "notes"_is(lines_cell(replay.notes, "note: "))});
 }
 
 Cell comparison_of_log_cell(const LogComparison& comparison) {
@@ -196,13 +179,10 @@ Cell comparison_of_log_cell(const LogComparison& comparison) {
   Cell curves = list_cell(comparison.curves, curve_cell, comparison.curves.empty() ? "" : head);
   Cell causes = list_cell(comparison.causes, cause_cell, comparison.causes.empty() ? "" : "\ncauses\n");
   return record_cell("{states}{curves}{causes}{volume}{notes}",
-                     {{"from", {state_json(states[0]), {}}},
-                      {"to", {state_json(states[1]), {}}},
-                      {"curves", std::move(curves)},
-                      {"causes", std::move(causes)},
-                      {"notes", lines_cell(comparison.notes, "note: ")},
-                      {"states", shown_cell(state_text("then,", states[0]) + state_text("now, ", states[1]))},
-                      {"volume", shown_cell(volume_text(states))}});
+                     {"from"_is(state_json(states[0])), "to"_is(state_json(states[1])), "curves"_is(std::move(curves)),
+                      "causes"_is(std::move(causes)), "notes"_is(lines_cell(comparison.notes, "note: ")),
+                      "states"_shown(state_text("then,", states[0]) + state_text("now, ", states[1])),
+                      "volume"_shown(volume_text(states))});
 }
 
 }  // namespace ecs::commissioning
