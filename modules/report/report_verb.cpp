@@ -25,16 +25,12 @@ Json row_json(const ReportContent& content, std::size_t i) {
   const TableRow& row = content.rows[i];
   Json problems = Json::array();
   for (const Problem& one : row.problems) problems.push_back(problem_json(one));
-  return {{"name", row.planned.name},
-          {"title", row.planned.title},
-          {"unit", laser::unit_of(row.planned.sense)},
-          {"before", band_of(row.before)},
-          {"after", band_of(row.after)},
-          {"predicted", content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)},
-          {"ratio", number_or_null(row.ratio())},
-          {"limit", number_or_null(row.planned.published_after)},
-          {"verdict", word_for(verdict_of(row))},
-          {"problems", std::move(problems)}};
+  return object_of(
+      {"name"_is(row.planned.name), "title"_is(row.planned.title), "unit"_is(laser::unit_of(row.planned.sense)),
+       "before"_is(band_of(row.before)), "after"_is(band_of(row.after)),
+       "predicted"_is(content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)),
+       "ratio"_is(row.ratio()), "limit"_is(row.planned.published_after), "verdict"_is(word_for(verdict_of(row))),
+       "problems"_is(std::move(problems))});
 }
 
 /// What a report may hold and this one was not given.
@@ -66,7 +62,7 @@ Json volume_json(const std::optional<ReportedVolume>& volume) {
   if (!volume) return nullptr;
   Json before = Json::object(), after = Json::object();
   const auto put = [](Json& into, const std::string& name, double largest_um, double rms_um) {
-    into[name] = {{"largest_um", number_or_null(largest_um)}, {"rms_um", number_or_null(rms_um)}};
+    into[name] = object_of({"largest_um"_is(largest_um), "rms_um"_is(rms_um)});
   };
   for (auto& [size, into] : {std::pair<const volume::ErrorSize&, Json&>{volume->answer.before.all, before},
                              {volume->answer.after.all, after}}) {
@@ -76,13 +72,10 @@ Json volume_json(const std::optional<ReportedVolume>& volume) {
             size.rms_along_um[index_of(axis)]);
     put(into, "length", size.largest_um, size.rms_um);
   }
-  return {{"from", volume->prepared.errors_from},
-          {"places", volume->answer.grid.places()},
-          {"uncertainty_95_um",
-           {{"largest", number_or_null(volume->uncertainty.largest_95_um)},
-            {"rms", number_or_null(volume->uncertainty.rms_95_um)}}},
-          {"predicted_before", std::move(before)},
-          {"predicted_after", std::move(after)}};
+  return object_of({"from"_is(volume->prepared.errors_from), "places"_is(volume->answer.grid.places()),
+                    "uncertainty_95_um"_is(object_of(
+                        {"largest"_is(volume->uncertainty.largest_95_um), "rms"_is(volume->uncertainty.rms_95_um)})),
+                    "predicted_before"_is(std::move(before)), "predicted_after"_is(std::move(after))});
 }
 
 Json circles_json(const ReportContent& content) {
@@ -92,11 +85,9 @@ Json circles_json(const ReportContent& content) {
     for (const laser::CirclePass& pass : circle.values.passes) worst_um = std::max(worst_um, pass.G_um);
     Json causes = Json::array();
     for (const model::CircleFaultFound& fault : circle.diagnosis.faults)
-      causes.push_back({{"name", fault.name}, {"share", number_or_null(fault.share)}});
-    circles.push_back({{"file", circle.file.string()},
-                       {"plane", laser::plane_name(circle.test.plane)},
-                       {"G_um", number_or_null(worst_um)},
-                       {"causes", std::move(causes)}});
+      causes.push_back(object_of({"name"_is(fault.name), "share"_is(fault.share)}));
+    circles.push_back(object_of({"file"_is(circle.file.string()), "plane"_is(laser::plane_name(circle.test.plane)),
+                                 "G_um"_is(worst_um), "causes"_is(std::move(causes))}));
   }
   return circles;
 }
@@ -109,28 +100,29 @@ struct Page {
 Json report_json(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   Json rows = Json::array();
   for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(row_json(content, i));
-  Json object{{"report", output},
-              {"bytes", page.html.size()},
-              {"sha256", sha256_hex(page.html)},
-              {"replaced", page.replaced},
-              {"machine", text_or_null(header_value(content, "machine"))},
-              {"serial_number", text_or_null(header_value(content, "serial_number"))},
-              {"date", text_or_null(content.date)},
-              {"map_sha256", content.map ? Json(content.map->sha256) : Json(nullptr)},
-              {"block_check",
-               content.map && content.map->check ? Json(fmt::format("{:08X}", *content.map->check)) : Json(nullptr)},
-              {"verdict", j.sentence},
-              {"measured_after", j.after},
-              {"judged", j.judged},
-              {"within", j.within},
-              {"missing", j.missing},
-              {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
-              {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
-              {"volume", volume_json(content.volume)},
-              {"circles", circles_json(content)},
-              {"next", j.next},
-              {"absent", absent_from(content)},
-              {"rows", std::move(rows)}};
+  Json object =
+      object_of({"report"_is(output),
+                 "bytes"_is(page.html.size()),
+                 "sha256"_is(sha256_hex(page.html)),
+                 "replaced"_is(page.replaced),
+                 "machine"_is(text_or_null(header_value(content, "machine"))),
+                 "serial_number"_is(text_or_null(header_value(content, "serial_number"))),
+                 "date"_is(text_or_null(content.date)),
+                 "map_sha256"_is(content.map ? Json(content.map->sha256) : Json(nullptr)),
+                 "block_check"_is(content.map && content.map->check ? Json(fmt::format("{:08X}", *content.map->check))
+                                                                    : Json(nullptr)),
+                 "verdict"_is(j.sentence),
+                 "measured_after"_is(j.after),
+                 "judged"_is(j.judged),
+                 "within"_is(j.within),
+                 "missing"_is(j.missing),
+                 "worst"_is(j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)),
+                 "diagnosis"_is(content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)),
+                 "volume"_is(volume_json(content.volume)),
+                 "circles"_is(circles_json(content)),
+                 "next"_is(j.next),
+                 "absent"_is(absent_from(content)),
+                 "rows"_is(std::move(rows))});
   if (const auto unfit = unfit_files(content)) object["error"] = problem_json(*unfit);
   return object;
 }
