@@ -173,7 +173,8 @@ Json signal_json(const model::SignalDifference& signal, DriveConstant first) {
     members[name_of(m.member)] = number_or_null(m.relative);
     peaks[name_of(m.member)] = number_or_null(m.peak);
   }
-  return {{"signal", model::info_of(signal.signal).name}, {"relative_difference", members}, {"peak_if", peaks}};
+  return object_of(
+      {"signal"_is(model::info_of(signal.signal).name), "relative_difference"_is(members), "peak_if"_is(peaks)});
 }
 
 Cell drive_candidate_cell(const DriveCandidate& candidate, double rms_V, const model::DriveParameters& given) {
@@ -227,23 +228,23 @@ Cell few_digits_cell(double value, int digits) { return {number_or_null(value), 
 Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trace,
                           const model::DriveParameters& given) {
   const AnswerFields fields{
-      {"trace", word_cell(trace.source)},
-      {"feed_mm_min", few_digits_cell(trace.move.feed_mm_min, 4)},
-      {"distance_mm", few_digits_cell(trace.move.distance_mm, 3)},
-      {"observations", count_cell(d.observations)},
-      {"rms_V", {number_or_null(d.rms_V), {}}},
-      {"noise_V", few_digits_cell(d.noise_V, 2)},
-      {"verdict", {model::name_of(d.verdict), verdict_text(d)}},
-      {"move_starts_s", few_digits_cell(d.start_s, 3)},
-      {"measured", {shape_json(d.measured), {}}},
-      {"simulated", {shape_json(d.as_given), {}}},
-      {"mended", {d.candidates.empty() ? Json() : shape_json(d.mended), {}}},
-      {"shapes", shown_cell(shapes_text(d))},
-      {"candidates", drive_candidates_cell(d, given)},
-      {"says_nothing_about",
-       {names_json(d.silent),
-        d.silent.empty() ? "" : paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)))}},
-      {"notes", {d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)}}};
+      "trace"_is(trace.source),
+      "feed_mm_min"_is(few_digits_cell(trace.move.feed_mm_min, 4)),
+      "distance_mm"_is(few_digits_cell(trace.move.distance_mm, 3)),
+      "observations"_is(d.observations),
+      "rms_V"_is(d.rms_V),
+      "noise_V"_is(few_digits_cell(d.noise_V, 2)),
+      "verdict"_is(model::name_of(d.verdict), verdict_text(d)),
+      "move_starts_s"_is(few_digits_cell(d.start_s, 3)),
+      "measured"_is(shape_json(d.measured)),
+      "simulated"_is(shape_json(d.as_given)),
+      "mended"_is(d.candidates.empty() ? Json() : shape_json(d.mended)),
+      "shapes"_shown(shapes_text(d)),
+      "candidates"_is(drive_candidates_cell(d, given)),
+      "says_nothing_about"_is(
+          names_json(d.silent),
+          d.silent.empty() ? "" : paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)))),
+      "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes))};
   return {
       object_of(fields),
       paragraph(laid_out("step of {distance_mm} mm at {feed_mm_min} mm/min, {observations} samples, noise {noise_V} "
