@@ -50,13 +50,6 @@ Cell cell_of(double value) { return {number_or_null(value), fmt::format("{}", va
 Cell cell_of(const std::optional<double>& value) { return value ? cell_of(*value) : null_cell("-"); }
 Cell cell_of(bool value) { return {value, {}}; }
 Cell cell_of(std::string_view word) { return {std::string(word), std::string(word)}; }
-Cell plain_cell(double value) { return {number_or_null(value), fmt::format("{}", value)}; }
-Cell count_cell(std::size_t count) { return {count, fmt::format("{}", count)}; }
-Cell integer_cell(std::int64_t value) { return {value, fmt::format("{}", value)}; }
-Cell word_cell(std::string_view word) { return {std::string(word), std::string(word)}; }
-Cell yes_cell(bool yes, std::string_view when_true, std::string_view when_false) {
-  return {yes, std::string(yes ? when_true : when_false)};
-}
 Cell text_cell(std::string_view text) { return {text_or_null(text), std::string(text)}; }
 Cell null_cell(std::string_view shown) { return {nullptr, std::string(shown)}; }
 Cell shown_cell(std::string text) { return {Json(Json::value_t::discarded), std::move(text)}; }

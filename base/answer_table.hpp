@@ -4,7 +4,6 @@
 
 #include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,13 +29,6 @@ struct Cell {
 
 /// null and "-" where there is none.
 [[nodiscard]] Cell number_cell(const std::optional<double>& value, int decimals);
-/// As few digits as give the number back.
-[[nodiscard]] Cell plain_cell(double value);
-[[nodiscard]] Cell count_cell(std::size_t count);
-[[nodiscard]] Cell integer_cell(std::int64_t value);
-[[nodiscard]] Cell word_cell(std::string_view word);
-/// true or false, shown as one of two words.
-[[nodiscard]] Cell yes_cell(bool yes, std::string_view when_true, std::string_view when_false);
 /// The text; null in JSON where it is empty.
 [[nodiscard]] Cell text_cell(std::string_view text);
 /// null in JSON.

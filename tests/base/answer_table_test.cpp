@@ -9,10 +9,9 @@ namespace ecs {
 namespace {
 
 Cell stop_cell(const std::string& axis, const std::optional<double>& error_um, bool referenced) {
-  return record_cell("{error:>8}  {axis:<4} {letters}\n", {{"axis", word_cell(axis)},
-                                                           {"error", number_cell(error_um, 2)},
-                                                           {"referenced", yes_cell(referenced, "yes", "no")},
-                                                           {"letters", shown_cell(std::to_string(axis.size()))}});
+  return record_cell("{error:>8}  {axis:<4} {letters}\n",
+                     {"axis"_is(axis), "error"_is(error_um, 2), "referenced"_is(referenced, "yes", "no"),
+                      "letters"_shown(std::to_string(axis.size()))});
 }
 
 Cell two_stops() {
@@ -41,14 +40,13 @@ TEST_CASE("a number that is not finite is null in JSON") {
 }
 
 TEST_CASE("a field without a key gives the keys of its object to the record") {
-  const Cell place = record_cell("", {{"axis", word_cell("X")}, {"sense", word_cell("EX")}});
-  CHECK(one_line(object_of({{"", place}, {"rms_um", number_cell(0.5, 3)}})) ==
-        R"({"axis":"X","sense":"EX","rms_um":0.5})");
+  const Cell place = record_cell("", {"axis"_is("X"), "sense"_is("EX")});
+  CHECK(one_line(object_of({inlined(place), "rms_um"_is(0.5, 3)})) == R"({"axis":"X","sense":"EX","rms_um":0.5})");
 }
 
 TEST_CASE("fields that are appended keep their order") {
-  AnswerFields fields{{"axis", word_cell("X")}};
-  append(fields, {{"sense", word_cell("EX")}, {"runs", count_cell(5)}});
+  AnswerFields fields{"axis"_is("X")};
+  append(fields, {"sense"_is("EX"), "runs"_is(5)});
   CHECK(one_line(object_of(fields)) == R"({"axis":"X","sense":"EX","runs":5})");
 }
 
@@ -67,8 +65,8 @@ TEST_CASE("paragraphs are a list in JSON; in the text long ones go on below the 
 }
 
 TEST_CASE("the outcome of a finished write says so") {
-  CHECK(finished_outcome_of(word_cell("sent")).finished);
-  CHECK_FALSE(outcome_of(word_cell("sent")).finished);
+  CHECK(finished_outcome_of(cell_of("sent")).finished);
+  CHECK_FALSE(outcome_of(cell_of("sent")).finished);
 }
 
 }  // namespace ecs

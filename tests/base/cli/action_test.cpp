@@ -40,7 +40,7 @@ struct DrawAnswer {
   [[nodiscard]] bool holds() const { return request.points > 10; }
 };
 Cell describe(const DrawAnswer& answer) {
-  return record_cell("{points} points\n", {{"points", count_cell(answer.request.points)}});
+  return record_cell("{points} points\n", {"points"_is(answer.request.points)});
 }
 
 struct Runner {
