@@ -345,12 +345,17 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
 
 Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments,
                                           ImportArguments* answered) {
-  const auto bytes = read_file(file);
-  const ImportArguments all = with_found_profile(bytes.value_or(""), file, arguments);
+  if (answered != nullptr) *answered = arguments;
+  ECS_TRY(bytes, read_file(file));
+  return measurements_in(bytes, file, arguments, answered);
+}
+
+Result<laser::Imported> measurements_in(std::string_view bytes, const std::string& file,
+                                        const ImportArguments& arguments, ImportArguments* answered) {
+  const ImportArguments all = with_found_profile(bytes, file, arguments);
   if (answered != nullptr) *answered = all;
   ECS_TRY(options, import_options(all));
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto imported = laser::imported_from(*bytes, file, options);
+  auto imported = laser::imported_from(bytes, file, options);
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;

@@ -97,6 +97,10 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
 /// @param answered  if given: the arguments with those of a profile that was found for the file
 [[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments,
                                                         ImportArguments* answered = nullptr);
+/// The same of the bytes of a file that was read.
+[[nodiscard]] Result<laser::Imported> measurements_in(std::string_view bytes, const std::string& file,
+                                                      const ImportArguments& arguments,
+                                                      ImportArguments* answered = nullptr);
 
 /// Says what a file was taken for, and what had to be assumed.
 void note_what_was_read(MessageSink& messages, const std::string& file, const laser::Imported& imported);

@@ -17,15 +17,6 @@ using model::Claim;
 
 constexpr std::size_t kWidestName = 40;
 
-Result<std::string> joined_sha256(const std::vector<std::string>& files) {
-  std::string all;
-  for (const std::string& file : files) {
-    ECS_TRY(content, read_file(file));
-    all += content;
-  }
-  return sha256_hex(all);
-}
-
 /// Values of an object by key; the first that is missing or of another kind is the problem.
 class AnswerReader {
  public:
@@ -163,7 +154,6 @@ std::string shown(const std::optional<double>& value) { return value ? fmt::form
 }  // namespace
 
 Result<void> add_check_inputs(Cell& answer, const ModelArguments& arguments, const ModelWork& work, bool plain) {
-  ECS_TRY(hash, joined_sha256(arguments.data));
   Json machine;
   if (!arguments.machine.empty()) {
     ECS_TRY(text, read_file(arguments.machine));
@@ -172,7 +162,7 @@ Result<void> add_check_inputs(Cell& answer, const ModelArguments& arguments, con
   model::Model model = work.model;
   model.map_file.clear();
   model.history.clear();
-  answer.json["data_sha256"] = hash;
+  answer.json["data_sha256"] = work.data_sha256;
   answer.json["plain"] = plain;
   answer.json["model"] = to_toml(model);
   answer.json["map"] = work.model.map ? Json(laser::to_map_csv(*work.model.map)) : Json();
@@ -184,7 +174,8 @@ Result<model::Check> check_answer(MessageSink& messages, const std::string& answ
                                   const std::vector<std::string>& data, const std::string& machine,
                                   const ImportArguments& import) {
   ECS_TRY(kept, read_kept_answer(answer_file));
-  ECS_TRY(hash, joined_sha256(data));
+  std::string hash;
+  ECS_TRY(set, measured_in(messages, data, import, &hash));
   if (hash != kept.data_sha256)
     return problem(ProblemKind::bad_input, fmt::format("the data are not those of {}: expected SHA-256 {}, got {}",
                                                        answer_file, kept.data_sha256, hash));
@@ -192,7 +183,6 @@ Result<model::Check> check_answer(MessageSink& messages, const std::string& answ
     ECS_TRY(other, machine_in(messages, machine));
     kept.machine = std::move(other);
   }
-  ECS_TRY(set, measured_in(messages, data, import));
   return model::checked(kept.model, model::observations_of(set, kept.model, kept.machine), kept.claim);
 }
 

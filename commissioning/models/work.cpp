@@ -25,37 +25,22 @@ namespace {
 using laser::MeasurementSet;
 using laser::Reading;
 
-/// The first line that is neither empty nor a comment.
-std::string_view header_of(std::string_view text) {
-  for (const std::string_view line : lines_of(text)) {
-    const std::string_view words = trimmed(line);
-    if (!words.empty() && words.front() != '#') return words;
-  }
-  return {};
-}
-
-bool names_all(std::string_view header, std::initializer_list<std::string_view> columns) {
-  return std::all_of(columns.begin(), columns.end(),
-                     [&](std::string_view column) { return header.find(column) != header.npos; });
-}
-
-}  // namespace
-
-Result<std::optional<MeasurementSet>> read_path_file(const std::string& file) {
-  const auto text = read_file(file);
-  if (!text) return std::optional<MeasurementSet>();  // the readers of other formats say why
-  const std::string_view header = header_of(*text);
-  if (names_all(header, {"angle_deg", "deviation_um"})) {
-    ECS_TRY(test, laser::parse_circle_test(*text, file));
+/// A circle or diagonals file; nothing where it is neither. Problem: what the readers of these files refuse.
+Result<std::optional<MeasurementSet>> path_in(std::string_view text, const std::string& file) {
+  const FileKind kind = kind_of_content(text);
+  if (kind == FileKind::circle_test) {
+    ECS_TRY(test, laser::parse_circle_test(text, file));
     return std::optional(model::set_of_circle(test));
   }
-  if (names_all(header, {"diagonal", "deviation_um"})) {
-    ECS_TRY(test, laser::parse_diagonals(*text, file));
+  if (kind == FileKind::diagonal_test) {
+    ECS_TRY(test, laser::parse_diagonals(text, file));
     ECS_TRY(set, model::set_of_diagonals(test));
     return std::optional(std::move(set));
   }
   return std::optional<MeasurementSet>();
 }
+
+}  // namespace
 
 Result<MeasurementSet> joined_with_paths(MeasurementSet lines, std::vector<MeasurementSet> paths) {
   if (paths.empty()) return lines;
@@ -181,11 +166,6 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
   return std::nullopt;
 }
 
-Result<laser::MeasurementSet> read_lines(const std::string& file, const ImportArguments& import) {
-  ECS_TRY(read, read_measurements(file, import));
-  return std::move(read.set);
-}
-
 /// The first of the files that is a model; empty: none is.
 std::string model_among(const std::vector<std::string>& files) {
   constexpr std::size_t kBeginning = 64U << 10;
@@ -242,16 +222,19 @@ cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
 }
 
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& words,
-                                          const ImportArguments& import) {
+                                          const ImportArguments& import, std::string* sha256) {
   ECS_TRY(given, given_files(words, true));
   for (const std::string& note : given.notes) messages.note(note);
   const std::vector<std::string>& files = given.files;
   std::vector<laser::MeasurementSet> sets, paths;
   int rows = 0;
+  std::string all_bytes;
   ImportArguments any_axis = import;
   any_axis.takes_rotary = true;
   for (const std::string& file : files) {
-    ECS_TRY(path, import.columns.empty() && import.profile.empty() ? read_path_file(file)
+    ECS_TRY(bytes, read_file(file));
+    if (sha256 != nullptr) all_bytes += bytes;
+    ECS_TRY(path, import.columns.empty() && import.profile.empty() ? path_in(bytes, file)
                                                                    : std::optional<laser::MeasurementSet>());
     if (path && files.size() > 1 && !path->notes.empty())
       return tl::unexpected(
@@ -261,14 +244,18 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
                   0,
                   0,
                   {}});
-    ECS_TRY(read, path ? Result<laser::MeasurementSet>(std::move(*path)) : read_lines(file, any_axis));
+    if (!path) {
+      ECS_TRY(imported, measurements_in(bytes, file, any_axis));
+      sets.push_back(std::move(imported.set));
+    }
+    laser::MeasurementSet& read = path ? paths.emplace_back(std::move(*path)) : sets.back();
     for (const std::string& note : read.notes) messages.note(fmt::format("{}: {}", file, note));
     if (read.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
     for (laser::Reading& reading : read.readings) reading.row = ++rows;
     read.notes.clear();
-    (path ? paths : sets).push_back(std::move(read));
   }
+  if (sha256 != nullptr) *sha256 = sha256_hex(all_bytes);
   auto all = joined(sets);
   if (all) all = joined_with_paths(std::move(*all), std::move(paths));
   if (all)
@@ -286,13 +273,15 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
                                                    model_among(arguments.data), arguments.model));
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(messages, arguments.machine));
-  ECS_TRY(set, measured_in(messages, arguments.data, arguments.import));
+  std::string sha256;
+  ECS_TRY(set, measured_in(messages, arguments.data, arguments.import, &sha256));
   if (auto other = of_other_axes(*model, set, arguments.model)) return tl::unexpected(std::move(*other));
   if (machine)
     if (const auto other = other_machine(measured_machine(set.metadata), {machine->name, ""}, "the machine file is of"))
       messages.warn(fmt::format("{}: {}", fmt::join(arguments.data, " "), *other));
   ModelWork work{
-      std::move(*model), std::move(machine), std::move(set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
+      std::move(*model), std::move(machine), std::move(set), {}, fmt::format("{}", fmt::join(arguments.data, " ")),
+      std::move(sha256)};
   work.data = model::observations_of(work.set, work.model, work.machine);
   const auto& steps = work.model.history;
   if (std::any_of(steps.begin(), steps.end(), [&](const auto& step) { return step.data == work.data_name; }))

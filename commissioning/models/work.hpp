@@ -18,10 +18,6 @@
 
 namespace ecs::commissioning {
 
-/// A circle or diagonals file; nothing where the header row is of neither. Problem: what the readers of these files
-/// refuse.
-[[nodiscard]] Result<std::optional<laser::MeasurementSet>> read_path_file(const std::string& file);
-
 /// Adds the readings of path files to those of lines: rows and runs are numbered on, notes and what the files say of
 /// the machine are kept. `refused` if the files name different machines.
 [[nodiscard]] Result<laser::MeasurementSet> joined_with_paths(laser::MeasurementSet lines,
@@ -49,15 +45,17 @@ struct ModelWork {
   std::optional<params::Machine> machine;
   laser::MeasurementSet set;  ///< several files joined
   model::Observations data;
-  std::string data_name;  ///< the files, separated by blanks
+  std::string data_name;      ///< the files, separated by blanks
+  std::string data_sha256{};  ///< of their content, one after the other
 };
 
 /// Warnings of the file go to `messages`. Empty name: nothing.
 [[nodiscard]] Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file);
 
 /// The readings of all files, rows numbered on from file to file. Refuses files without readings.
+/// @param sha256  if given: of the content of the files, one after the other
 [[nodiscard]] Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
-                                                        const ImportArguments& import);
+                                                        const ImportArguments& import, std::string* sha256 = nullptr);
 
 [[nodiscard]] Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& arguments);
 
