@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,7 @@ namespace {
 
 constexpr std::size_t kBeginning = 64U << 10;  // bytes that say what a file is
 
-/// How a kind is spoken of. In `command`, {} is the file.
+/// How a kind is spoken of. In `command`, {} is the file; empty: what a module advises.
 struct KindWords {
   std::string_view name;
   std::string_view one;      ///< with its article
@@ -34,20 +36,25 @@ constexpr std::array<KindWords, 22> kWords{{
     {"datum sequence", "a datum sequence", "ecs utility datum show {}"},
     {"state of a unit", "the saved state of a unit", "ecs utility status --from {}"},
     {"part program", "a part program", "ecs-emulator runs it"},
-    {"lengths", "a file of lengths", "ecs lengths fit {} --machine MACHINE.toml"},
+    {"lengths", "a file of lengths", ""},
     {"file", "a file", ""},
-    {"circular test", "a circular test", "ecs test circle {}"},
-    {"diagonal test", "a diagonal test", "ecs test diagonals {}"},
-    {"readings of a surface", "a set of readings along the lines of a surface", "ecs test flatness {}"},
+    {"circular test", "a circular test", ""},
+    {"diagonal test", "a diagonal test", ""},
+    {"readings of a surface", "a set of readings along the lines of a surface", ""},
     {"errors of rotary axes", "a table of the errors of rotary axes", "ecs volume MAP --rotary {}"},
     {"recipe", "a recipe of a map", "ecs map build {}"},
     {"measurement plan", "a plan of measurements", "ecs laser table {} --before DIR"},
-    {"logbook", "a logbook or another database", "ecs log list --log {}"},
+    {"logbook", "a logbook or another database", ""},
     {"workbook", "a workbook of a spreadsheet program", "save the sheet with the numbers as CSV there and give that"},
     {"archive", "a compressed archive", "unpack it and give the files in it"},
     {"PDF", "a PDF document", "copy its numbers into a text file, or export them as CSV, and give that"},
     {"picture", "a picture", "export the numbers as text or CSV and give that"},
 }};
+
+std::map<std::string, std::string, std::less<>>& advice_of_modules() {
+  static std::map<std::string, std::string, std::less<>> advice;
+  return advice;
+}
 
 const KindWords& words_of(FileKind kind) { return kWords[static_cast<std::size_t>(kind)]; }
 
@@ -154,6 +161,15 @@ std::optional<Problem> why_no_text(std::string_view bytes, const std::string& fi
 
 std::string_view name_of(FileKind kind) { return words_of(kind).name; }
 
+void advise(std::string_view matter, std::string_view words) {
+  advice_of_modules().insert_or_assign(std::string(matter), words);
+}
+
+std::string advice_on(std::string_view matter) {
+  const auto found = advice_of_modules().find(matter);
+  return found == advice_of_modules().end() ? std::string() : found->second;
+}
+
 FileKind kind_of_content(std::string_view beginning) {
   std::string_view text = beginning.substr(0, kBeginning);
   if (const FileKind binary = kind_of_binary(text); binary != FileKind::other) return binary;
@@ -174,10 +190,13 @@ std::optional<Problem> wrong_kind(FileKind wanted, std::string_view content, con
                         found == FileKind::diagonal_test || found == FileKind::surface ||
                         found == FileKind::rotary_errors;
   const int line = is_table ? header_in(content.substr(0, kBeginning)).second : 0;
+  const KindWords& words = words_of(found);
+  std::string advice = swapped                 ? "give MODEL first, then DATA"
+                       : words.command.empty() ? advice_on(words.name)
+                                               : std::string(words.command);
+  if (!advice.empty()) advice = ": " + fmt::format(fmt::runtime(advice), as_word(file));
   return Problem{ProblemKind::bad_input,
-                 fmt::format("this is {}, not {}: {}", words_of(found).one, words_of(wanted).one,
-                             swapped ? "give MODEL first, then DATA"
-                                     : fmt::format(fmt::runtime(words_of(found).command), as_word(file))),
+                 fmt::format("this is {}, not {}{}", words.one, words_of(wanted).one, advice),
                  file,
                  line,
                  line > 0 ? 1 : 0,

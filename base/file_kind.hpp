@@ -48,6 +48,13 @@ enum class FileKind : std::uint8_t {
 /// "measurements", "model", "error map", …
 [[nodiscard]] std::string_view name_of(FileKind kind);
 
+/// Keeps what a module of the program does about a matter that the core meets and leaves to it, such as a kind of file
+/// (by its name; in the words, {} is the file). Only before any file is read.
+void advise(std::string_view matter, std::string_view words);
+/// Empty: no module is there that does anything.
+[[nodiscard]] std::string advice_on(std::string_view matter);
+inline constexpr std::string_view kTableOfControl = "compensation table of a control";  ///< a matter
+
 /// By the beginning of its content; `measurements` is the measurement CSV alone, `other` whatever this does not know.
 [[nodiscard]] FileKind kind_of_content(std::string_view beginning);
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct Module {
   std::vector<ScreenEntry> screens{};
   /// Other words by which its screens and verbs are sought.
   std::vector<std::pair<const char*, const char*>> synonyms{};
+  /// What it does with files that the core does not take: kind and command (base/file_kind.hpp).
+  std::vector<std::pair<std::string_view, const char*>> advice{};
   /// Once, when the program begins.
   void (*begin)() = nullptr;
   /// Round each verb of `ecs words…`; of several modules the first is.

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <functional>
 
+#include <fmt/format.h>
+
 #include "app/cli/module.hpp"
 #include "app/screens/forms/rows.hpp"
 #include "app/screens/laser/screen.hpp"
@@ -45,7 +47,6 @@ constexpr Synonyms kSynonyms[] = {
     {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
     {"LOG", "history errors warnings"},
     {"COMMANDS", "history script replay record macro panel verbs done"},
-    {"MORE", "report export siemens heidenhain twincat linuxcnc"},
     {"doctor", "no answer cable connection trouble"},
     {"utility mode", "integration compensate compensation on off enable"},
     {"utility output", "relay d/a dac"},
@@ -67,12 +68,13 @@ constexpr Synonyms kSynonyms[] = {
 };
 
 std::string synonyms_of(const std::string& name) {
+  std::string all;
   for (const Synonyms& row : kSynonyms)
-    if (name == row.name) return row.words;
+    if (name == row.name) all = row.words;
   for (const Module* module : modules())
     for (const auto& [screen, words] : module->synonyms)
-      if (name == screen) return words;
-  return {};
+      if (name == screen) all += fmt::format(" {}", words);
+  return all;
 }
 
 /// Verbs that a screen of the same menu does: they are found by their names, not listed beside it.

@@ -8,6 +8,7 @@
 #include "app/cli/linear.hpp"
 #include "app/cli/module.hpp"
 #include "app/cli/program.hpp"
+#include "base/file_kind.hpp"
 
 namespace ecs::app {
 
@@ -72,8 +73,10 @@ const Registry& all_verbs() {
 }
 
 void begin_modules() {
-  for (const Module* module : modules())
+  for (const Module* module : modules()) {
+    for (const auto& [matter, words] : module->advice) advise(matter, words);
     if (module->begin != nullptr) module->begin();
+  }
 }
 
 int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,

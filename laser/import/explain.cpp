@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
@@ -446,25 +447,18 @@ constexpr std::size_t kExplainedBytes = 64 * 1024;
 struct Known {
   std::string_view mark;  ///< lower case
   std::string_view is;
+  bool becomes_map = false;  ///< where a module reads tables of controls
 };
 
 constexpr std::array<Known, 24> kKnown{{
-    {":start2d",
-     "an Aerotech two-axis correction table: what a control adds, not what was measured (`ecs export read` makes a map "
-     "of it)"},
-    {":start ",
-     "an Aerotech correction table: what a control adds, not what was measured (`ecs export read` makes a map of it)"},
-    {"$aa_enc_comp",
-     "a SINUMERIK encoder error table: what a control adds, not what was measured (`ecs export read` makes a map of "
-     "it)"},
-    {"$an_cec",
-     "a SINUMERIK sag error table: what a control adds, not what was measured (`ecs export read` makes a map of it)"},
+    {":start2d", "an Aerotech two-axis correction table: what a control adds, not what was measured", true},
+    {":start ", "an Aerotech correction table: what a control adds, not what was measured", true},
+    {"$aa_enc_comp", "a SINUMERIK encoder error table: what a control adds, not what was measured", true},
+    {"$an_cec", "a SINUMERIK sag error table: what a control adds, not what was measured", true},
     {".com  datum:", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
     {".com mm", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
-    {"kw.ssfk.",
-     "a TwinCAT compensation list: what a control corrects, not readings (`ecs export read` makes a map of it)"},
-    {"gridpoints",
-     "an Etalon exchange file: an error model, not readings of one axis (`ecs export read` makes a map of it)"},
+    {"kw.ssfk.", "a TwinCAT compensation list: what a control corrects, not readings", true},
+    {"gridpoints", "an Etalon exchange file: an error model, not readings of one axis", true},
     {"option record: altaz", "TPOINT pointing data of a telescope: azimuth and altitude, no linear axis"},
     {"pointing data", "a TPOINT pointing model of a telescope: fitted terms, no readings"},
     {"scan procedure description file", "the description of a SIOS scan: its numbers are in the .pos and .dat files"},
@@ -561,7 +555,9 @@ std::string list_text(std::string_view text) {
 Problem explanation_of(std::string_view text, const std::string& file_name) {
   const auto recognised = recognised_in(text);
   std::string why = "not a measurement file that is known here: ";
-  why += recognised ? fmt::format("it seems to be {}", recognised->known->is)
+  const std::string advice = recognised && recognised->known->becomes_map ? advice_on(kTableOfControl) : "";
+  why += recognised ? fmt::format("it seems to be {}{}", recognised->known->is,
+                                  advice.empty() ? "" : fmt::format(" ({})", advice))
                     : "nothing in it names a format that is known here";
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
   const bool has_table = shape && shape->rows >= 2;

@@ -15,6 +15,7 @@
 #include "app/verbs/map/unit.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/machine_map.hpp"
@@ -398,7 +399,9 @@ const std::vector<Action> kExportReading{
 
 const Module& controllers_module() {
   static const Module module{.menus = {{"export", "the error map as compensation tables of other controls, and back"}},
-                             .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}}};
+                             .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}},
+                             .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc"}},
+                             .advice = {{kTableOfControl, "`ecs export read` makes a map of it"}}};
   return module;
 }
 

@@ -9,6 +9,7 @@
 
 #include "app/screens/forms/rows.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/session/commands.hpp"
 #include "modules/lengths/length_test.hpp"
 
@@ -90,7 +91,8 @@ const Module& lengths_module() {
                              .synonyms = {{"LENGTHS", kLengthsSought},
                                           {"PLAN OF LENGTHS", kPlanSought},
                                           {"lengths fit", kLengthsSought},
-                                          {"lengths plan", kPlanSought}}};
+                                          {"lengths plan", kPlanSought}},
+                             .advice = {{name_of(FileKind::lengths), "ecs lengths fit {} --machine MACHINE.toml"}}};
   return module;
 }
 

@@ -19,6 +19,7 @@
 #include "app/verbs/registry.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/json.hpp"
 #include "base/outcome.hpp"
 #include "base/text.hpp"
@@ -249,6 +250,7 @@ const Module& logbook_module() {
       .synonyms = {{"LOGBOOK", "history entries certificate audit traceability who when wear"},
                    {"log compare", "wear worn year drift history"},
                    {"log export", "certificate calibration dcc audit"}},
+      .advice = {{name_of(FileKind::logbook), "ecs log list --log {}"}},
       .begin = [] { commissioning::keep_logbook(); },
       .around = logged_verb};
   return module;

@@ -177,7 +177,7 @@ const std::vector<Action> kReport{
 }  // namespace
 
 const Module& report_module() {
-  static const Module module{.verbs = {{"volume", &kReport}}};
+  static const Module module{.verbs = {{"volume", &kReport}}, .synonyms = {{"MORE", "report"}}};
   return module;
 }
 

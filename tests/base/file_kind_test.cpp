@@ -51,6 +51,15 @@ TEST_CASE("a file of another kind is named for what it is, with the command that
   CHECK(swapped.message == "this is a measurement, not an error model: give MODEL first, then DATA");
 }
 
+TEST_CASE("a file that only a module takes is named, with the module's command where there is one") {
+  const std::string circle = "# radius_mm: 100\nangle_deg,deviation_um\n0,0\n";
+  const auto alone = must(wrong_kind(FileKind::map, circle, "c.csv"));
+  CHECK(alone.message == "this is a circular test, not an error map");
+  advise(name_of(FileKind::circle_test), "draw {}");
+  CHECK(must(wrong_kind(FileKind::map, circle, "c.csv")).message == alone.message + ": draw c.csv");
+  advise(name_of(FileKind::circle_test), "");
+}
+
 TEST_CASE("a file that nobody knows is left to its reader") {
   CHECK_FALSE(wrong_kind(FileKind::model, "x = 1\n", "m.toml").has_value());
   CHECK_FALSE(wrong_kind(FileKind::measurements, "0;1\n", "m.csv").has_value());

@@ -14,7 +14,7 @@ TEST_CASE("every file of samples/real and tests/data/real is read or refused wit
       {"interferometer-interpolation-error", {}, 0, "Lissajous figure of an interferometer"},
       {"linuxcnc-comp/probe_points.txt", {}, 0, "9 columns between blanks"},
       {"linuxcnc-comp/screwcompX.dat", {}, 0, "11 rows and 3 columns between blanks"},
-      {"moody-plate/moody.csv", {}, 0, "ecs test flatness"},
+      {"moody-plate/moody.csv", {}, 0, "a set of readings along the lines of a surface"},
       {"moody-plate/heights.csv", {}, 0, "heights of a surface"},
       {"nist-strd", {}, 0, "a reference problem of regression"},
       {"nmm-environment/T22-0263_L2_16_1.pos", "sios_environment", 251},

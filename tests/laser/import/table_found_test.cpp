@@ -109,5 +109,5 @@ TEST_CASE("a known file is refused where it says what it is") {
   const Problem why = refused("; made\n; by hand\n  :START2D 1 2 1 2 5 5 2\n0 0 0 0\n:END\n");
   CHECK(why.line == 3);
   CHECK(why.column == 3);
-  CHECK(contains(why.message, "ecs export read"));
+  CHECK(contains(why.message, "an Aerotech two-axis correction table"));
 }
