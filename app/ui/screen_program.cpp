@@ -48,7 +48,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"reversal error|reversal", "difference of the two approaches at the same target; backlash is one cause"},
     {"rms", "root of the mean square: the usual size of what is left"},
     {"rival|rivals", "an effect that these data cannot tell from the one named"},
-    {"scope", "what the unit compensates with: linear (each axis by itself), planar or volumetric"},
+    {"scope", "what the unit compensates with: linear (each axis alone), planar or volumetric"},
     {"sigma", "standard deviation; 1 sigma is the usual scatter of one reading"},
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
     {"squareness", "how far two axes are from 90 degrees, one number for a pair of axes, in um/m"},

@@ -156,7 +156,7 @@ bool ParametersTransfer::advance() {
 
 void ParametersTransfer::say_no_exchange(const Problem& why) {
   message_->say("No exchange with the unit. Nothing was changed here: " + to_text(why) +
-                    ". The link reopens by itself. Try again then.",
+                    ". The link reopens automatically. Try again then.",
                 Tone::bad);
 }
 

@@ -284,7 +284,7 @@ class HeaderPage final : public LaserPage {
     const LaserMapWork& map = controller().work().map;
     if (!map.made || area.rows < 2) return;
     canvas.text(area, 0, 1,
-                fmt::format("added by itself: {} source files, {} steps of processing",
+                fmt::format("added automatically: {} source files, {} steps of processing",
                             map.made->map.map.header.sources.size(), map.made->map.map.header.processing.size()),
                 Tone::faint);
     int row = 1;

@@ -29,7 +29,7 @@ constexpr std::array<const char*, 3> kHelp{
     "Measured files, separated by blanks: any that PROCESS LASER DATA reads.",
     "Machine file (.toml): datum, travels, lever arms, pitches. May be left empty."};
 constexpr int kColumn = 12;
-constexpr const char* kHeading = "Which measurements shall be put beside which model?";
+constexpr const char* kHeading = "Which measurements are compared with which model?";
 
 /// Of the first field, below the heading.
 int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).size()) + 1; }
@@ -225,7 +225,7 @@ class ModelForm final : public Screen {
   Prompt files_;
   std::string hint_;
   bool problem_ = false;
-  Asking asking_;               ///< whether the model shall be begun in a new file
+  Asking asking_;               ///< whether the model begins in a new file
   mutable int fields_row_ = 0;  ///< of the canvas, as drawn last
   TaskRunner opening_;
   std::unique_ptr<ModelController> ready_;

@@ -95,7 +95,7 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
     draw_message(canvas, inside.below(row + 1), message_);
     return;
   }
-  int row = canvas.paragraph(inside, 0, "No parameters yet. Where shall they come from?", Tone::strong);
+  int row = canvas.paragraph(inside, 0, "No parameters yet. Where do they come from?", Tone::strong);
   draw_list(canvas, {inside.row + row + 1, inside.column, 3, inside.columns},
             {{"r  receive from the unit"}, {"o  open a file"}, {"n  new from a machine file"}}, start_);
   row += 5;

@@ -161,7 +161,7 @@ class MonitorScreen final : public KeyedScreen {
   [[nodiscard]] std::string help() const override {
     return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
            "and marker, the sensed approach, the compensation added now and the relay. At the right the rate of "
-           "samples and the age of what is shown. A lost link is opened again by itself. r records every sample to a "
+           "samples and the age of what is shown. A lost link reopens automatically. r records every sample to a "
            "CSV file until r is pressed again, until then beside it as .part; f freezes the picture, not the "
            "recording. t shows air and material temperature of a USB thermometer (TEMPer); a recording has them in its "
            "last columns, empty while there is none. With the bundled emulator j drives its machine: to coordinates, "

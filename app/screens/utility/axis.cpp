@@ -429,8 +429,8 @@ class OutputScreen final : public AxesScreen {
   void lost() override {
     if (!setting_.at_rest())
       message_.say(
-          "The link is lost: the command to open the relay did not reach the unit. It opens every relay by itself when "
-          "nothing was asked of it for 60 s; the emergency stop is quicker.",
+          "The link is lost: the command to open the relay did not reach the unit. It opens every relay after 60 s "
+          "without a request; the emergency stop is quicker.",
           Tone::bad);
   }
 
@@ -447,8 +447,7 @@ class OutputScreen final : public AxesScreen {
     if (busy() || !unit_.fresh || unit_.watched.newest_at < sent_at_ + kSettling) return;
     if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {
       setting_ = {setting_.axis, 0.0, false};
-      message_.say("The unit has opened the relay by itself: a restart, another mode, a fault, or another host.",
-                   Tone::warning);
+      message_.say("The unit has opened the relay: a restart, another mode, a fault, or another host.", Tone::warning);
     }
     follow_value();
     if (!setting_.at_rest() || !unit_.integrating()) return;
@@ -505,8 +504,8 @@ OutputScreen::~OutputScreen() {
   if (off) note_on_unit(*connection_, {"utility", "output", "--off"});
   if (!off && setting_.relay)
     leave_word(
-        fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after "
-                    "it was asked last; until then {:+g} um may act on the axis",
+        fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it 60 s after "
+                    "the last request; until then {:+g} um may act on the axis",
                     letter_of(setting_.axis), setting_.um));
 }
 

@@ -125,7 +125,7 @@ class DatumScreen : public AxesScreen {
 constexpr const char* kRecordExplained =
     "Ten seconds of one axis are recorded: speed, reference switch and marker. The unit only watches: the machine must "
     "be referenced by its own control while the bar runs, from some travel away from the switch and slowly enough that "
-    "switch and marker come within the ten seconds. The graph opens by itself; the datuming parameters are read off "
+    "switch and marker come within the ten seconds. The graph opens at the end; the datuming parameters are read off "
     "there.";
 
 class DatumRecordScreen final : public DatumScreen {
