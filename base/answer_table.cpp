@@ -70,10 +70,6 @@ Cell paragraphs_cell(const std::vector<std::string>& paragraphs, std::string_vie
   return cell;
 }
 
-AnswerField FieldKey::operator()(const AnswerFields& record) const {
-  return {key_, {object_of(record), {}}, shown_only_};
-}
-
 void append(AnswerFields& fields, AnswerFields more) {
   fields.insert(fields.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }

@@ -81,8 +81,6 @@ class FieldKey {
   [[nodiscard]] AnswerField operator()(Value&& value) const {
     return {key_, cell_of(std::forward<Value>(value)), shown_only_};
   }
-  /// A record that is in JSON only.
-  [[nodiscard]] AnswerField operator()(const AnswerFields& record) const;
   /// Another text.
   template <class Value, std::convertible_to<std::string_view> Text>
   [[nodiscard]] AnswerField operator()(Value&& value, const Text& text) const {
@@ -111,15 +109,35 @@ constexpr FieldKey operator""_shown(const char* key, std::size_t size) {
 /// The fields of this record among those of another.
 [[nodiscard]] inline AnswerField inlined(Cell record) { return {{}, std::move(record)}; }
 
+/// In this order.
+template <std::same_as<AnswerField>... Field>
+[[nodiscard]] AnswerFields described(Field... fields) {
+  AnswerFields all;
+  all.reserve(sizeof...(fields));
+  (all.push_back(std::move(fields)), ...);
+  return all;
+}
+template <std::same_as<AnswerField>... Field>
+void append(AnswerFields& fields, Field... more) {
+  (fields.push_back(std::move(more)), ...);
+}
 void append(AnswerFields& fields, AnswerFields more);
 
 /// The writer of JSON: an object with the keys in the order of the fields.
 [[nodiscard]] Json object_of(const AnswerFields& fields);
+template <std::same_as<AnswerField>... Field>
+requires(sizeof...(Field) > 0) [[nodiscard]] Json object_of(Field... fields) {
+  return object_of(described(std::move(fields)...));
+}
 /// The writer of text. @param layout  as fmt takes it, a field by its key: "{axis:<4} {position_mm:>11}"; a type that
 ///   numbers have formats the number, "-" where there is none: "{rms_um:>8.3f}"
 [[nodiscard]] std::string laid_out(std::string_view layout, const AnswerFields& fields);
 /// Both.
 [[nodiscard]] Cell record_cell(std::string_view layout, const AnswerFields& fields);
+template <std::same_as<AnswerField>... Field>
+requires(sizeof...(Field) > 0) [[nodiscard]] Cell record_cell(std::string_view layout, Field... fields) {
+  return record_cell(layout, described(std::move(fields)...));
+}
 [[nodiscard]] Outcome outcome_of(const Cell& answer, int exit_code = kDone);
 /// The same after a write that is complete (Outcome::finished).
 [[nodiscard]] Outcome finished_outcome_of(const Cell& answer);

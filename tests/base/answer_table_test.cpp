@@ -9,9 +9,8 @@ namespace ecs {
 namespace {
 
 Cell stop_cell(const std::string& axis, const std::optional<double>& error_um, bool referenced) {
-  return record_cell("{error:>8}  {axis:<4} {letters}\n",
-                     {"axis"_is(axis), "error"_is(error_um, 2), "referenced"_is(referenced, "yes", "no"),
-                      "letters"_shown(std::to_string(axis.size()))});
+  return record_cell("{error:>8}  {axis:<4} {letters}\n", "axis"_is(axis), "error"_is(error_um, 2),
+                     "referenced"_is(referenced, "yes", "no"), "letters"_shown(std::to_string(axis.size())));
 }
 
 Cell two_stops() {
@@ -40,13 +39,13 @@ TEST_CASE("a number that is not finite is null in JSON") {
 }
 
 TEST_CASE("a field without a key gives the keys of its object to the record") {
-  const Cell place = record_cell("", {"axis"_is("X"), "sense"_is("EX")});
-  CHECK(one_line(object_of({inlined(place), "rms_um"_is(0.5, 3)})) == R"({"axis":"X","sense":"EX","rms_um":0.5})");
+  const Cell place = record_cell("", "axis"_is("X"), "sense"_is("EX"));
+  CHECK(one_line(object_of(inlined(place), "rms_um"_is(0.5, 3))) == R"({"axis":"X","sense":"EX","rms_um":0.5})");
 }
 
 TEST_CASE("fields that are appended keep their order") {
-  AnswerFields fields{"axis"_is("X")};
-  append(fields, {"sense"_is("EX"), "runs"_is(5)});
+  AnswerFields fields = described("axis"_is("X"));
+  append(fields, "sense"_is("EX"), "runs"_is(5));
   CHECK(one_line(object_of(fields)) == R"({"axis":"X","sense":"EX","runs":5})");
 }
 

@@ -39,9 +39,7 @@ struct DrawAnswer {
   DrawRequest request;
   [[nodiscard]] bool holds() const { return request.points > 10; }
 };
-Cell describe(const DrawAnswer& answer) {
-  return record_cell("{points} points\n", {"points"_is(answer.request.points)});
-}
+Cell describe(const DrawAnswer& answer) { return record_cell("{points} points\n", "points"_is(answer.request.points)); }
 
 struct Runner {
   std::string link{}, arm_code{};
