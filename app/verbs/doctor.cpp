@@ -19,16 +19,16 @@ struct DoctorRequest {
 
 Cell finding_cell(const DoctorFinding& finding) {
   const std::string action = finding.action.empty() ? "" : fmt::format("\n         -> {}", finding.action);
-  return record_cell("{state:<8} {check}: {message}{action}\n",
-                     {"check"_is(finding.check), "state"_is(name_of(finding.state)), "message"_is(finding.message),
-                      "action"_is(text_or_null(finding.action), action)});
+  return record_cell("{state:<8} {check}: {message}{action}\n", "check"_is(finding.check),
+                     "state"_is(name_of(finding.state)), "message"_is(finding.message),
+                     "action"_is(text_or_null(finding.action), action));
 }
 
 Json statistics_json(const protocol::LinkStatistics& s) {
-  return object_of({"requests"_is(s.requests), "retries"_is(s.retries), "timeouts"_is(s.timeouts),
-                    "crc_errors"_is(s.crc_errors), "stale_replies"_is(s.stale_replies),
-                    "mean_round_trip_ms"_is(s.replies > 0 ? number_or_null(s.mean_round_trip_ms()) : Json(nullptr)),
-                    "worst_round_trip_ms"_is(s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr))});
+  return object_of("requests"_is(s.requests), "retries"_is(s.retries), "timeouts"_is(s.timeouts),
+                   "crc_errors"_is(s.crc_errors), "stale_replies"_is(s.stale_replies),
+                   "mean_round_trip_ms"_is(s.replies > 0 ? number_or_null(s.mean_round_trip_ms()) : Json(nullptr)),
+                   "worst_round_trip_ms"_is(s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr)));
 }
 
 Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
@@ -46,14 +46,13 @@ Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
   for (DoctorFinding& finding : surroundings()) findings.push_back(std::move(finding));
   const bool works = diagnosis.works;
   return outcome_of(
-      record_cell(
-          "link {link} ({origin})\n{findings}{works}",
-          {"link"_is(context.link_name), "origin"_is(choice.origin),
-           "works"_is(works, "the link works\n", "the link does not work\n"),
-           "working_link"_is(text_cell(diagnosis.working_link)),
-           "serial_number"_is(diagnosis.identity ? text_cell(diagnosis.identity->serial_number) : null_cell()),
-           "statistics"_is(statistics_json(diagnosis.statistics)), "findings"_is(list_cell(findings, finding_cell)),
-           "error"_is(works ? shown_cell() : Cell{problem_json(why_not(diagnosis)), {}})}),
+      record_cell("link {link} ({origin})\n{findings}{works}", "link"_is(context.link_name), "origin"_is(choice.origin),
+                  "works"_is(works, "the link works\n", "the link does not work\n"),
+                  "working_link"_is(text_cell(diagnosis.working_link)),
+                  "serial_number"_is(diagnosis.identity ? text_cell(diagnosis.identity->serial_number) : null_cell()),
+                  "statistics"_is(statistics_json(diagnosis.statistics)),
+                  "findings"_is(list_cell(findings, finding_cell)),
+                  "error"_is(works ? shown_cell() : Cell{problem_json(why_not(diagnosis)), {}})),
       works ? kDone : exit_code_of(ProblemKind::link));
 }
 

@@ -25,7 +25,7 @@ Result<Outcome> completion(VerbContext& context, const CompletionRequest& reques
   const std::string script = request.shell == "bash"  ? cli::bash_completion(program)
                              : request.shell == "zsh" ? cli::zsh_completion(program)
                                                       : cli::fish_completion(program);
-  return outcome_of(record_cell("{script}", {"shell"_is(request.shell), "script"_is(script)}));
+  return outcome_of(record_cell("{script}", "shell"_is(request.shell), "script"_is(script)));
 }
 
 struct ManualRequest {
@@ -42,7 +42,7 @@ Result<Outcome> manual(VerbContext& context, const ManualRequest& request) {
   const std::vector<cli::ManualPage> pages = manual_pages(shown_program(all_verbs(), context));
   ECS_DO(cli::write_pages(pages, request.folder, request.force));
   return outcome_of(
-      record_cell("{pages} manual pages in {folder}\n", {"pages"_is(pages.size()), "folder"_is(request.folder)}));
+      record_cell("{pages} manual pages in {folder}\n", "pages"_is(pages.size()), "folder"_is(request.folder)));
 }
 
 }  // namespace

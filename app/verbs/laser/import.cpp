@@ -45,7 +45,7 @@ struct FileImportRequest {
 constexpr std::size_t kLinesShown = 20;
 
 Cell file_cell(const std::string& file, const laser::Imported& imported) {
-  AnswerFields fields{"file"_is(file), "format"_is(imported.format->title)};
+  AnswerFields fields = described("file"_is(file), "format"_is(imported.format->title));
   append(fields, set_fields(imported.set, kLinesShown));
   const Cell records = cell_of(imported.environment.rows.size());
   fields.push_back("environment_records"_is(imported.environment.rows.empty() ? shown_cell(records.text) : records));
@@ -67,12 +67,13 @@ Cell format_cell(const Json& files) {
 
 Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std::string& output,
                  const std::string& profile) {
-  AnswerFields fields{"format"_is(format_cell(files.json))};
+  AnswerFields fields = described("format"_is(format_cell(files.json)));
   append(fields, set_fields(set));
-  append(fields, {"output"_is(output.empty() ? null_cell("nothing written: give -o OUT.csv to keep it\n")
-                                             : Cell{output, fmt::format("{} readings written to {}\n",
-                                                                        set.readings.size(), output)}),
-                  "files"_is(files), "profile"_shown(profile)});
+  append(fields,
+         "output"_is(output.empty()
+                         ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                         : Cell{output, fmt::format("{} readings written to {}\n", set.readings.size(), output)}),
+         "files"_is(files), "profile"_shown(profile));
   return record_cell("{files}{profile}{output}", fields);
 }
 
@@ -132,10 +133,10 @@ Cell target_cell(const laser::TargetReadings& t, bool rotary) {
   return record_cell(fmt::format("{{{}:>12}} ", position) +
                          "{mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
                          "{undirected:>4} {reversal:>12}\n",
-                     {FieldKey(position)(t.position_mm, 4), "mean_forward"_is(mean_cell(t.forward)),
-                      "forward"_is(readings_cell(t.forward)), "mean_reverse"_is(mean_cell(t.reverse)),
-                      "reverse"_is(readings_cell(t.reverse)), "mean_undirected"_is(mean_cell(t.undirected)),
-                      "undirected"_is(readings_cell(t.undirected)), "reversal"_shown(reversal(t), 3)});
+                     FieldKey(position)(t.position_mm, 4), "mean_forward"_is(mean_cell(t.forward)),
+                     "forward"_is(readings_cell(t.forward)), "mean_reverse"_is(mean_cell(t.reverse)),
+                     "reverse"_is(readings_cell(t.reverse)), "mean_undirected"_is(mean_cell(t.undirected)),
+                     "undirected"_is(readings_cell(t.undirected)), "reversal"_shown(reversal(t), 3));
 }
 
 Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary) {
@@ -149,7 +150,7 @@ Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary
 Result<Outcome> show(VerbContext&, const ShowRequest& request) {
   ECS_TRY(imported, read_measurements(request.file, request.import));
   const laser::MeasurementSet& set = imported.set;
-  AnswerFields fields{"file"_is(request.file), "format"_is(imported.format->title)};
+  AnswerFields fields = described("file"_is(request.file), "format"_is(imported.format->title));
   append(fields, set_fields(set));
   const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported.environment), "rows")
                                                : conditions_cell(conditions_in(set), "readings");

@@ -81,29 +81,29 @@ std::string taken_text(const laser::Smoothed& smooth) {
 Cell smoothing_cell(const laser::Smoothed& smooth, double window_mm, std::string_view unit) {
   return record_cell(
       "  smoothing removed {removed_rms} {unit} rms, at most {removed_peak} at {removed_peak_position_mm} mm{taken}",
-      {"window_mm"_is(window_mm), "removed_rms"_is(smooth.removed_rms, 3), "removed_peak"_is(smooth.removed_peak, 3),
-       "removed_peak_position_mm"_is(smooth.removed_peak_position_mm,
-                                     fmt::format("{:.6g}", smooth.removed_peak_position_mm)),
-       "noise_rms"_is(smooth.noise_rms), "F"_is(smooth.F), "F_99"_is(smooth.F_99),
-       "taken"_is(word_for(smooth.taken), taken_text(smooth)), "unit"_shown(unit)});
+      "window_mm"_is(window_mm), "removed_rms"_is(smooth.removed_rms, 3), "removed_peak"_is(smooth.removed_peak, 3),
+      "removed_peak_position_mm"_is(smooth.removed_peak_position_mm,
+                                    fmt::format("{:.6g}", smooth.removed_peak_position_mm)),
+      "noise_rms"_is(smooth.noise_rms), "F"_is(smooth.F), "F_99"_is(smooth.F_99),
+      "taken"_is(word_for(smooth.taken), taken_text(smooth)), "unit"_shown(unit));
 }
 
 Cell slope_cell(const laser::Levelled& level, std::string_view unit) {
   const auto& error = level.slope_std_error_per_m;
   return record_cell("  slope removed ({method}): {removed_per_m} {unit} per m{std_error_per_m}\n",
-                     {"method"_is(laser::name_of(level.method)), "removed_per_m"_is(level.removed.slope_per_m, 3),
-                      "removed_offset"_is(level.removed.offset),
-                      "std_error_per_m"_is(error, error ? fmt::format(" +- {:.3f}", *error) : ""), "unit"_shown(unit)});
+                     "method"_is(laser::name_of(level.method)), "removed_per_m"_is(level.removed.slope_per_m, 3),
+                     "removed_offset"_is(level.removed.offset),
+                     "std_error_per_m"_is(error, error ? fmt::format(" +- {:.3f}", *error) : ""), "unit"_shown(unit));
 }
 
 Cell mean_cell(const std::optional<double>& mean) { return {number_or_null(mean), cell_text(mean)}; }
 
 Cell point_cell(const laser::CurvePoint& before, const laser::CurvePoint& after) {
   return record_cell("{position_mm:>12} {forward_before:>14} {reverse_before:>14} {forward:>14} {reverse:>14}\n",
-                     {"position_mm"_is(after.position_mm, 4), "forward"_is(mean_cell(after.forward)),
-                      "reverse"_is(mean_cell(after.reverse)), "forward_count"_is(after.forward_count),
-                      "reverse_count"_is(after.reverse_count), "forward_before"_shown(cell_text(before.forward)),
-                      "reverse_before"_shown(cell_text(before.reverse))});
+                     "position_mm"_is(after.position_mm, 4), "forward"_is(mean_cell(after.forward)),
+                     "reverse"_is(mean_cell(after.reverse)), "forward_count"_is(after.forward_count),
+                     "reverse_count"_is(after.reverse_count), "forward_before"_shown(cell_text(before.forward)),
+                     "reverse_before"_shown(cell_text(before.reverse)));
 }
 
 /// Processing keeps the targets, so that both curves have the same points.
@@ -117,10 +117,10 @@ Cell points_cell(const laser::Curve& before, const laser::Curve& after) {
 Cell processed_cell(const Processed& p, double window_mm) {
   const auto unit = laser::unit_of(p.group.sense);
   AnswerFields fields = measured_line_fields(p.group);
-  append(fields, {"slope"_is(slope_cell(p.readings.level, unit)),
-                  "smoothing"_is(p.readings.smooth ? smoothing_cell(*p.readings.smooth, window_mm, unit) : null_cell()),
-                  "band_before"_is(p.readings.band_before, 3), "band_after"_is(p.readings.band, 3),
-                  "points"_is(points_cell(p.readings.before_curve, p.curve())), "notes"_is(p.curve().notes, "")});
+  append(fields, "slope"_is(slope_cell(p.readings.level, unit)),
+         "smoothing"_is(p.readings.smooth ? smoothing_cell(*p.readings.smooth, window_mm, unit) : null_cell()),
+         "band_before"_is(p.readings.band_before, 3), "band_after"_is(p.readings.band, 3),
+         "points"_is(points_cell(p.readings.before_curve, p.curve())), "notes"_is(p.curve().notes, ""));
   return record_cell(
       "{component} ({sense} along {axis}), parked at {parked_mm} mm\n{slope}  band {band_before} -> {band_after} "
       "{unit} (range of all readings, slope removed)\n{smoothing}{points}",
@@ -233,18 +233,17 @@ Result<Outcome> process(VerbContext& context, const ProcessRequest& request) {
   ECS_DO(write_files(lines, imported.set, request));
   const std::size_t readings = imported.set.readings.size();
   return outcome_of(record_cell(
-      "{lines}{excluded} of {readings} readings left out\n{output}{plot}",
-      {"file"_is(request.file),
-       "lines"_is(list_cell(lines, [&](const Processed& line) { return processed_cell(line, request.smooth_mm); })),
-       "readings"_is(readings), "excluded"_is(readings - selection.chosen.readings.size()),
-       "output"_is(written_cell("means", request.output)), "plot"_is(written_cell("plot", request.plot))}));
+      "{lines}{excluded} of {readings} readings left out\n{output}{plot}", "file"_is(request.file),
+      "lines"_is(list_cell(lines, [&](const Processed& line) { return processed_cell(line, request.smooth_mm); })),
+      "readings"_is(readings), "excluded"_is(readings - selection.chosen.readings.size()),
+      "output"_is(written_cell("means", request.output)), "plot"_is(written_cell("plot", request.plot))));
 }
 
 Result<Outcome> prepare(VerbContext&, const commissioning::PrepareRequest& request) {
   ECS_DO(check_output_not_input(request.output, request.files));
   ECS_TRY(set, commissioning::prepared_line(request));
   ECS_DO(laser::write_measurement_set(request.output, set));
-  AnswerFields fields{"output"_is(request.output), "count"_shown(set.readings.size())};
+  AnswerFields fields = described("output"_is(request.output), "count"_shown(set.readings.size()));
   append(fields, set_fields(set));
   return outcome_of(record_cell("{lines}{count} readings written to {output}", fields));
 }
@@ -279,9 +278,9 @@ Result<void> written(const std::string& output, const laser::MeasurementSet& set
 Result<Outcome> taken_back(const NormaliseRequest& request, const laser::MeasurementSet& set) {
   ECS_TRY(back, laser::denormalised(set));
   ECS_DO(written(request.output, back));
-  return outcome_of(record_cell(
-      "{readings} readings as they were before they were referred to 20 degC\n",
-      {"file"_is(request.file), "readings"_is(back.readings.size()), "output"_is(text_cell(request.output))}));
+  return outcome_of(record_cell("{readings} readings as they were before they were referred to 20 degC\n",
+                                "file"_is(request.file), "readings"_is(back.readings.size()),
+                                "output"_is(text_cell(request.output))));
 }
 
 Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request) {
@@ -307,14 +306,14 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request)
   ECS_DO(written(request.output, done->set));
   return outcome_of(record_cell(
       "{changed} of {readings} readings referred to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
-      {"file"_is(request.file), "coefficient_um_per_m_degC"_is(how.coefficient_um_per_m_degC),
-       "instrument_um_per_m_degC"_is(done->instrument_um_per_m_degC), "least_degC"_is(done->least_degC),
-       "most_degC"_is(done->most_degC), "fixed_mm"_is(how.fixed_mm), "changed"_is(done->changed),
-       "readings"_is(done->set.readings.size()), "largest_um"_is(done->largest_um, 3),
-       "per_coefficient_um"_is(done->per_coefficient_um), "notes"_is(lines_cell(done->notes, "  ")),
-       "output"_is(request.output.empty()
-                       ? null_cell("nothing written: give -o OUT.csv to keep it\n")
-                       : Cell{request.output, fmt::format("written to {}; --back takes it back\n", request.output)})}));
+      "file"_is(request.file), "coefficient_um_per_m_degC"_is(how.coefficient_um_per_m_degC),
+      "instrument_um_per_m_degC"_is(done->instrument_um_per_m_degC), "least_degC"_is(done->least_degC),
+      "most_degC"_is(done->most_degC), "fixed_mm"_is(how.fixed_mm), "changed"_is(done->changed),
+      "readings"_is(done->set.readings.size()), "largest_um"_is(done->largest_um, 3),
+      "per_coefficient_um"_is(done->per_coefficient_um), "notes"_is(lines_cell(done->notes, "  ")),
+      "output"_is(request.output.empty()
+                      ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                      : Cell{request.output, fmt::format("written to {}; --back takes it back\n", request.output)})));
 }
 
 struct AirRequest {
@@ -343,9 +342,9 @@ Result<Outcome> air(VerbContext&, const AirRequest& request) {
       "refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
       "wavelength in air   {wavelength_in_air_nm} nm\n"
       "against 20 degC, 1013.25 hPa, 50 %: {against_standard_um_per_m} um per metre\n",
-      {"ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
-       "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
-       "against_standard_um_per_m"_is(against_standard_um_per_m, fmt::format("{:+.3f}", against_standard_um_per_m))}));
+      "ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
+      "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
+      "against_standard_um_per_m"_is(against_standard_um_per_m, fmt::format("{:+.3f}", against_standard_um_per_m))));
 }
 
 }  // namespace

@@ -92,9 +92,9 @@ Result<Outcome> table(VerbContext&, const TableRequest& request) {
   Cell drawn = lines_cell(plots, "  ");
   if (!plots.empty()) drawn.text.insert(0, "\nplots:\n");
   const auto unfit = unfit_files(rows);
-  return outcome_of(record_cell("{rows}{plots}", {"plan"_is(request.plan), "band"_is(laser::kBandDefinition),
-                                                  "rows"_is(table_cell(rows)), "plots"_is(drawn),
-                                                  "error"_is(unfit ? Cell{problem_json(*unfit), {}} : shown_cell())}),
+  return outcome_of(record_cell("{rows}{plots}", "plan"_is(request.plan), "band"_is(laser::kBandDefinition),
+                                "rows"_is(table_cell(rows)), "plots"_is(drawn),
+                                "error"_is(unfit ? Cell{problem_json(*unfit), {}} : shown_cell())),
                     exit_code_of(rows));
 }
 

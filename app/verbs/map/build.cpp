@@ -31,11 +31,11 @@ Cell rotary_table_cell(const volume::RotaryTable& table) {
   for (const double error : table.error) mean += error / static_cast<double>(table.error.size());
   return record_cell(
       "{component:<9} {approach:>8} {unit:<4} {first_deg:>8} {last_deg:>8} {points:>6} {mean:>8} {band:>8}\n",
-      {"component"_is(volume::rotary_name(table.joint, table.sense)),
-       "approach"_is(static_cast<int>(table.approach), fmt::format("{}", static_cast<int>(table.approach))),
-       "unit"_is(laser::unit_of(table.sense)), "first_deg"_is(table.p_deg.front(), 1),
-       "last_deg"_is(table.p_deg.back(), 1), "points"_is(table.p_deg.size()), "mean"_is(mean, 2),
-       "band"_is(*greatest - *least, 2)});
+      "component"_is(volume::rotary_name(table.joint, table.sense)),
+      "approach"_is(static_cast<int>(table.approach), fmt::format("{}", static_cast<int>(table.approach))),
+      "unit"_is(laser::unit_of(table.sense)), "first_deg"_is(table.p_deg.front(), 1),
+      "last_deg"_is(table.p_deg.back(), 1), "points"_is(table.p_deg.size()), "mean"_is(mean, 2),
+      "band"_is(*greatest - *least, 2));
 }
 
 /// True where the first of these files holds readings of a rotary axis.
@@ -64,10 +64,10 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
       "{tables}errors, not compensation: the unit compensates X, Y, Z and takes no table of a\nrotary axis; `ecs "
       "volume "
       "--rotary` does\n{rotary}",
-      {"rotary"_is(written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")),
-       "tables"_is(list_cell(errors.tables, rotary_table_cell,
-                             fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
-                                         "from deg", "to deg", "points", "mean", "band")))}));
+      "rotary"_is(written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")),
+      "tables"_is(list_cell(errors.tables, rotary_table_cell,
+                            fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
+                                        "from deg", "to deg", "points", "mean", "band")))));
 }
 
 /// With what the map of a model takes as well.
@@ -175,11 +175,11 @@ Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
   return record_cell(
       "{component:<4} {description:<38} {unit:<4} {band:>6} {largest:>6} {slope_removed_per_m:>6} {smoothed_rms:>5} "
       "{points:>4}\n     from {files} ({readings} readings)\n{notes}",
-      {"component"_is(name_of(one.component)), "description"_is(laser::description_of(one.component)),
-       "unit"_is(unit_of(one.component)), "files"_is(files, fmt::format("{}", fmt::join(files, ", "))),
-       "readings"_is(one.readings), "band"_is(one.band, 1), "largest"_is(one.largest, 1),
-       "slope_removed_per_m"_is(one.slope_um_per_m, 1), "smoothed_rms"_is(one.smoothed_rms, 2), "points"_is(one.points),
-       "notes"_is(lines_cell(one.notes, "     note: "))});
+      "component"_is(name_of(one.component)), "description"_is(laser::description_of(one.component)),
+      "unit"_is(unit_of(one.component)), "files"_is(files, fmt::format("{}", fmt::join(files, ", "))),
+      "readings"_is(one.readings), "band"_is(one.band, 1), "largest"_is(one.largest, 1),
+      "slope_removed_per_m"_is(one.slope_um_per_m, 1), "smoothed_rms"_is(one.smoothed_rms, 2), "points"_is(one.points),
+      "notes"_is(lines_cell(one.notes, "     note: ")));
 }
 
 std::string declared_text(const Built& b) {
@@ -203,19 +203,18 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
       "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\n"
       "taken away, per m; smth: rms that smoothing removed; n: points per table\n"
       "{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
-      {"map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
-       "params_out"_is(written_cell("parameters", request.params_out)),
-       "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
-       "components"_is(list_cell(
-           b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
-           fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band", "most",
-                       "slope", "smth", "n"))),
-       "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
-       "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
-       "verdict"_shown(
-           verdict_text(b.made.findings, !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
-       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
-       "header"_is(header_cell(b.made.map.map.header))});
+      "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
+      "params_out"_is(written_cell("parameters", request.params_out)),
+      "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
+      "components"_is(list_cell(
+          b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
+          fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band", "most",
+                      "slope", "smth", "n"))),
+      "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
+      "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
+      "verdict"_shown(verdict_text(b.made.findings, !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
+      "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
+      "header"_is(header_cell(b.made.map.map.header)));
 }
 
 void warn_about_header(VerbContext& context, const Built& b) {

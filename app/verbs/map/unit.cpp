@@ -98,10 +98,10 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
                                           found.map.header.machine.empty() ? found.name : found.map.header.machine);
     ECS_DO(write_plot(request.plot, figure_of(found.map, only, title)));
   }
-  return outcome_of(record_cell("{header}\n{tables}{findings}{plot}",
-                                {"map"_is(found.name), "header"_is(header_cell(found.map.header)),
-                                 "tables"_is(tables_cell(tables, only.has_value())),
-                                 "findings"_is(judged_cell(findings)), "plot"_is(written_cell("plot", request.plot))}));
+  return outcome_of(record_cell("{header}\n{tables}{findings}{plot}", "map"_is(found.name),
+                                "header"_is(header_cell(found.map.header)),
+                                "tables"_is(tables_cell(tables, only.has_value())),
+                                "findings"_is(judged_cell(findings)), "plot"_is(written_cell("plot", request.plot))));
 }
 
 struct HeaderRequest {
@@ -116,7 +116,7 @@ struct HeaderRequest {
 Result<Outcome> header(VerbContext& context, const HeaderRequest& request) {
   ECS_TRY(found, found_map(context, request.file, request.unit));
   const Cell header = header_cell(found.map.header);
-  return outcome_of({object_of({"map"_is(found.name), inlined(header)}), header.text});
+  return outcome_of({object_of("map"_is(found.name), inlined(header)), header.text});
 }
 
 constexpr std::string_view kBeforeFirstCompensation =
@@ -156,11 +156,11 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
           : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, "
             "commit "
             "{commit_sequence}",
-      {"map"_is(request.file), "bytes"_is(sent->report.bytes), "bytes_sent"_is(sent->report.bytes_sent),
-       "already_held"_is(sent->report.already_held), "seconds"_is(sent->seconds, 1),
-       "check"_is(fmt::format("{:08X}", sent->check)), "verified"_is(true),
-       "commit_sequence"_is(sent->report.commit_sequence), "serial_number"_is(text_cell(sent->identity.serial_number)),
-       "notes"_is(lines_cell(ready.image.notes, ""))}));
+      "map"_is(request.file), "bytes"_is(sent->report.bytes), "bytes_sent"_is(sent->report.bytes_sent),
+      "already_held"_is(sent->report.already_held), "seconds"_is(sent->seconds, 1),
+      "check"_is(fmt::format("{:08X}", sent->check)), "verified"_is(true),
+      "commit_sequence"_is(sent->report.commit_sequence), "serial_number"_is(text_cell(sent->identity.serial_number)),
+      "notes"_is(lines_cell(ready.image.notes, ""))));
 }
 
 constexpr std::size_t kMostShown = 20;
@@ -181,9 +181,9 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   const std::string csv = laser::to_map_csv(found.map);
   if (!to_stdout) ECS_DO(write_file(request.output, csv));
   return outcome_of(record_cell(to_stdout ? "{csv}" : "map of the unit written to {map}: {count} tables",
-                                {"map"_is(text_cell(request.output)), "header"_is(header_cell(found.map.header)),
-                                 "tables"_is(tables_cell(found.map.tables, to_stdout)),
-                                 "count"_shown(found.map.tables.size()), "csv"_shown(csv)}));
+                                "map"_is(text_cell(request.output)), "header"_is(header_cell(found.map.header)),
+                                "tables"_is(tables_cell(found.map.tables, to_stdout)),
+                                "count"_shown(found.map.tables.size()), "csv"_shown(csv)));
 }
 
 struct VerifyRequest {
@@ -196,10 +196,10 @@ struct VerifyRequest {
 };
 
 Cell difference_cell(const MapDifference& d) {
-  return record_cell("{message}\n", {"component"_is(d.component ? cell_of(name_of(*d.component)) : null_cell()),
-                                     "approach"_is(d.component ? cell_of(word_for(d.approach)) : null_cell()),
-                                     "position_mm"_is(d.position_mm), "expected"_is(d.expected), "found"_is(d.found),
-                                     "message"_is(d.message)});
+  return record_cell("{message}\n", "component"_is(d.component ? cell_of(name_of(*d.component)) : null_cell()),
+                     "approach"_is(d.component ? cell_of(word_for(d.approach)) : null_cell()),
+                     "position_mm"_is(d.position_mm), "expected"_is(d.expected), "found"_is(d.found),
+                     "message"_is(d.message));
 }
 
 /// All in JSON, the first in the text.
@@ -219,10 +219,10 @@ Cell largest_cell(const std::optional<LargestDifference>& largest) {
   return record_cell(
       "largest difference from the curves of the file: {difference} {unit} ({component} {approach} at {position_mm} "
       "mm)\n",
-      {"component"_is(name_of(largest->component)), "approach"_is(word_for(largest->approach)),
-       "position_mm"_is(largest->position_mm, fmt::format("{:.6g}", largest->position_mm)),
-       "expected"_is(largest->expected), "found"_is(largest->found), "difference"_shown(largest->difference(), 3),
-       "unit"_shown(unit_of(largest->component))});
+      "component"_is(name_of(largest->component)), "approach"_is(word_for(largest->approach)),
+      "position_mm"_is(largest->position_mm, fmt::format("{:.6g}", largest->position_mm)),
+      "expected"_is(largest->expected), "found"_is(largest->found), "difference"_shown(largest->difference(), 3),
+      "unit"_shown(unit_of(largest->component)));
 }
 
 Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
@@ -231,13 +231,12 @@ Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
   ECS_TRY(verdict, verdict_on(found, request.file, request.params));
   const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
-      record_cell("{differences}{parameters}{largest_difference}{same}",
-                  {"map"_is(request.file),
-                   "same"_is(verdict.same(), fmt::format("the unit holds {}", request.file),
-                             fmt::format("the unit does not hold {}: {} differences", request.file, count)),
-                   "differences"_is(places_cell(verdict.differences)),
-                   "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
-                   "largest_difference"_is(largest_cell(verdict.largest))}),
+      record_cell("{differences}{parameters}{largest_difference}{same}", "map"_is(request.file),
+                  "same"_is(verdict.same(), fmt::format("the unit holds {}", request.file),
+                            fmt::format("the unit does not hold {}: {} differences", request.file, count)),
+                  "differences"_is(places_cell(verdict.differences)),
+                  "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
+                  "largest_difference"_is(largest_cell(verdict.largest))),
       verdict.same() ? kDone : kDoesNotHold);
 }
 

@@ -54,10 +54,10 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadRequest& request) {
   const bool to_stdout = request.output.empty();
   if (!to_stdout) ECS_DO(write_file(request.output, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   const std::string digits = hex_of(bytes, "");
-  return outcome_of(record_cell(
-      to_stdout ? "{bytes}" : "{length} bytes written to {file}",
-      {"address"_is(hex_address(address)), "length"_is(length), "file"_is(text_cell(request.output)),
-       "bytes"_is(to_stdout ? Cell{digits, request.hex ? digits : listing(address, bytes)} : shown_cell())}));
+  return outcome_of(
+      record_cell(to_stdout ? "{bytes}" : "{length} bytes written to {file}", "address"_is(hex_address(address)),
+                  "length"_is(length), "file"_is(text_cell(request.output)),
+                  "bytes"_is(to_stdout ? Cell{digits, request.hex ? digits : listing(address, bytes)} : shown_cell())));
 }
 
 // --- write
@@ -96,8 +96,8 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
           write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory"));
       !written)
     return tl::unexpected(written.error());
-  return outcome_of(record_cell("{length} bytes written from {address} on",
-                                {"address"_is(hex_address(address)), "length"_is(bytes.size())}));
+  return outcome_of(record_cell("{length} bytes written from {address} on", "address"_is(hex_address(address)),
+                                "length"_is(bytes.size())));
 }
 
 // --- dump
@@ -119,13 +119,12 @@ Result<Outcome> dump_memory(VerbContext& context, const DumpRequest& request) {
   std::size_t bytes = 0;
   for (const DumpRegion& region : dump.regions) bytes += region.bytes.size();
   return outcome_of(record_cell(
-      "{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it",
-      {"file"_is(request.output), "show"_shown(shell_command({"ecs", "memory", "show", request.output})),
-       "unit"_shown(dump.serial_number), "bytes"_is(bytes),
-       "regions"_is(list_cell(dump.regions, [](const DumpRegion& region) {
-         return record_cell(
-             {}, {"name"_is(region.name), "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size())});
-       }))}));
+      "{bytes} bytes of unit {unit} written to {file}; `{show}` decodes it", "file"_is(request.output),
+      "show"_shown(shell_command({"ecs", "memory", "show", request.output})), "unit"_shown(dump.serial_number),
+      "bytes"_is(bytes), "regions"_is(list_cell(dump.regions, [](const DumpRegion& region) {
+        return record_cell({}, "name"_is(region.name), "address"_is(hex_address(region.address)),
+                           "bytes"_is(region.bytes.size()));
+      }))));
 }
 
 // --- load
@@ -166,8 +165,8 @@ Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
                              progress_bar(context, "image")));
   return finished_outcome_of(
       record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
-                  {"file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
-                   "verified"_is(true)}));
+                  "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
+                  "verified"_is(true)));
 }
 
 constexpr std::string_view kUnitWord = "unit";
@@ -227,15 +226,14 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_TRY(b, dump_from(context, request.b));
   Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
-    return record_cell("{what}: A {a} | B {b}\n", {"what"_is(what), "a"_is(in_a), "b"_is(in_b)});
+    return record_cell("{what}: A {a} | B {b}\n", "what"_is(what), "a"_is(in_a), "b"_is(in_b));
   });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";
   const Cell damage_a = damage_cell("A", request.a, a), damage_b = damage_cell("B", request.b, b);
   return outcome_of(
-      record_cell("{damaged}{differences}",
-                  {"a"_is(request.a), "b"_is(request.b), "same"_is(same),
-                   "damaged"_is(record_cell("{a}{b}", {"a"_is(damage_a), "b"_is(damage_b)})), "differences"_is(found)}),
+      record_cell("{damaged}{differences}", "a"_is(request.a), "b"_is(request.b), "same"_is(same),
+                  "damaged"_is(record_cell("{a}{b}", "a"_is(damage_a), "b"_is(damage_b))), "differences"_is(found)),
       same && damage_a.json.empty() && damage_b.json.empty() ? kDone : kDoesNotHold);
 }
 

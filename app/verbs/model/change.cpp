@@ -87,14 +87,14 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
       "added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
       name_with_alternatives(added.effect.effect), added.rms_before_um, added.rms_after_um, unit,
       outliers > 0 ? fmt::format(" with {} outlier{}", outliers, outliers == 1 ? "" : "s") : "", added.noise_um, unit));
-  return record_cell("{summary}{effect}\n{history}{model}\n",
-                     {"summary"_shown(summary), "rms_before_um"_is(added.rms_before_um),
-                      "rms_after_um"_is(added.rms_after_um), "noise_um"_is(added.noise_um),
-                      "peak_um"_is(added.step.peak_um), "held_out_rms_um"_is(added.step.held_out_rms_um),
-                      "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
-                      "history"_is(ladder_cell(added.model)),
-                      "model"_is(output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
-                                                : Cell{output, "model written to " + output})});
+  return record_cell("{summary}{effect}\n{history}{model}\n", "summary"_shown(summary),
+                     "rms_before_um"_is(added.rms_before_um), "rms_after_um"_is(added.rms_after_um),
+                     "noise_um"_is(added.noise_um), "peak_um"_is(added.step.peak_um),
+                     "held_out_rms_um"_is(added.step.held_out_rms_um),
+                     "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
+                     "history"_is(ladder_cell(added.model)),
+                     "model"_is(output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
+                                               : Cell{output, "model written to " + output}));
 }
 
 Result<Outcome> add(VerbContext& context, const AddRequest& request) {
@@ -138,8 +138,8 @@ Result<Outcome> undo(VerbContext&, const UndoRequest& request) {
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, before, request.model));
   const std::string taken = model->history.back().effect;
-  return outcome_of(record_cell("taken back: {undone}\n\n{history}model written to {model}\n",
-                                {"undone"_is(taken), "history"_is(ladder_cell(before)), "model"_is(output)}));
+  return outcome_of(record_cell("taken back: {undone}\n\n{history}model written to {model}\n", "undone"_is(taken),
+                                "history"_is(ladder_cell(before)), "model"_is(output)));
 }
 
 struct RemoveRequest {
@@ -163,12 +163,11 @@ Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
   ECS_TRY(without, in_file(without_effect(work.model, work.data, effect, before, work.data_name), request.model));
   const model::Model kept = model_to_keep(without.model, without.fit, work.data, work.data_name);
   ECS_DO(model::write_model(output, kept, request.model));
-  return outcome_of(
-      record_cell("removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
-                  "to {model}\n",
-                  {"effect"_is(without.name), "rms_before_um"_is(without.rms_before_um, 3),
-                   "rms_after_um"_is(without.fit.rms_um, 3), "unit"_shown(work.data.reading_unit()),
-                   "history"_is(ladder_cell(kept)), "model"_is(output)}));
+  return outcome_of(record_cell(
+      "removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
+      "to {model}\n",
+      "effect"_is(without.name), "rms_before_um"_is(without.rms_before_um, 3), "rms_after_um"_is(without.fit.rms_um, 3),
+      "unit"_shown(work.data.reading_unit()), "history"_is(ladder_cell(kept)), "model"_is(output)));
 }
 
 struct DecideRequest {
@@ -198,7 +197,7 @@ Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, *model, request.model));
   return outcome_of(record_cell("it is {effect}, not {alternatives}\nmodel written to {model}\n",
-                                {"effect"_is(request.effect), "alternatives"_is(alternatives), "model"_is(output)}));
+                                "effect"_is(request.effect), "alternatives"_is(alternatives), "model"_is(output)));
 }
 
 struct HistoryRequest {
@@ -218,7 +217,7 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
     ECS_DO(write_plot(request.plot, ladder_figure(model.history, "Error after every step")));
     ladder.text += "plot written to " + request.plot + "\n";
   }
-  return outcome_of(record_cell("{history}", {"model"_is(request.model), "history"_is(ladder)}));
+  return outcome_of(record_cell("{history}", "model"_is(request.model), "history"_is(ladder)));
 }
 
 }  // namespace

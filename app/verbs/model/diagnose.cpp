@@ -106,37 +106,23 @@ struct NextRequest {
 Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   Json pairs = Json::array();
   for (const model::PairSeparation& pair : one.pairs)
-    pairs.push_back(
-        {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
+    pairs.push_back(object_of("truth"_is(pair.truth), "rival"_is(text_cell(pair.rival)), "sigma"_is(pair.sigma)));
   Json separation;  // null: a repetition separates nothing by itself
   if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
-  AnswerFields fields = {"tells"_is(one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)),
-                         "axis"_is(axis_json(one.axis)),
-                         "sense"_is(name_of(one.sense)),
-                         "targets_mm"_is(one.targets_mm),
-                         "parked_mm"_is(position_json(one.parked_mm)),
-                         "bidirectional"_is(one.bidirectional),
-                         "approach"_is(one.approach),
-                         "runs"_is(one.runs),
-                         "feed_mm_min"_is(one.feed_mm_min),
-                         "second_feed_mm_min"_is(one.second_feed_mm_min),
-                         "dwell_s"_is(one.dwell_s),
-                         "new_set_up"_is(one.new_set_up),
-                         "temperatures_degC"_is(one.temperatures_degC),
-                         "pressure_hPa"_is(one.pressure_hPa),
-                         "humidity_pct"_is(one.humidity_pct),
-                         "load_kg"_is(one.load_kg),
-                         "compensated"_is(one.compensated ? Json(*one.compensated) : Json(nullptr)),
-                         "reversed"_is(one.reversed ? Json(*one.reversed) : Json(nullptr)),
-                         "condition"_is(one.condition),
-                         "wait_minutes"_is(one.wait_minutes),
-                         "set_up_minutes"_is(one.set_up_minutes),
-                         "minutes"_is(one.minutes),
-                         "separation_sigma"_is(std::move(separation)),
-                         "pairs"_is(std::move(pairs)),
-                         "sentence"_is(one.sentence, paragraph(one.sentence, 3))};
+  AnswerFields fields = described(
+      "tells"_is(one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)), "axis"_is(axis_json(one.axis)),
+      "sense"_is(name_of(one.sense)), "targets_mm"_is(one.targets_mm), "parked_mm"_is(position_json(one.parked_mm)),
+      "bidirectional"_is(one.bidirectional), "approach"_is(one.approach), "runs"_is(one.runs),
+      "feed_mm_min"_is(one.feed_mm_min), "second_feed_mm_min"_is(one.second_feed_mm_min), "dwell_s"_is(one.dwell_s),
+      "new_set_up"_is(one.new_set_up), "temperatures_degC"_is(one.temperatures_degC),
+      "pressure_hPa"_is(one.pressure_hPa), "humidity_pct"_is(one.humidity_pct), "load_kg"_is(one.load_kg),
+      "compensated"_is(one.compensated ? Json(*one.compensated) : Json(nullptr)),
+      "reversed"_is(one.reversed ? Json(*one.reversed) : Json(nullptr)), "condition"_is(one.condition),
+      "wait_minutes"_is(one.wait_minutes), "set_up_minutes"_is(one.set_up_minutes), "minutes"_is(one.minutes),
+      "separation_sigma"_is(std::move(separation)), "pairs"_is(std::move(pairs)),
+      "sentence"_is(one.sentence, paragraph(one.sentence, 3)));
   if (one.circle)
-    fields.push_back("circle"_is(object_of({"path"_is(to_text(*one.circle)), "step_deg"_is(one.circle_step_deg)})));
+    fields.push_back("circle"_is(object_of("path"_is(to_text(*one.circle)), "step_deg"_is(one.circle_step_deg))));
   return record_cell("\n{tells}{sentence}", fields);
 }
 
@@ -150,10 +136,10 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1) proposals.text += "\nFirst the run that decides the most in a minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
-                     {"verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
-                      "rivals"_is(next.rivals, rivals_text(next.rivals)), "proposals"_is(std::move(proposals)),
-                      "program"_is(text_cell(request.program)), "targets"_is(text_cell(request.targets)),
-                      "notes"_is(next.notes, notes_text(next.notes))});
+                     "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
+                     "rivals"_is(next.rivals, rivals_text(next.rivals)), "proposals"_is(std::move(proposals)),
+                     "program"_is(text_cell(request.program)), "targets"_is(text_cell(request.targets)),
+                     "notes"_is(next.notes, notes_text(next.notes)));
 }
 
 /// Part program and target list of the chosen proposal; says what was written.
@@ -216,22 +202,20 @@ Result<double> noise_to_expect(VerbContext& context, const NextRequest& request)
 Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
   Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "sigma to expect")};
   for (const model::EffectFit& effect : check.effects)
-    effects.add(record_cell("{place}  ({readings} readings)\n{parameters}",
-                            {inlined({effect_json(effect.effect), ""}), "place"_shown(place_text(effect.effect)),
-                             "parameters"_is(parameters_cell(effect.parameters, "  {name:<38} {sigma:>15}  {unit}\n")),
-                             "readings"_is(effect.readings)}));
+    effects.add(record_cell("{place}  ({readings} readings)\n{parameters}", inlined({effect_json(effect.effect), ""}),
+                            "place"_shown(place_text(effect.effect)),
+                            "parameters"_is(parameters_cell(effect.parameters, "  {name:<38} {sigma:>15}  {unit}\n")),
+                            "readings"_is(effect.readings)));
   std::string undetermined, assumed;
   for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
   return record_cell(
       "{determines}\n{readings} readings, noise {noise_um} um, condition {condition}\n\n{effects}"
       "{undetermined}{assumed}",
-      {"determines"_is(check.determines, "The plan determines every parameter of the model.",
-                       "The plan does not determine the model."),
-       "readings"_is(readings), "noise_um"_is(noise_um, 3),
-       "condition"_is(check.condition, few_digits(check.condition)),
-       "undetermined"_is(check.undetermined, undetermined), "effects"_is(std::move(effects)),
-       "assumed"_shown(assumed)});
+      "determines"_is(check.determines, "The plan determines every parameter of the model.",
+                      "The plan does not determine the model."),
+      "readings"_is(readings), "noise_um"_is(noise_um, 3), "condition"_is(check.condition, few_digits(check.condition)),
+      "undetermined"_is(check.undetermined, undetermined), "effects"_is(std::move(effects)), "assumed"_shown(assumed));
 }
 
 Result<Outcome> check_planned(VerbContext& context, const NextRequest& request) {

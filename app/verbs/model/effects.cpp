@@ -26,13 +26,12 @@ using model::ParameterDefinition;
 
 Cell parameter_cell(const ParameterDefinition& parameter) {
   const auto& limits = parameter.limits;
-  const AnswerFields fields{
+  const AnswerFields fields = described(
       "name"_is(parameter.name),
       "unit"_is(parameter.unit, fmt::format("{}{}", parameter.unit.empty() ? "" : " ", parameter.unit)),
       "least"_is(limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()),
       "greatest"_is(limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()),
-      "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""),
-      "meaning"_is(parameter.meaning)};
+      "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""), "meaning"_is(parameter.meaning));
   return {object_of(fields),
           paragraph(laid_out("parameter:    {name}{unit}: {meaning}{least}{greatest}{searched}", fields), 2, 16)};
 }
@@ -44,18 +43,14 @@ AnswerFields fields_of(const EffectDefinition& effect) {
   std::map<std::string, std::string> facts;
   for (const commissioning::EffectFact& fact : commissioning::facts_of(effect))
     facts[fact.label] = paragraph(label_before(fact.label) + fact.text, 2, 16);
-  return {"effect"_is(effect.id),
-          "title"_is(effect.title),
-          "formula"_is(effect.formula, facts["formula"]),
-          "cause"_is(effect.cause, facts["cause"]),
-          "tells_apart"_is(effect.tells_apart, facts["distinguished by"]),
-          "check"_is(effect.check, facts["check"]),
-          "parameters"_is(std::move(parameters)),
-          "of_approach"_is(effect.traits.of_approach,
-                           "  acts only on readings of known approach of its own moving axis\n", ""),
-          "carrier"_is(commissioning::carrier_text(effect.carrier)),
-          "compensated"_is(effect.is_carried()),
-          "how"_is(effect.how, facts["compensated"])};
+  return described("effect"_is(effect.id), "title"_is(effect.title), "formula"_is(effect.formula, facts["formula"]),
+                   "cause"_is(effect.cause, facts["cause"]),
+                   "tells_apart"_is(effect.tells_apart, facts["distinguished by"]),
+                   "check"_is(effect.check, facts["check"]), "parameters"_is(std::move(parameters)),
+                   "of_approach"_is(effect.traits.of_approach,
+                                    "  acts only on readings of known approach of its own moving axis\n", ""),
+                   "carrier"_is(commissioning::carrier_text(effect.carrier)), "compensated"_is(effect.is_carried()),
+                   "how"_is(effect.how, facts["compensated"]));
 }
 
 Result<Outcome> one_effect(const std::string& name) {
@@ -86,7 +81,7 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
                                                        commissioning::carrier_text(effect.carrier))});
-  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {"effects"_is(std::move(all))}));
+  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", "effects"_is(std::move(all))));
 }
 
 struct NewRequest {
@@ -108,9 +103,9 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   const std::vector<std::string> import = commissioning::import_words(request.import);
   next.insert(next.end(), import.begin(), import.end());
   return outcome_of(record_cell("begun in {model}: {usual}{of_paths}\n{effects}next: {next}\n",
-                                {"model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
-                                 "of_paths"_shown(work.data.paths.empty() ? "" : "; of circles and diagonals nothing"),
-                                 "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))}));
+                                "model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
+                                "of_paths"_shown(work.data.paths.empty() ? "" : "; of circles and diagonals nothing"),
+                                "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))));
 }
 
 struct PredictRequest {
@@ -149,12 +144,13 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
 
 Cell prediction_cell(const laser::Reading& r, bool has_readings) {
   const bool forward = r.approach == Approach::forward;
-  AnswerFields fields{"row"_is(r.row), "axis"_is(axis_json(r.axis, r.rotary)), "sense"_is(name_of(r.sense))};
+  AnswerFields fields =
+      described("row"_is(r.row), "axis"_is(axis_json(r.axis, r.rotary)), "sense"_is(name_of(r.sense)));
   add_position(fields, r.rotary ? r.angle_deg : r.position_mm, r.rotary);
   append(fields,
-         {"approach"_is(static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")),
-          "unit"_is(laser::unit_of(r.sense)), "predicted"_is(r.error, 3),
-          "measured"_is(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)});
+         "approach"_is(static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")),
+         "unit"_is(laser::unit_of(r.sense)), "predicted"_is(r.error, 3),
+         "measured"_is(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3));
   return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
                                  position_layout(r.rotary), has_readings ? " {measured:>10}" : ""),
                      fields);
@@ -195,9 +191,8 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
     ECS_DO(laser::write_measurement_set(request.output, result.set));
     predictions.text = fmt::format("{} predictions written to {}\n", result.set.readings.size(), request.output);
   }
-  return outcome_of(
-      record_cell("{predictions}", {"points"_is(result.set.readings.size()), "output"_is(text_cell(request.output)),
-                                    "predictions"_is(predictions)}));
+  return outcome_of(record_cell("{predictions}", "points"_is(result.set.readings.size()),
+                                "output"_is(text_cell(request.output)), "predictions"_is(predictions)));
 }
 
 }  // namespace

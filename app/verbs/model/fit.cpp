@@ -46,13 +46,11 @@ struct FitRequest {
 };
 
 Cell effect_cell(const EffectFit& effect) {
-  AnswerFields fields{
-      inlined({effect_json(effect.effect), ""}),
-      "place"_shown(padded(name_with_alternatives(effect.effect), 67)),
+  AnswerFields fields = described(
+      inlined({effect_json(effect.effect), ""}), "place"_shown(padded(name_with_alternatives(effect.effect), 67)),
       "parameters"_is(parameters_cell(effect.parameters, "  {name:<26} {value:>13} {sigma:>13}  {unit}\n")),
       "rms_um"_is(effect.rms_um, effect.readings > 0 ? fmt::format(" {:>12.3f}", effect.rms_um) : ""),
-      "readings"_is(effect.readings),
-      "skipped"_is(effect.skipped)};
+      "readings"_is(effect.readings), "skipped"_is(effect.skipped));
   if (!effect.effect.curve.empty()) fields.push_back("curve"_is(curve_json(effect.effect.curve)));
   return record_cell("{place}{rms_um}\n{parameters}", fields);
 }
@@ -71,7 +69,7 @@ Cell correlations_cell(const Fit& fit) {
   for (const model::Correlation& one : fit.correlations) {
     if (std::abs(one.value) < kStrongCorrelation) continue;
     const std::string text = fmt::format("correlated {:+.3f}: {} and {}", one.value, one.first, one.second);
-    list.add({object_of({"first"_is(one.first), "second"_is(one.second), "value"_is(one.value)}),
+    list.add({object_of("first"_is(one.first), "second"_is(one.second), "value"_is(one.value)),
               list.json.size() < kMostLines ? paragraph(text, 0, 2) : ""});
   }
   if (list.json.size() > kMostLines)
@@ -88,10 +86,10 @@ Cell noise_cell(const Fit& fit, bool rotary) {
                              ? "  {sense} along {axis}: white {white_um}, correlated {correlated_um} "
                                "over {correlation_time_s} (s, or readings without time)\n"
                              : "  {sense} along {axis}: white {white_um}\n",
-                         {"sense"_is(one.path.empty() ? std::string(name_of(one.sense)) : one.path),
-                          "axis"_is(axis_json(one.axis, rotary)), "white_um"_is(one.white_um, 3),
-                          "correlated_um"_is(one.correlated_um, 3),
-                          "correlation_time_s"_is(one.correlation_time_s, few_digits(one.correlation_time_s, 2))}));
+                         "sense"_is(one.path.empty() ? std::string(name_of(one.sense)) : one.path),
+                         "axis"_is(axis_json(one.axis, rotary)), "white_um"_is(one.white_um, 3),
+                         "correlated_um"_is(one.correlated_um, 3),
+                         "correlation_time_s"_is(one.correlation_time_s, few_digits(one.correlation_time_s, 2))));
   return list;
 }
 
@@ -109,16 +107,15 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
   return record_cell(
       "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} {unit}, peak {peak_um} {unit}\n"
       "{condition}{effects}{undetermined}{correlations}{noise}{outliers}{notes}",
-      {"observations"_is(readings), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
-       "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
-       "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
-       "condition"_is(fit.condition,
-                      paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition {}",
-                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
-       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
-       "undetermined"_is(fit.undetermined, undetermined), "outliers"_is(fit.outliers, outliers_text(fit)),
-       "noise"_is(noise_cell(fit, rotary)), "notes"_is(fit.notes, notes_text(fit.notes)),
-       "model"_is(text_cell(output))});
+      "observations"_is(readings), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
+      "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
+      "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
+      "condition"_is(fit.condition,
+                     paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition {}",
+                                           noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
+      "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
+      "undetermined"_is(fit.undetermined, undetermined), "outliers"_is(fit.outliers, outliers_text(fit)),
+      "noise"_is(noise_cell(fit, rotary)), "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
 }
 
 Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitRequest& request) {

@@ -42,7 +42,7 @@ struct ShowRequest {
 
 Result<Outcome> show_unit(VerbContext& context) {
   ECS_TRY(parameters, parameters_in_unit(context));
-  return outcome_of(record_cell("{parameters}", {"parameters"_is(parameters_cell(parameters))}));
+  return outcome_of(record_cell("{parameters}", "parameters"_is(parameters_cell(parameters))));
 }
 
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
@@ -53,10 +53,9 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
   const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
-                                    {"machine"_is(text_cell(machine)), "serial_number"_is(text_cell(serial_number))});
-  return outcome_of(record_cell("{identity}{parameters}",
-                                {"file"_is(request.file), "identity"_is(identity),
-                                 "parameters"_is(parameters_cell(file.parameters)), "defaulted"_is(file.defaulted)}));
+                                    "machine"_is(text_cell(machine)), "serial_number"_is(text_cell(serial_number)));
+  return outcome_of(record_cell("{identity}{parameters}", "file"_is(request.file), "identity"_is(identity),
+                                "parameters"_is(parameters_cell(file.parameters)), "defaulted"_is(file.defaulted)));
 }
 
 // --- set
@@ -100,8 +99,8 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
 }
 
 Cell changed_cell(const params::Difference& d) {
-  return record_cell("{key}: {from} -> {to}{unit}\n",
-                     {"key"_is(d.key), "from"_is(d.a), "to"_is(d.b), "unit"_shown(d.unit.empty() ? "" : " " + d.unit)});
+  return record_cell("{key}: {from} -> {to}{unit}\n", "key"_is(d.key), "from"_is(d.a), "to"_is(d.b),
+                     "unit"_shown(d.unit.empty() ? "" : " " + d.unit));
 }
 
 void add_identity_change(Cell& changed, const char* key, const std::string& from, const std::string& to) {
@@ -131,7 +130,7 @@ Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
   add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
   if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
-  return outcome_of(record_cell("{changed}written to {file}", {"file"_is(output), "changed"_is(changed)}));
+  return outcome_of(record_cell("{changed}written to {file}", "file"_is(output), "changed"_is(changed)));
 }
 
 // --- diff
@@ -150,8 +149,8 @@ Result<Outcome> diff_two(VerbContext& context, const DiffRequest& request) {
   const auto differences = params::diff(a, b);
   Cell list = differences_cell(differences, "a", "b", request.a, request.b);
   if (differences.empty()) list.text = "no difference";
-  return outcome_of(record_cell("{differences}", {"a"_is(request.a), "b"_is(request.b), "same"_is(differences.empty()),
-                                                  "differences"_is(list)}),
+  return outcome_of(record_cell("{differences}", "a"_is(request.a), "b"_is(request.b), "same"_is(differences.empty()),
+                                "differences"_is(list)),
                     differences.empty() ? kDone : kDoesNotHold);
 }
 
@@ -173,8 +172,8 @@ Result<Outcome> new_file(VerbContext& context, const NewRequest& request) {
   return outcome_of(record_cell(
       "{file}: parameters to start from; set the datum type, output scaling and polarity of the control, then "
       "`{check}`",
-      {"file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
-       "parameters"_is(parameters_cell(parameters))}));
+      "file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
+      "parameters"_is(parameters_cell(parameters))));
 }
 
 struct CheckRequest {
@@ -188,8 +187,8 @@ struct CheckRequest {
 
 Cell findings_cell(const std::vector<params::Finding>& findings, const std::string& file) {
   Cell list = list_cell(findings, [](const params::Finding& finding) {
-    return record_cell({}, {"severity"_is(params::name_of(finding.severity)), "keys"_is(lines_cell(finding.keys, "")),
-                            "message"_is(finding.message)});
+    return record_cell({}, "severity"_is(params::name_of(finding.severity)), "keys"_is(lines_cell(finding.keys, "")),
+                       "message"_is(finding.message));
   });
   list.text = findings.empty() ? fmt::format("{}: sound", file) : params::to_text(findings);
   return list;
@@ -209,9 +208,8 @@ Result<Outcome> check_file(VerbContext& context, const CheckRequest& request) {
   std::string taken;
   for (const std::string& line : params::defaults_taken(file)) taken += "\n" + line;
   return outcome_of(
-      record_cell("{findings}{defaulted}",
-                  {"file"_is(request.file), "sound"_is(!params::has_errors(findings)),
-                   "findings"_is(findings_cell(findings, request.file)), "defaulted"_is(file.defaulted, taken)}),
+      record_cell("{findings}{defaulted}", "file"_is(request.file), "sound"_is(!params::has_errors(findings)),
+                  "findings"_is(findings_cell(findings, request.file)), "defaulted"_is(file.defaulted, taken)),
       findings.empty() ? kDone : kDoesNotHold);
 }
 
@@ -231,11 +229,11 @@ struct SendRequest {
 Outcome sent(const SendRequest& request, const SendReport& report, const params::ParametersFile& file) {
   return finished_outcome_of(record_cell(
       "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
-      {"file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
-       "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
-       "map_kept"_is(report.map_kept, "\nthe map in the unit fits and stays", ""),
-       "map_dropped"_is(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", ""),
-       "map_objections"_is(lines_cell(report.map_objections, ""))}));
+      "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
+      "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
+      "map_kept"_is(report.map_kept, "\nthe map in the unit fits and stays", ""),
+      "map_dropped"_is(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", ""),
+      "map_objections"_is(lines_cell(report.map_objections, ""))));
 }
 
 Result<Outcome> send(VerbContext& context, const SendRequest& request) {
@@ -272,8 +270,8 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   if (!request.output.empty()) ECS_DO(params::write_parameters(request.output, parameters, owner));
   return outcome_of(record_cell(
       request.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
-      {"file"_is(text_cell(request.output)), "serial_number"_is(text_cell(identity.serial_number)),
-       "parameters"_is(parameters_cell(parameters)), "toml"_shown(params::parameters_toml(parameters, owner))}));
+      "file"_is(text_cell(request.output)), "serial_number"_is(text_cell(identity.serial_number)),
+      "parameters"_is(parameters_cell(parameters)), "toml"_shown(params::parameters_toml(parameters, owner))));
 }
 
 }  // namespace

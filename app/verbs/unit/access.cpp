@@ -28,20 +28,20 @@ Result<Outcome> arm(VerbContext& context, const ArmRequest& request) {
   if (code.empty()) return problem(ProblemKind::usage, "unit arm: expected --code with the code that the unit shows");
   ECS_DO(unit.client().arm(code, static_cast<std::uint16_t>(request.minutes)));
   return Outcome{fmt::format("the unit takes writes and commands of this host for {} minutes", request.minutes),
-                 one_line(object_of({"armed"_is(true), "minutes"_is(request.minutes)})), kDone};
+                 one_line(object_of("armed"_is(true), "minutes"_is(request.minutes))), kDone};
 }
 
 Result<Outcome> disarm(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().disarm());
-  return Outcome{"the unit is read-only for this host", one_line(object_of({"armed"_is(false)})), kDone};
+  return Outcome{"the unit is read-only for this host", one_line(object_of("armed"_is(false))), kDone};
 }
 
 Result<Outcome> events(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(snapshot, commissioning::take_snapshot(unit.client(), unit.name(), protocol::kKeptEvents));
-  return outcome_of(record_cell("{events}", {"serial_number"_is(text_cell(snapshot.identity.serial_number)),
-                                             "events"_is(commissioning::events_cell(snapshot.events))}));
+  return outcome_of(record_cell("{events}", "serial_number"_is(text_cell(snapshot.identity.serial_number)),
+                                "events"_is(commissioning::events_cell(snapshot.events))));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(pr
   return outcome_of(answer);
 }
 
-Cell done_cell(std::string_view key, std::string text) { return {object_of({FieldKey(key)(true)}), std::move(text)}; }
+Cell done_cell(std::string_view key, std::string text) { return {object_of(FieldKey(key)(true)), std::move(text)}; }
 
 struct PositionRequest {
   std::string axis;
@@ -41,8 +41,8 @@ Result<Outcome> set_position(VerbContext& context, const PositionRequest& reques
   ECS_TRY(axis, axis_named(request.axis));
   return simple(
       context, [&](protocol::UnitClient& client) { return client.set_axis_position(axis, request.position_mm); },
-      record_cell("axis {axis} now shows {position_mm} mm",
-                  {"axis"_is(request.axis), "position_mm"_is(request.position_mm)}));
+      record_cell("axis {axis} now shows {position_mm} mm", "axis"_is(request.axis),
+                  "position_mm"_is(request.position_mm)));
 }
 
 struct OutputRequest {
@@ -76,8 +76,8 @@ Result<Outcome> output_value(VerbContext& context, const OutputRequest& request)
       context,
       [&](protocol::UnitClient& client) { return client.output_compensation(axis, *request.output_um, request.relay); },
       record_cell("axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `{off}` ends it",
-                  {"off"_shown(shell_command(off)), "axis"_is(request.axis), "output_um"_is(*request.output_um),
-                   "relay_closed"_is(request.relay, "closed", "open")}));
+                  "off"_shown(shell_command(off)), "axis"_is(request.axis), "output_um"_is(*request.output_um),
+                  "relay_closed"_is(request.relay, "closed", "open")));
 }
 
 struct RunRequest {
@@ -105,10 +105,10 @@ Result<Outcome> run_program_in_unit(VerbContext& context, const RunRequest& requ
   const std::chrono::milliseconds limit(static_cast<long long>(request.wait_s * 1000.0));
   ECS_TRY(value, unit.client().run_user_software(address, argument, limit));
   ECS_TRY(registers, kept_registers(unit.client()));
-  return outcome_of(
-      record_cell("the program at {address} returned {returned} ({hexadecimal})\n{registers}",
-                  {"address"_is(hex_address(address)), "argument"_is(argument), "returned"_is(value),
-                   "registers"_is(registers_cell(registers)), "hexadecimal"_shown(fmt::format("0x{:08X}", value))}));
+  return outcome_of(record_cell("the program at {address} returned {returned} ({hexadecimal})\n{registers}",
+                                "address"_is(hex_address(address)), "argument"_is(argument), "returned"_is(value),
+                                "registers"_is(registers_cell(registers)),
+                                "hexadecimal"_shown(fmt::format("0x{:08X}", value))));
 }
 
 Result<Outcome> ram_test(VerbContext& context, const cli::Nothing&) {
@@ -120,7 +120,7 @@ Result<Outcome> ram_test(VerbContext& context, const cli::Nothing&) {
   const std::string address = passed ? std::string() : hex_address(result.value);
   return outcome_of(
       record_cell(passed ? "RAM test passed" : "RAM test failed at {address}: replace that axis memory module",
-                  {"passed"_is(passed), "address"_is(text_cell(address))}),
+                  "passed"_is(passed), "address"_is(text_cell(address))),
       passed ? kDone : kDoesNotHold);
 }
 
@@ -160,7 +160,7 @@ std::string stages_of(const StatusSnapshot& snapshot) {
 
 Outcome outcome_of(const StatusSnapshot& snapshot, std::string text, int exit_code) {
   const Json full = status_cell(snapshot).json;
-  Json object = object_of({"mode"_is(full["mode"]), "fault"_is(full["fault"]), "axes"_is(full["axes"])});
+  Json object = object_of("mode"_is(full["mode"]), "fault"_is(full["fault"]), "axes"_is(full["axes"]));
   return {std::move(text), one_line(object), exit_code};
 }
 

@@ -41,10 +41,10 @@ Cell events_cell(const std::vector<DatumEvent>& events) {
 
 Cell recording_cell(const DatumRecording& recording) {
   return record_cell("axis {axis}, {samples} samples every {sample_period_us} us\n\n{graph}\n{events}",
-                     {"axis"_is(std::string(1, letter_of(recording.axis))), "taken"_is(text_cell(recording.taken)),
-                      "serial_number"_is(text_cell(recording.serial_number)), "samples"_is(recording.samples.size()),
-                      "sample_period_us"_is(recording.sample_period_us), "um_per_count"_is(recording.um_per_count),
-                      "graph"_shown(graph_of(recording)), "events"_is(events_cell(events_of(recording)))});
+                     "axis"_is(std::string(1, letter_of(recording.axis))), "taken"_is(text_cell(recording.taken)),
+                     "serial_number"_is(text_cell(recording.serial_number)), "samples"_is(recording.samples.size()),
+                     "sample_period_us"_is(recording.sample_period_us), "um_per_count"_is(recording.um_per_count),
+                     "graph"_shown(graph_of(recording)), "events"_is(events_cell(events_of(recording))));
 }
 
 // --- record
@@ -121,12 +121,10 @@ Result<Outcome> test(VerbContext& context, const TestRequest& request) {
     ask_to_reference(context, unit, "axis " + letter);
     ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(request.wait_s)));
     all_passed = all_passed && one.passed;
-    list.add(
-        record_cell("axis {axis}: {passed}\n", {"axis"_is(letter), "passed"_is(one.passed, "datum found", one.message),
-                                                "message"_is(text_cell(one.message))}));
+    list.add(record_cell("axis {axis}: {passed}\n", "axis"_is(letter),
+                         "passed"_is(one.passed, "datum found", one.message), "message"_is(text_cell(one.message))));
   }
-  return outcome_of(record_cell("{axes}", {"passed"_is(all_passed), "axes"_is(list)}),
-                    all_passed ? kDone : kDoesNotHold);
+  return outcome_of(record_cell("{axes}", "passed"_is(all_passed), "axes"_is(list)), all_passed ? kDone : kDoesNotHold);
 }
 
 struct StatusRequest {

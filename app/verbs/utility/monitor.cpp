@@ -43,11 +43,11 @@ Cell axis_cell(Axis axis, const AxisSample& a) {
   return record_cell(
       "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
       "{compensation_um:>7} {output_counts:>6} {relay_closed}\n",
-      {"axis"_shown(std::string(1, letter_of(axis))), "position_mm"_is(a.position_mm, 4),
-       "speed_mm_min"_is(a.speed_mm_min, 1), "referenced"_is(a.referenced, "yes", "no"),
-       "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"),
-       "approach"_is(name_of(a.approach)), "compensation_um"_is(a.compensation_um, 2),
-       "output_counts"_is(a.output_counts), "relay_closed"_is(a.relay_closed, "closed", "open")});
+      "axis"_shown(std::string(1, letter_of(axis))), "position_mm"_is(a.position_mm, 4),
+      "speed_mm_min"_is(a.speed_mm_min, 1), "referenced"_is(a.referenced, "yes", "no"),
+      "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"), "approach"_is(name_of(a.approach)),
+      "compensation_um"_is(a.compensation_um, 2), "output_counts"_is(a.output_counts),
+      "relay_closed"_is(a.relay_closed, "closed", "open"));
 }
 
 Cell axes_cell(const MonitorSample& sample) {
@@ -63,17 +63,17 @@ Cell axes_cell(const MonitorSample& sample) {
 
 Json surroundings_json(const Surroundings& surroundings) {
   Json object =
-      object_of({"device"_is(text_or_null(surroundings.device)), "problem"_is(text_or_null(surroundings.problem))});
+      object_of("device"_is(text_or_null(surroundings.device)), "problem"_is(text_or_null(surroundings.problem)));
   for (const auto& [quantity, value] : surroundings.values) object[quantity] = number_or_null(value);
   return object;
 }
 
 Cell sample_cell(const MonitorSample& sample, const std::string& link) {
   const std::string_view fault = ecs::text_of(sample.fault).name;
-  return record_cell("{time_s} s, {mode}{fault}\n{axes}",
-                     {"number"_is(sample.number), "time_s"_is(time_s(sample), 3), "mode"_is(ecs::name_of(sample.mode)),
-                      "fault"_is(fault, sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", fault)),
-                      "axes"_is(axes_cell(sample)), "link"_is(link)});
+  return record_cell("{time_s} s, {mode}{fault}\n{axes}", "number"_is(sample.number), "time_s"_is(time_s(sample), 3),
+                     "mode"_is(ecs::name_of(sample.mode)),
+                     "fault"_is(fault, sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", fault)),
+                     "axes"_is(axes_cell(sample)), "link"_is(link));
 }
 
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
