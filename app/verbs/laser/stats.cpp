@@ -174,7 +174,7 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   if (!uncertainty) return null_cell("  no uncertainty: the options are for lengths at two targets or more\n");
   Json parts = Json::array();
   std::string text = "  uncertainty (k = 2)";
-  AnswerFields fields{"coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm)};
+  AnswerFields fields = described("coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm));
   const char* separator = ": ";
   for (const LaserQuantity& quantity : kLaserQuantities) {
     if (quantity.uncertainty == nullptr) continue;
@@ -187,7 +187,7 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   }
   text += " um\n";
   for (const laser::UncertaintyPart& part : uncertainty->parts) {
-    parts.push_back(object_of({"name"_is(part.name), "U_um"_is(part.U_um)}));
+    parts.push_back(object_of("name"_is(part.name), "U_um"_is(part.U_um)));
     text += fmt::format("    {:<28} {:>8.2f} um\n", part.name, part.U_um);
   }
   fields.push_back("parts"_is(std::move(parts)));
@@ -212,19 +212,11 @@ struct StatsRequest {
 };
 
 Json target_json(const laser::Iso230Target& t, bool rotary) {
-  return {{rotary ? "position_deg" : "position_mm", number_or_null(t.position_mm)},
-          {"n_forward", t.n_forward},
-          {"n_reverse", t.n_reverse},
-          {"mean_forward", number_or_null(t.mean_forward)},
-          {"mean_reverse", number_or_null(t.mean_reverse)},
-          {"mean", number_or_null(t.mean)},
-          {"s_forward", number_or_null(t.s_forward)},
-          {"s_reverse", number_or_null(t.s_reverse)},
-          {"s_undirected", number_or_null(t.s_undirected)},
-          {"B", number_or_null(t.B)},
-          {"R_forward", number_or_null(t.R_forward)},
-          {"R_reverse", number_or_null(t.R_reverse)},
-          {"R", number_or_null(t.R)}};
+  return object_of(FieldKey(rotary ? "position_deg" : "position_mm")(t.position_mm), "n_forward"_is(t.n_forward),
+                   "n_reverse"_is(t.n_reverse), "mean_forward"_is(t.mean_forward), "mean_reverse"_is(t.mean_reverse),
+                   "mean"_is(t.mean), "s_forward"_is(t.s_forward), "s_reverse"_is(t.s_reverse),
+                   "s_undirected"_is(t.s_undirected), "B"_is(t.B), "R_forward"_is(t.R_forward),
+                   "R_reverse"_is(t.R_reverse), "R"_is(t.R));
 }
 
 Cell quantity_cell(std::string_view symbol, const std::optional<double>& value, std::string_view unit,
@@ -263,16 +255,13 @@ Cell outliers_cell(const MeasuredLine& line, std::size_t most, const ImportArgum
     const laser::Reading& reading = line.set.readings[i];
     const bool shown = list.json.size() < most;
     if (shown) named.push_back(i);
-    list.add({{{"file", line.file_of(i)},
-               {"line", reading.line},
-               {"row", reading.row},
-               {"run", reading.run},
-               {reading.rotary ? "position_deg" : "position_mm", number_or_null(laser::target_of(reading))},
-               {"reading", number_or_null(reading.error)}},
-              shown ? fmt::format("  outlier: {} {} at {:g}, run {}, is far from its repeats ({}:{}, row {})\n",
-                                  shortest(reading.error), laser::unit_of(reading.sense), laser::target_of(reading),
-                                  reading.run, line.file_of(i), reading.line, reading.row)
-                    : ""});
+    list.add(record_cell(
+        shown ? "  outlier: {reading} {unit} at {at}, run {run}, is far from its repeats ({file}:{line}, row {row})\n"
+              : "",
+        "file"_is(line.file_of(i)), "line"_is(reading.line), "row"_is(reading.row), "run"_is(reading.run),
+        FieldKey(reading.rotary ? "position_deg" : "position_mm")(laser::target_of(reading)),
+        "reading"_is(reading.error, shortest(reading.error)), "unit"_shown(laser::unit_of(reading.sense)),
+        "at"_shown(fmt::format("{:g}", laser::target_of(reading)))));
   }
   if (list.json.size() > most)
     list.text += fmt::format("  and {} more outliers: --all shows them\n", list.json.size() - most);
@@ -290,21 +279,18 @@ Cell drift_cell(const MeasuredLine& line) {
   const auto drift = laser::run_drift_of(line.set, without_outliers);
   if (!drift) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
-  Json runs = Json::array();
-  for (const laser::RunOffset& run : drift->runs)
-    runs.push_back(object_of({"run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma)}));
-  std::string text;
-  if (drift->drifts)
-    text += fmt::format("  drift: {:+.3g} +- {:.2g} {} per run, {:+.3g} {} from the first to the last run\n",
-                        drift->per_run, drift->per_run_sigma, unit, drift->first_to_last, unit);
-  for (const laser::RunOffset& run : drift->runs)
-    if (std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end())
-      text += fmt::format("  run {} is apart from the others: {:+.3g} +- {:.2g} {}\n", run.run, run.offset, run.sigma,
-                          unit);
-  return {object_of({"per_run"_is(drift->per_run), "per_run_sigma"_is(drift->per_run_sigma),
-                     "first_to_last"_is(drift->first_to_last), "drifts"_is(drift->drifts), "apart"_is(drift->apart),
-                     "runs"_is(std::move(runs))}),
-          std::move(text)};
+  const Cell runs = list_cell(drift->runs, [&](const laser::RunOffset& run) {
+    const bool apart = std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end();
+    return record_cell(apart ? "  run {run} is apart from the others: {offset:+.3g} +- {sigma:.2g} {unit}\n" : "",
+                       "run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma), "unit"_shown(unit));
+  });
+  constexpr const char* kDrifts =
+      "  drift: {per_run:+.3g} +- {per_run_sigma:.2g} {unit} per run, {first_to_last:+.3g} {unit} from the first to "
+      "the "
+      "last run\n{runs}";
+  return record_cell(drift->drifts ? kDrifts : "{runs}", "per_run"_is(drift->per_run),
+                     "per_run_sigma"_is(drift->per_run_sigma), "first_to_last"_is(drift->first_to_last),
+                     "drifts"_is(drift->drifts), "apart"_is(drift->apart), "runs"_is(runs), "unit"_shown(unit));
 }
 
 std::string lag_text(double lag_s) {
@@ -317,30 +303,34 @@ Cell growth_cell(const MeasuredLine& line) {
   const auto growth = laser::growth_of(line.set, line.group);
   if (!growth) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
-  std::string text =
-      fmt::format("  growth at one target in {:.2f} h{}: {:.2f} {}, {:.2f} {} in the last hour\n", growth->hours,
-                  growth->stretches > 1 ? fmt::format(" (the longest of {} runs)", growth->stretches) : "",
-                  growth->range, unit, growth->range_last_hour, unit);
-  Json sensors = Json::array();
-  for (const laser::SensorGrowth& one : growth->sensors) {
-    sensors.push_back(object_of({"sensor"_is(one.sensor), "per_degC"_is(one.per_degC), "lag_s"_is(one.lag_s),
-                                 "explained"_is(one.explained), "rms_left"_is(one.rms_left)}));
-    text += fmt::format("    {:<22} {:+8.3f} {} per degC, {}: {:.1f} % of it, {:.2f} {} rms left\n", one.sensor,
-                        one.per_degC, unit, lag_text(one.lag_s), 100.0 * one.explained, one.rms_left, unit);
-  }
-  return {
-      object_of({"hours"_is(growth->hours), "range"_is(growth->range), "range_last_hour"_is(growth->range_last_hour),
-                 "stretches"_is(growth->stretches), "sensors"_is(std::move(sensors))}),
-      std::move(text)};
+  const Cell sensors = list_cell(growth->sensors, [&](const laser::SensorGrowth& one) {
+    return record_cell(
+        "    {sensor:<22} {per_degC:+8.3f} {unit} per degC, {lag_s}: {explained} % of it, {rms_left:.2f} {unit} rms "
+        "left\n",
+        "sensor"_is(one.sensor), "per_degC"_is(one.per_degC), "lag_s"_is(one.lag_s, lag_text(one.lag_s)),
+        "explained"_is(one.explained, fmt::format("{:.1f}", 100.0 * one.explained)), "rms_left"_is(one.rms_left),
+        "unit"_shown(unit));
+  });
+  return record_cell(
+      "  growth at one target in {hours:.2f} h{stretches}: {range:.2f} {unit}, {range_last_hour:.2f} {unit} in the "
+      "last "
+      "hour\n{sensors}",
+      "hours"_is(growth->hours), "range"_is(growth->range), "range_last_hour"_is(growth->range_last_hour),
+      "stretches"_is(growth->stretches,
+                     growth->stretches > 1 ? fmt::format(" (the longest of {} runs)", growth->stretches) : ""),
+      "sensors"_is(sensors), "unit"_shown(unit));
 }
 
-std::string wave_text(const laser::TurnWave& wave, Sense sense) {
+Cell wave_cell(const laser::TurnWave& wave, Sense sense) {
   constexpr double kUm_per_m_arcsec = 4.84813681;
   constexpr const char* kUsual[] = {"", ": an eccentric scale or table", ": an oval or tilted scale"};
-  return fmt::format("    {} a turn ({:.4g} deg): +-{:.2f} {}{}, sigma {:.2g}, phase {:.0f} deg{}\n", wave.order,
-                     360.0 / wave.order, wave.amplitude, laser::unit_of(sense),
-                     is_rotation(sense) ? fmt::format(" ({:.2f} arcsec)", wave.amplitude / kUm_per_m_arcsec) : "",
-                     wave.amplitude_sigma, wave.phase_deg, wave.order <= 2 ? kUsual[wave.order] : "");
+  return record_cell(
+      "    {order} a turn ({period_deg:.4g} deg): +-{amplitude:.2f} {unit}{arcsec}, sigma {amplitude_sigma:.2g}, phase "
+      "{phase_deg:.0f} deg{usual}\n",
+      "order"_is(wave.order), "period_deg"_is(360.0 / wave.order), "amplitude"_is(wave.amplitude),
+      "amplitude_sigma"_is(wave.amplitude_sigma), "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value),
+      "unit"_shown(laser::unit_of(sense)), "usual"_shown(wave.order <= 2 ? kUsual[wave.order] : ""),
+      "arcsec"_shown(is_rotation(sense) ? fmt::format(" ({:.2f} arcsec)", wave.amplitude / kUm_per_m_arcsec) : ""));
 }
 
 /// Of a rotary axis: offset, reversal and waves of a turn.
@@ -348,24 +338,19 @@ Cell turn_cell(const MeasuredLine& line) {
   const auto turn = laser::turn_of(line.set, line.group);
   if (!turn) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
-  Json waves = Json::array();
-  std::string text =
-      fmt::format("  model of a turn: offset {:+.2f} {}{}; it explains {:.1f} % and leaves {:.2f} {} rms\n",
-                  turn->offset, unit, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : "",
-                  100.0 * turn->explained, turn->rms_left, unit);
-  for (const laser::TurnWave& wave : turn->waves) {
-    waves.push_back(object_of({"order"_is(wave.order), "period_deg"_is(360.0 / wave.order),
-                               "amplitude"_is(wave.amplitude), "amplitude_sigma"_is(wave.amplitude_sigma),
-                               "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value)}));
-    text += wave_text(wave, line.group.sense);
-  }
-  if (turn->waves.empty())
-    text +=
-        fmt::format("    no wave of {} to {} a turn stands out of the noise\n", turn->least_waves, turn->most_waves);
-  return {object_of({"offset"_is(turn->offset), "reversal"_is(turn->reversal), "waves"_is(std::move(waves)),
-                     "least_order"_is(turn->least_waves), "most_order"_is(turn->most_waves), "rms"_is(turn->rms),
-                     "rms_left"_is(turn->rms_left), "explained"_is(turn->explained)}),
-          std::move(text)};
+  const std::string none =
+      fmt::format("    no wave of {} to {} a turn stands out of the noise\n", turn->least_waves, turn->most_waves);
+  return record_cell(
+      "  model of a turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} % and leaves {rms_left:.2f} "
+      "{unit} rms\n{waves}",
+      "offset"_is(turn->offset),
+      "reversal"_is(turn->reversal, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : ""),
+      "waves"_is(list_cell(
+          turn->waves, [&](const auto& wave) { return wave_cell(wave, line.group.sense); },
+          turn->waves.empty() ? none : "")),
+      "least_order"_is(turn->least_waves), "most_order"_is(turn->most_waves), "rms"_is(turn->rms),
+      "rms_left"_is(turn->rms_left), "explained"_is(turn->explained, fmt::format("{:.1f}", 100.0 * turn->explained)),
+      "unit"_shown(unit));
 }
 
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsRequest& request) {
@@ -373,25 +358,24 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
   std::string layout =
       "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
       "{compensated}\n";
-  AnswerFields fields{"file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))),
-                      "files"_is(line.files)};
+  AnswerFields fields =
+      described("file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))), "files"_is(line.files));
   append(fields, measured_line_fields(line.group));
   for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back(FieldKey(q.key)(quantity_cell(q.symbol, iso.*q.value, unit, q.name)));
     layout += fmt::format("{{{}}}", q.key);
   }
-  append(fields,
-         {"unit_of_targets"_is(laser::target_unit(iso.rotary)),
-          "range"_is(quantity_cell("range", iso.range, unit, "largest minus smallest reading")),
-          "uncertainty"_is(uncertainty_cell(iso, request.uncertainty)), "merge_tolerance_mm"_is(iso.merge_tolerance_mm),
-          "targets"_is(list_cell(iso.targets,
-                                 [&](const auto& target) {
-                                   return Cell{target_json(target, iso.rotary), {}};
-                                 })),
-          "count"_shown(iso.targets.size()),
-          "outliers"_is(outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)),
-          "drift"_is(drift_cell(line)), "growth"_is(growth_cell(line)), "turn"_is(turn_cell(line)),
-          "notes"_is(lines_cell(iso.notes, "  note: "))});
+  append(fields, "unit_of_targets"_is(laser::target_unit(iso.rotary)),
+         "range"_is(quantity_cell("range", iso.range, unit, "largest minus smallest reading")),
+         "uncertainty"_is(uncertainty_cell(iso, request.uncertainty)), "merge_tolerance_mm"_is(iso.merge_tolerance_mm),
+         "targets"_is(list_cell(iso.targets,
+                                [&](const auto& target) {
+                                  return Cell{target_json(target, iso.rotary), {}};
+                                })),
+         "count"_shown(iso.targets.size()),
+         "outliers"_is(outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)),
+         "drift"_is(drift_cell(line)), "growth"_is(growth_cell(line)), "turn"_is(turn_cell(line)),
+         "notes"_is(lines_cell(iso.notes, "  note: ")));
   return record_cell(layout + "{range}{uncertainty}{growth}{turn}{outliers}{drift}{notes}", fields);
 }
 
@@ -453,8 +437,7 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
   std::vector<laser::MeasurementSet> sets;
   for (const std::string& file : given.files) {
     ECS_TRY(imported, read_with_notes(context.console, file, request.import));
-    if (imported.set.readings.empty())
-      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
+    if (imported.set.readings.empty()) return problem_at(file, 0, 0, "expected readings, found none");
     imported.set.source = file;
     imported.set.notes.clear();
     sets.push_back(std::move(imported.set));
@@ -473,7 +456,7 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
     }
   }
   if (!request.all && statistics.size() > kMostWholeLines) lines.text = summary_text(statistics);
-  return outcome_of(record_cell("{lines}", {"lines"_is(lines)}));
+  return outcome_of(record_cell("{lines}", "lines"_is(lines)));
 }
 
 }  // namespace
