@@ -1,6 +1,7 @@
 #include "commissioning/volume/view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -28,6 +29,8 @@ std::string_view word_for(volume::RepeatabilityFrom from) {
 
 Json vector_json(const Vector3& v) { return {number_or_null(v[0]), number_or_null(v[1]), number_or_null(v[2])}; }
 
+Cell vector_cell(const Vector3& v) { return {vector_json(v), fmt::format("{:.1f} {:.1f} {:.1f}", v[0], v[1], v[2])}; }
+
 /// Angles of the rotary axes by letter; null where there is none.
 Json angles_json(const std::optional<volume::RotaryAxes>& rotary, const kinematics::Angles& angles_deg) {
   if (!rotary) return nullptr;
@@ -35,34 +38,6 @@ Json angles_json(const std::optional<volume::RotaryAxes>& rotary, const kinemati
   for (std::size_t r = 0; r < kAxes; ++r)
     if (rotary->travel_deg[r]) angles[std::string(1, "ABC"[r])] = number_or_null(angles_deg[r]);
   return angles;
-}
-
-Json size_json(const volume::ErrorSize& size, const VolumeWork& work) {
-  const PerAxis<bool>& exists = work.answer.grid.exists;
-  Json along = Json::object();
-  for (const Axis axis : kAllAxes)
-    if (exists[index_of(axis)])
-      along[std::string(1, letter_of(axis))] = object_of(
-          {"largest_um"_is(size.largest_along_um[index_of(axis)]), "rms_um"_is(size.rms_along_um[index_of(axis)])});
-  const auto& settings = work.answer.settings;
-  return {
-      {"largest_um", number_or_null(size.largest_um)},
-      {"at_deg", settings.empty() ? Json(nullptr) : angles_json(work.prepared.machine.rotary, settings[size.setting])},
-      {"p95_um", number_or_null(size.p95_um)},
-      {"rms_um", number_or_null(size.rms_um)},
-      {"at", vector_json(size.at_mm)},
-      {"approach", static_cast<int>(size.approach)},
-      {"error_um", vector_json(size.error_um)},
-      {"points", size.places},
-      {"along", std::move(along)}};
-}
-
-Json size_json(const volume::VolumeSize& size, const VolumeWork& work) {
-  Json all = size_json(size.all, work);
-  all["edges"] = size_json(size.edges, work);
-  all["faces"] = size_json(size.faces, work);
-  all["diagonals"] = size_json(size.diagonals, work);
-  return all;
 }
 
 /// "X 100  Y 0  Z -50"; with rotary axes, whose letters stand in the heading, "100 0 -50 90".
@@ -89,14 +64,29 @@ std::string place_heading(const VolumeWork& work) {
   return heading + ", mm, deg";
 }
 
-std::string size_text(std::string_view name, const volume::ErrorSize& size, const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8.1f} {:>8.1f}   {}, {}\n", name, size.largest_um, size.p95_um, size.rms_um,
-                     place_text(size, work), size.approach == Approach::forward ? "forward" : "reverse");
+Cell size_cell(std::string_view name, const volume::ErrorSize& size, const VolumeWork& work) {
+  Json along = Json::object();
+  for (const Axis axis : kAllAxes)
+    if (const std::size_t a = index_of(axis); work.answer.grid.exists[a])
+      along[std::string(1, letter_of(axis))] =
+          object_of("largest_um"_is(size.largest_along_um[a]), "rms_um"_is(size.rms_along_um[a]));
+  const auto& settings = work.answer.settings;
+  return record_cell(
+      "{name:<16} {largest_um:>8.1f} {p95_um:>8.1f} {rms_um:>8.1f}   {place}, {approach}\n", "name"_shown(name),
+      "place"_shown(place_text(size, work)), "largest_um"_is(size.largest_um),
+      "at_deg"_is(settings.empty() ? Json(nullptr) : angles_json(work.prepared.machine.rotary, settings[size.setting])),
+      "p95_um"_is(size.p95_um), "rms_um"_is(size.rms_um), "at"_is(vector_json(size.at_mm)),
+      "approach"_is(static_cast<int>(size.approach), size.approach == Approach::forward ? "forward" : "reverse"),
+      "error_um"_is(vector_json(size.error_um)), "points"_is(size.places), "along"_is(std::move(along)));
 }
 
-std::string size_text(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
-  return size_text(name, size.all, work) + size_text("  faces", size.faces, work) +
-         size_text("  edges", size.edges, work) + size_text("  body diagonals", size.diagonals, work);
+Cell size_cell(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
+  Cell all = size_cell(name, size.all, work);
+  const Cell edges = size_cell("  edges", size.edges, work), faces = size_cell("  faces", size.faces, work),
+             diagonals = size_cell("  body diagonals", size.diagonals, work);
+  all.json.update(object_of("edges"_is(edges), "faces"_is(faces), "diagonals"_is(diagonals)));
+  all.text += faces.text + edges.text + diagonals.text;
+  return all;
 }
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
@@ -113,39 +103,33 @@ Json budget_json(const VolumeWork& work) {
       return one.rotary.empty() && one.component == component;
     });
     if (share == work.shares.end()) continue;
-    Json one = object_of({"component"_is(name_of(component)), "unit"_is(unit_of(component)), "share"_is(share->share)});
+    Json one = object_of("component"_is(name_of(component)), "unit"_is(unit_of(component)), "share"_is(share->share));
     if (is_squareness(component)) {
       one["value"] = number_or_null(work.budget.squareness_um_per_m[c]);
     } else {
       const volume::CurveUncertainty& u = work.budget.curves[c];
-      one.update({{"repeatability_from", word_for(u.from)},
-                  {"value", number_or_null(u.value)},
-                  {"pass", number_or_null(u.pass)},
-                  {"between", number_or_null(u.between)},
-                  {"per_m", number_or_null(u.per_m)},
-                  {"unmeasured", number_or_null(u.unmeasured)}});
+      one.update(object_of("repeatability_from"_is(word_for(u.from)), "value"_is(u.value), "pass"_is(u.pass),
+                           "between"_is(u.between), "per_m"_is(u.per_m), "unmeasured"_is(u.unmeasured)));
     }
     list.push_back(std::move(one));
   }
-  for (const ComponentShare& one : work.shares)
-    if (!one.rotary.empty())
-      list.push_back(object_of({"component"_is(one.rotary),
-                                "unit"_is(one.rotary[0] == 'E'  ? (one.rotary[1] < 'X' ? "um/m" : "um")
-                                          : one.rotary[0] < 'X' ? "um/m"
-                                                                : "um"),
-                                "share"_is(one.share)}));
+  for (const ComponentShare& one : work.shares) {
+    if (one.rotary.empty()) continue;
+    const bool is_angle = one.rotary[one.rotary[0] == 'E' ? 1 : 0] < 'X';
+    list.push_back(object_of("component"_is(one.rotary), "unit"_is(is_angle ? "um/m" : "um"), "share"_is(one.share)));
+  }
   return list;
 }
 
 Json uncertainty_json(const VolumeWork& work) {
   const volume::VolumeUncertainty& u = work.uncertainty;
   const volume::UncertaintySettings& s = work.settings;
-  return object_of({"largest_50_um"_is(u.largest_50_um), "rms_50_um"_is(u.rms_50_um),
-                    "linear_rms_um"_is(u.linear_rms_um), "monte_carlo_rms_um"_is(u.drawn_rms_um), "draws"_is(s.draws),
-                    "seed"_is(s.seed), "instrument_um_per_m"_is(s.instrument_um_per_m),
-                    "temperature_degC"_is(s.temperature_degC), "expansion_um_per_m_degC"_is(s.expansion_um_per_m_degC),
-                    "declared_zero"_is(s.declared_zero), "squareness_um_per_m"_is(s.squareness_um_per_m),
-                    "components"_is(budget_json(work))});
+  return object_of("largest_50_um"_is(u.largest_50_um), "rms_50_um"_is(u.rms_50_um),
+                   "linear_rms_um"_is(u.linear_rms_um), "monte_carlo_rms_um"_is(u.drawn_rms_um), "draws"_is(s.draws),
+                   "seed"_is(s.seed), "instrument_um_per_m"_is(s.instrument_um_per_m),
+                   "temperature_degC"_is(s.temperature_degC), "expansion_um_per_m_degC"_is(s.expansion_um_per_m_degC),
+                   "declared_zero"_is(s.declared_zero), "squareness_um_per_m"_is(s.squareness_um_per_m),
+                   "components"_is(budget_json(work)));
 }
 
 std::string bound_text(const VolumeWork& work) {
@@ -162,36 +146,33 @@ std::string bound_text(const VolumeWork& work) {
       u.rms_50_um, fmt::join(shares, ", ")));
 }
 
+Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {
+  AnswerFields fields =
+      described("approach"_is(static_cast<int>(volume::kSides[side]), side == 1 ? "forward" : "reverse"),
+                "before_um"_is(vector_cell(at.before_um[side])), "after_um"_is(vector_cell(at.after_um[side])));
+  if (at.orientation_um_per_m)
+    fields.push_back("orientation_um_per_m"_is(vector_cell((*at.orientation_um_per_m)[side])));
+  return record_cell(at.orientation_um_per_m
+                         ? "  {approach}  before {before_um}  after {after_um} um\n           tool turned by "
+                           "{orientation_um_per_m} um/m about X, Y, Z\n"
+                         : "  {approach}  before {before_um}  after {after_um} um\n",
+                     fields);
+}
+
 Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::RotaryAxes>& rotary) {
   if (!at) return null_cell();
-  Json sides = Json::array();
-  std::string text = fmt::format("at {:g}, {:g}, {:g} mm", at->position_mm[0], at->position_mm[1], at->position_mm[2]);
+  std::string heading =
+      fmt::format("at {:g}, {:g}, {:g} mm", at->position_mm[0], at->position_mm[1], at->position_mm[2]);
   for (std::size_t r = 0; rotary && r < kAxes; ++r)
-    if (rotary->travel_deg[r]) text += fmt::format(", {} {:g} deg", "ABC"[r], at -> angles_deg[r]);
-  text += ":\n";
-  for (const std::size_t side : {std::size_t{1}, std::size_t{0}}) {
-    const Vector3 &before = at->before_um[side], &after = at->after_um[side];
-    sides.push_back(object_of({"approach"_is(static_cast<int>(volume::kSides[side])),
-                               "before_um"_is(vector_json(before)), "after_um"_is(vector_json(after))}));
-    text +=
-        fmt::format("  {}  before {:.1f} {:.1f} {:.1f}  after {:.1f} {:.1f} {:.1f} um",
-                    side == 1 ? "forward" : "reverse", before[0], before[1], before[2], after[0], after[1], after[2]);
-    if (at->orientation_um_per_m) {
-      const Vector3& turned = (*at->orientation_um_per_m)[side];
-      sides.back()["orientation_um_per_m"] = vector_json(turned);
-      text += fmt::format("\n           tool turned by {:.1f} {:.1f} {:.1f} um/m about X, Y, Z", turned[0], turned[1],
-                          turned[2]);
-    }
-    text += "\n";
-  }
+    if (rotary->travel_deg[r]) heading += fmt::format(", {} {:g} deg", "ABC"[r], at -> angles_deg[r]);
   const Vector3& u = at->standard_uncertainty_um;
-  text += fmt::format("  of the compensation, k = 2: {:.1f} {:.1f} {:.1f} um\n", 2.0 * u[0], 2.0 * u[1], 2.0 * u[2]);
-  Json json{{"position_mm", vector_json(at->position_mm)},
-            {"sides", std::move(sides)},
-            {"expanded_uncertainty_um",
-             {number_or_null(2.0 * u[0]), number_or_null(2.0 * u[1]), number_or_null(2.0 * u[2])}}};
-  if (rotary) json["position_deg"] = angles_json(rotary, at->angles_deg);
-  return {std::move(json), std::move(text)};
+  return record_cell(
+      "{sides}  of the compensation, k = 2: {expanded_uncertainty_um} um\n",
+      "position_mm"_is(vector_json(at->position_mm)),
+      "sides"_is(list_cell(
+          std::array{1U, 0U}, [&](std::size_t side) { return side_of_place_cell(*at, side); }, heading + ":\n")),
+      "expanded_uncertainty_um"_is(vector_cell({2.0 * u[0], 2.0 * u[1], 2.0 * u[2]})),
+      "position_deg"_is(rotary ? Cell{angles_json(rotary, at->angles_deg), {}} : shown_cell()));
 }
 
 Json slice_json(const VolumeSlice& slice, const volume::VolumeError& error) {
@@ -236,18 +217,18 @@ Cell slice_cell(const std::optional<VolumeSlice>& slice) {
   for (std::size_t a = 0; a < kAxes; ++a)
     if (slice->grid.exists[a] && a != slice->across && a != slice->up)
       through[letter(a)] = number_or_null(slice->grid.mm[a].front());
-  return {object_of({"across"_is(letter(slice->across)), "up"_is(letter(slice->up)), "at_mm"_is(std::move(through)),
-                     "across_mm"_is(slice->grid.mm[slice->across]), "up_mm"_is(slice->grid.mm[slice->up]),
-                     "before_um"_is(slice_json(*slice, slice->errors.before)),
-                     "after_um"_is(slice_json(*slice, slice->errors.after))}),
+  return {object_of("across"_is(letter(slice->across)), "up"_is(letter(slice->up)), "at_mm"_is(std::move(through)),
+                    "across_mm"_is(slice->grid.mm[slice->across]), "up_mm"_is(slice->grid.mm[slice->up]),
+                    "before_um"_is(slice_json(*slice, slice->errors.before)),
+                    "after_um"_is(slice_json(*slice, slice->errors.after))),
           slice_text(*slice)};
 }
 
 Cell between_cell(const VolumeWork& work) {
   if (!work.between) return null_cell();
   const auto json = [](const volume::ErrorSize& size) {
-    return object_of({"largest_um"_is(size.largest_um), "at"_is(vector_json(size.at_mm)),
-                      "approach"_is(static_cast<int>(size.approach))});
+    return object_of("largest_um"_is(size.largest_um), "at"_is(vector_json(size.at_mm)),
+                     "approach"_is(static_cast<int>(size.approach)));
   };
   const volume::ErrorSize &before = work.between->before, &after = work.between->after;
   return {
@@ -276,10 +257,10 @@ Json rotary_json(const VolumeWork& work) {
   Json compensated = Json::array();
   for (const Axis axis : kAllAxes)
     if (work.answer.grid.exists[index_of(axis)]) compensated.push_back(std::string(1, letter_of(axis)));
-  return object_of({"chain"_is(kinematics::iso_notation(rotary->machine.chain)), "travel_deg"_is(std::move(travels)),
-                    "settings"_is(work.answer.settings.size()),
-                    "shown_at_deg"_is(angles_json(rotary, rotary->angles_deg)),
-                    "compensated"_is(std::move(compensated))});
+  return object_of("chain"_is(kinematics::iso_notation(rotary->machine.chain)), "travel_deg"_is(std::move(travels)),
+                   "settings"_is(work.answer.settings.size()),
+                   "shown_at_deg"_is(angles_json(rotary, rotary->angles_deg)),
+                   "compensated"_is(std::move(compensated)));
 }
 
 std::string heading_of(const VolumeWork& work) {
@@ -301,23 +282,21 @@ std::string heading_of(const VolumeWork& work) {
 Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::string& values) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
-  const auto sizes = [&](std::string_view name, const volume::VolumeSize& size) {
-    return Cell{size_json(size, work), size_text(name, size, work)};
-  };
-  return record_cell(
-      "{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
-      {"points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
-       "before"_is(sizes("before", work.answer.before)),
-       "after"_is(sizes(work.prepared.errors_from == "the errors file" ? "after" : "left of that", work.answer.after)),
-       "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
-       "uncertainty_95_um"_is(
-           object_of({"largest"_is(work.uncertainty.largest_95_um), "rms"_is(work.uncertainty.rms_95_um)})),
-       "bound"_shown(bound_text(work)), "errors_from"_is(text_cell(work.prepared.errors_from)),
-       "travel_mm"_is(travel_json(machine.travel_mm)), "reference_mm"_is(vector_json(work.answer.grid.reference_mm)),
-       "tool_offset_mm"_is(vector_json(machine.tool_offset_mm)), "uncertainty"_is(uncertainty_json(work)),
-       "slice"_is(slice_cell(work.slice)), "at"_is(at_cell(work.at, machine.rotary)), "rotary"_is(rotary_json(work)),
-       "notes"_is(paragraphs_cell(work.notes, "note: ")), "picture"_is(written_cell("picture", picture)),
-       "values"_is(written_cell("values", values))});
+  return record_cell("{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
+                     "points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
+                     "before"_is(size_cell("before", work.answer.before, work)),
+                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "left of that",
+                                          work.answer.after, work)),
+                     "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
+                     "uncertainty_95_um"_is(
+                         object_of("largest"_is(work.uncertainty.largest_95_um), "rms"_is(work.uncertainty.rms_95_um))),
+                     "bound"_shown(bound_text(work)), "errors_from"_is(text_cell(work.prepared.errors_from)),
+                     "travel_mm"_is(travel_json(machine.travel_mm)),
+                     "reference_mm"_is(vector_json(work.answer.grid.reference_mm)),
+                     "tool_offset_mm"_is(vector_json(machine.tool_offset_mm)), "uncertainty"_is(uncertainty_json(work)),
+                     "slice"_is(slice_cell(work.slice)), "at"_is(at_cell(work.at, machine.rotary)),
+                     "rotary"_is(rotary_json(work)), "notes"_is(paragraphs_cell(work.notes, "note: ")),
+                     "picture"_is(written_cell("picture", picture)), "values"_is(written_cell("values", values)));
 }
 
 std::string values_csv(const VolumeWork& work) {
