@@ -134,13 +134,13 @@ Cell table_cell(const laser::MapTable& table, bool with_values) {
   const Extremes extremes = extremes_of(table);
   return record_cell(
       "{component:<4} {approach:<8} {start_mm:>12} {increment_mm:>14} {points:>7} {min:>11} {max:>11} {unit}\n",
-      {"component"_is(name_of(table.component)), "approach"_is(word_for(table.approach)),
-       "unit"_is(unit_of(table.component)),
-       "start_mm"_is(p.empty() ? null_cell("-") : Cell{number_or_null(p.front()), fmt::format("{:.6g}", p.front())}),
-       "increment_mm"_is(step_mm, step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"), "points"_is(p.size()),
-       "min"_is(extremes.least, 2), "max"_is(extremes.most, 2),
-       "position_mm"_is(with_values ? Cell{p, {}} : shown_cell()),
-       "compensation"_is(with_values ? Cell{table.compensation, {}} : shown_cell())});
+      "component"_is(name_of(table.component)), "approach"_is(word_for(table.approach)),
+      "unit"_is(unit_of(table.component)),
+      "start_mm"_is(p.empty() ? null_cell("-") : Cell{number_or_null(p.front()), fmt::format("{:.6g}", p.front())}),
+      "increment_mm"_is(step_mm, step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"), "points"_is(p.size()),
+      "min"_is(extremes.least, 2), "max"_is(extremes.most, 2),
+      "position_mm"_is(with_values ? Cell{p, {}} : shown_cell()),
+      "compensation"_is(with_values ? Cell{table.compensation, {}} : shown_cell()));
 }
 
 }  // namespace
@@ -158,28 +158,27 @@ Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values) {
 
 Cell header_cell(const laser::MapHeader& header) {
   const std::string text = laser::header_text(header);
-  return {
-      object_of({"customer"_is(text_cell(header.customer)), "machine"_is(text_cell(header.machine)),
-                 "serial_number"_is(text_cell(header.serial_number)), "date"_is(text_cell(header.date)),
-                 "engineer"_is(text_cell(header.engineer)), "configuration"_is(text_cell(header.configuration)),
-                 "sources"_is(list_cell(
-                     header.sources,
-                     [](const laser::SourceFile& s) {
-                       return record_cell({}, {"component"_is(s.component), "name"_is(s.name), "sha256"_is(s.sha256)});
-                     })),
-                 "declared_zero"_is(
-                     list_cell(header.declared_zero,
-                               [](const laser::DeclaredZero& z) {
-                                 return record_cell({}, {"component"_is(name_of(z.component)), "reason"_is(z.reason)});
-                               })),
-                 "processing"_is(lines_cell(header.processing, ""))}),
-      text.empty() ? "no header\n" : text};
+  return {object_of("customer"_is(text_cell(header.customer)), "machine"_is(text_cell(header.machine)),
+                    "serial_number"_is(text_cell(header.serial_number)), "date"_is(text_cell(header.date)),
+                    "engineer"_is(text_cell(header.engineer)), "configuration"_is(text_cell(header.configuration)),
+                    "sources"_is(list_cell(header.sources,
+                                           [](const laser::SourceFile& s) {
+                                             return record_cell({}, "component"_is(s.component), "name"_is(s.name),
+                                                                "sha256"_is(s.sha256));
+                                           })),
+                    "declared_zero"_is(list_cell(header.declared_zero,
+                                                 [](const laser::DeclaredZero& z) {
+                                                   return record_cell({}, "component"_is(name_of(z.component)),
+                                                                      "reason"_is(z.reason));
+                                                 })),
+                    "processing"_is(lines_cell(header.processing, ""))),
+          text.empty() ? "no header\n" : text};
 }
 
 Cell findings_cell(const std::vector<laser::MapFinding>& findings) {
   return list_cell(findings, [](const laser::MapFinding& finding) {
-    return record_cell("{objection}: {message}\n",
-                       {"objection"_is(finding.objection, "objection", "remark"), "message"_is(finding.message)});
+    return record_cell("{objection}: {message}\n", "objection"_is(finding.objection, "objection", "remark"),
+                       "message"_is(finding.message));
   });
 }
 

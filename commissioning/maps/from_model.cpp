@@ -298,11 +298,11 @@ std::size_t points_in(const std::vector<laser::MapTable>& tables, Component comp
 
 Cell component_cell(const MapFromModel& b, Component component, const std::vector<std::string>& effects) {
   return record_cell("{component:<4} {description:<38} {unit:<4} {largest:>8} {points:>6}\n{effects}",
-                     {"component"_is(name_of(component)), "description"_is(laser::description_of(component)),
-                      "unit"_is(unit_of(component)),
-                      "effects"_is(effects, paragraph(fmt::format("from {}", fmt::join(effects, " + ")), 5, 10)),
-                      "largest"_is(largest_in(b.compiled.map.tables, component), 2),
-                      "points"_is(points_in(b.compiled.map.tables, component))});
+                     "component"_is(name_of(component)), "description"_is(laser::description_of(component)),
+                     "unit"_is(unit_of(component)),
+                     "effects"_is(effects, paragraph(fmt::format("from {}", fmt::join(effects, " + ")), 5, 10)),
+                     "largest"_is(largest_in(b.compiled.map.tables, component), 2),
+                     "points"_is(points_in(b.compiled.map.tables, component)));
 }
 
 Cell components_cell(const MapFromModel& b) {
@@ -332,15 +332,15 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
   return record_cell(
       "{components}most: largest compensation; n: points per table, every {increment_mm} mm\n{squareness}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}",
-      {"map"_is(written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")),
-       "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
-       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
-       "carried"_is(lines_cell(b.compiled.carried, "")),
-       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT CARRIED: ")), "components"_is(components_cell(b)),
-       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
-       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
-       "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
-       "notes"_is(paragraphs_cell(b.notes, "note: ")), "header"_is(header_cell(b.compiled.map.header))});
+      "map"_is(written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")),
+      "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
+      "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
+      "carried"_is(lines_cell(b.compiled.carried, "")),
+      "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT CARRIED: ")), "components"_is(components_cell(b)),
+      "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
+      "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
+      "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
+      "notes"_is(paragraphs_cell(b.notes, "note: ")), "header"_is(header_cell(b.compiled.map.header)));
 }
 
 }  // namespace ecs::commissioning

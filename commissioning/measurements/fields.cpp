@@ -120,12 +120,12 @@ std::string_view approaches_text(const LineSummary& line) {
 
 Cell line_cell(const LineSummary& line) {
   AnswerFields fields = measured_line_fields(line.group);
-  append(fields, {"readings"_is(line.readings), "runs"_is(line.runs), "targets"_is(line.targets),
-                  FieldKey(line.group.rotary ? "from_deg" : "from_mm")(six_digits(line.first_mm)),
-                  FieldKey(line.group.rotary ? "to_deg" : "to_mm")(six_digits(line.last_mm)),
-                  FieldKey(line.group.rotary ? "step_deg" : "step_mm")(line.step_mm ? six_digits(*line.step_mm)
-                                                                                    : null_cell("varies")),
-                  "forward"_is(line.forward), "reverse"_is(line.reverse), "approaches"_shown(approaches_text(line))});
+  append(fields, "readings"_is(line.readings), "runs"_is(line.runs), "targets"_is(line.targets),
+         FieldKey(line.group.rotary ? "from_deg" : "from_mm")(six_digits(line.first_mm)),
+         FieldKey(line.group.rotary ? "to_deg" : "to_mm")(six_digits(line.last_mm)),
+         FieldKey(line.group.rotary ? "step_deg" : "step_mm")(line.step_mm ? six_digits(*line.step_mm)
+                                                                           : null_cell("varies")),
+         "forward"_is(line.forward), "reverse"_is(line.reverse), "approaches"_shown(approaches_text(line)));
   const std::string unit(laser::target_unit(line.group.rotary));
   return record_cell("{axis:<4} {sense:<5} {parked_mm:<18} {from_" + unit + ":>9} {to_" + unit + ":>9} {step_" + unit +
                          ":>8} {targets:>3} {runs:>4} {approaches:<7} {compensated}\n",
@@ -163,13 +163,12 @@ Cell metadata_cell(const laser::MeasurementSet& set) {
 }  // namespace
 
 AnswerFields measured_line_fields(const laser::Group& group) {
-  return {"axis"_is(std::string(1, laser::letter_of(group.axis, group.rotary))),
-          "sense"_is(name_of(group.sense)),
-          "component"_is(laser::curve_name(group.sense, group.axis, group.rotary)),
-          "unit"_is(laser::unit_of(group.sense)),
-          "parked_mm"_is(parked_cell(group)),
-          "compensated"_is(group.compensated ? Json(*group.compensated) : Json(nullptr),
-                           std::string(compensated_text(group)))};
+  return described("axis"_is(std::string(1, laser::letter_of(group.axis, group.rotary))),
+                   "sense"_is(name_of(group.sense)),
+                   "component"_is(laser::curve_name(group.sense, group.axis, group.rotary)),
+                   "unit"_is(laser::unit_of(group.sense)), "parked_mm"_is(parked_cell(group)),
+                   "compensated"_is(group.compensated ? Json(*group.compensated) : Json(nullptr),
+                                    std::string(compensated_text(group))));
 }
 
 AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines) {
@@ -182,23 +181,17 @@ AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines
     runs = std::max(runs, line.runs);
     targets += line.targets;
   }
-  return {"readings"_is(set.readings.size()),
-          "axes"_is(axes),
-          "senses"_is(senses),
-          "runs"_is(runs),
-          "targets"_is(targets),
-          "metadata"_is(metadata_cell(set)),
-          "notes"_is(lines_cell(set.notes, "  assumed: ")),
-          "lines"_is(table_cell(lines, most_lines)),
-          "sensors"_is(laser::sensor_names_of(set))};
+  return described("readings"_is(set.readings.size()), "axes"_is(axes), "senses"_is(senses), "runs"_is(runs),
+                   "targets"_is(targets), "metadata"_is(metadata_cell(set)),
+                   "notes"_is(lines_cell(set.notes, "  assumed: ")), "lines"_is(table_cell(lines, most_lines)),
+                   "sensors"_is(laser::sensor_names_of(set)));
 }
 
 Cell conditions_cell(const std::vector<ConditionSummary>& conditions, std::string_view of) {
   return list_cell(conditions, [&](const ConditionSummary& c) {
-    return record_cell(
-        "  {name:<28} {least:>10} ... {most:<10} in {readings} {of}\n",
-        {"name"_is(c.name), "readings"_is(c.readings), "of"_shown(of),
-         "least"_is(c.least, fmt::format("{:.6g}", c.least)), "most"_is(c.most, fmt::format("{:.6g}", c.most))});
+    return record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} {of}\n", "name"_is(c.name),
+                       "readings"_is(c.readings), "of"_shown(of), "least"_is(c.least, fmt::format("{:.6g}", c.least)),
+                       "most"_is(c.most, fmt::format("{:.6g}", c.most)));
   });
 }
 

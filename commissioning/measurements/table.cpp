@@ -102,7 +102,7 @@ namespace {
 constexpr std::size_t kTextWidth = 80;
 
 auto unfit(const std::filesystem::path& file, std::string message) {
-  return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file.string(), 0, 0, {}});
+  return problem_at(file.string(), 0, 0, std::move(message));
 }
 
 std::string lines_of_set(const std::vector<laser::Group>& groups) {
@@ -181,10 +181,10 @@ std::string cut(const std::string& text, std::size_t width) {
 /// One phase has no text: the row shows both.
 Cell phase_cell(const std::optional<MeasuredPhase>& phase) {
   if (!phase) return null_cell();
-  return {object_of({"file"_is(phase->file.string()), "readings"_is(phase->readings.before.readings.size()),
-                     "band"_is(phase->readings.band), "band_as_measured"_is(phase->readings.band_before),
-                     "slope_removed_per_m"_is(phase->readings.level.removed.slope_per_m), "A"_is(phase->iso.A),
-                     "E"_is(phase->iso.E), "R"_is(phase->iso.R), "B"_is(phase->iso.B)}),
+  return {object_of("file"_is(phase->file.string()), "readings"_is(phase->readings.before.readings.size()),
+                    "band"_is(phase->readings.band), "band_as_measured"_is(phase->readings.band_before),
+                    "slope_removed_per_m"_is(phase->readings.level.removed.slope_per_m), "A"_is(phase->iso.A),
+                    "E"_is(phase->iso.E), "R"_is(phase->iso.R), "B"_is(phase->iso.B)),
           {}};
 }
 
@@ -196,14 +196,14 @@ Cell row_cell(const TableRow& row) {
   for (const Problem& one : row.problems) problems.push_back(problem_json(one));
   return record_cell(
       "{name:<10} {title:<20} {unit:<4} {published:<12} {measured:<12} {A:>5} {E:>5} {ratio:>4}{exceeds_published}\n",
-      {"name"_is(p.name, cut(p.name, 10)), "title"_is(p.title, cut(p.title, 20)),
-       "axis"_is(std::string(1, letter_of(p.axis))), "sense"_is(name_of(p.sense)), "unit"_is(laser::unit_of(p.sense)),
-       "slope"_is(laser::name_of(p.slope)), "published_before"_is(p.published_before),
-       "published_after"_is(p.published_after), "published"_shown(arrow(p.published_before, p.published_after)),
-       "before"_is(phase_cell(row.before)), "after"_is(phase_cell(row.after)), "measured"_shown(ours),
-       "A"_shown(number(shown != nullptr ? shown->iso.A : std::nullopt)),
-       "E"_shown(number(shown != nullptr ? shown->iso.E : std::nullopt)), "ratio"_is(row.ratio(), number(row.ratio())),
-       "exceeds_published"_is(row.exceeds_published(), "!", ""), "problems"_is(std::move(problems))});
+      "name"_is(p.name, cut(p.name, 10)), "title"_is(p.title, cut(p.title, 20)),
+      "axis"_is(std::string(1, letter_of(p.axis))), "sense"_is(name_of(p.sense)), "unit"_is(laser::unit_of(p.sense)),
+      "slope"_is(laser::name_of(p.slope)), "published_before"_is(p.published_before),
+      "published_after"_is(p.published_after), "published"_shown(arrow(p.published_before, p.published_after)),
+      "before"_is(phase_cell(row.before)), "after"_is(phase_cell(row.after)), "measured"_shown(ours),
+      "A"_shown(number(shown != nullptr ? shown->iso.A : std::nullopt)),
+      "E"_shown(number(shown != nullptr ? shown->iso.E : std::nullopt)), "ratio"_is(row.ratio(), number(row.ratio())),
+      "exceeds_published"_is(row.exceeds_published(), "!", ""), "problems"_is(std::move(problems)));
 }
 
 /// Which rows lost their slope by which method, within 80 columns.

@@ -214,25 +214,24 @@ Cell hex_cell(std::uint32_t number) { return cell_of(fmt::format("{:08X}", numbe
 Cell regions_cell(const MemoryDump& dump) {
   Cell regions{Json::array(), {}};
   for (const DumpRegion& region : dump.regions)
-    regions.add(
-        record_cell("{address}  {bytes:>7} bytes  {name}{intact}\n",
-                    {"name"_is(region.name), "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size()),
-                     "expected_bytes"_is(region.size), "intact"_is(region.intact, "", " (damaged)")}));
+    regions.add(record_cell("{address}  {bytes:>7} bytes  {name}{intact}\n", "name"_is(region.name),
+                            "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size()),
+                            "expected_bytes"_is(region.size), "intact"_is(region.intact, "", " (damaged)")));
   return regions;
 }
 
 Cell commit_cell(const CommitSlot& slot) {
   const auto& commit = slot.commit;
   const std::string_view state = commit ? "valid" : (slot.blank ? "blank" : "corrupt");
-  return record_cell(
-      commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, block "
-               "check {image_check}{active}\n"
-             : "commit record {address}: {state}\n",
-      {"address"_is(hex_address(slot.address)), "state"_is(state), "active"_is(slot.active, " (active)", ""),
-       "sequence"_is(commit ? cell_of(commit->sequence) : null_cell()),
-       "bank"_is(commit ? cell_of(commit->bank == 0 ? "A" : "B") : null_cell()),
-       "image_bytes"_is(commit ? cell_of(commit->image_bytes) : null_cell()),
-       "image_check"_is(commit ? hex_cell(commit->image_check) : null_cell())});
+  return record_cell(commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, block "
+                              "check {image_check}{active}\n"
+                            : "commit record {address}: {state}\n",
+                     "address"_is(hex_address(slot.address)), "state"_is(state),
+                     "active"_is(slot.active, " (active)", ""),
+                     "sequence"_is(commit ? cell_of(commit->sequence) : null_cell()),
+                     "bank"_is(commit ? cell_of(commit->bank == 0 ? "A" : "B") : null_cell()),
+                     "image_bytes"_is(commit ? cell_of(commit->image_bytes) : null_cell()),
+                     "image_check"_is(commit ? hex_cell(commit->image_check) : null_cell()));
 }
 
 Cell commits_cell(const DecodedMemory& memory) {
@@ -253,18 +252,17 @@ Cell table_cell(const DecodedTable& table) {
   const auto& entry = table.entry;
   const std::string address = hex_address(table.values_address);
   return record_cell(
-      layout_for(table),
-      {"number"_shown(table.number), "name"_shown(name_of(table)),
-       "component"_is(known ? cell_of(ecs::name_of(entry.component)) : null_cell()),
-       "description"_is(known ? cell_of(laser::description_of(entry.component)) : null_cell()),
-       "approach"_is(known ? cell_of(name_of(entry.approach)) : null_cell()), "declared_zero"_is(entry.declared_zero),
-       "entry_address"_is(hex_address(table.entry_address)),
-       "address"_is(table.readable && has_values ? cell_of(address) : null_cell(address)),
-       "start_mm"_is(entry.start_mm), "increment_mm"_is(entry.increment_mm), "count"_is(entry.count),
-       "resolution"_is(entry.resolution), "unit"_is(known ? cell_of(unit_of(entry.component)) : null_cell()),
-       "least"_is(has_values ? number_cell(table.least, 2) : null_cell(fmt::format("{:.2f}", table.least))),
-       "most"_is(has_values ? number_cell(table.most, 2) : null_cell(fmt::format("{:.2f}", table.most))),
-       "fault"_is(text_cell(table.fault))});
+      layout_for(table), "number"_shown(table.number), "name"_shown(name_of(table)),
+      "component"_is(known ? cell_of(ecs::name_of(entry.component)) : null_cell()),
+      "description"_is(known ? cell_of(laser::description_of(entry.component)) : null_cell()),
+      "approach"_is(known ? cell_of(name_of(entry.approach)) : null_cell()), "declared_zero"_is(entry.declared_zero),
+      "entry_address"_is(hex_address(table.entry_address)),
+      "address"_is(table.readable && has_values ? cell_of(address) : null_cell(address)), "start_mm"_is(entry.start_mm),
+      "increment_mm"_is(entry.increment_mm), "count"_is(entry.count), "resolution"_is(entry.resolution),
+      "unit"_is(known ? cell_of(unit_of(entry.component)) : null_cell()),
+      "least"_is(has_values ? number_cell(table.least, 2) : null_cell(fmt::format("{:.2f}", table.least))),
+      "most"_is(has_values ? number_cell(table.most, 2) : null_cell(fmt::format("{:.2f}", table.most))),
+      "fault"_is(text_cell(table.fault)));
 }
 
 Cell tables_cell(const DecodedImage& image) {
@@ -289,10 +287,10 @@ std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
 Cell identity_cell(const DecodedImage& image) {
   if (!image.identity)
     return null_cell(image.format == kFormatWithoutIdentity ? "for no particular unit (format 1)\n" : "");
-  return record_cell(
-      "for unit {serial_number}, machine {machine}, configuration {configuration}\n",
-      {"serial_number"_is(text_cell(image.identity->serial_number)), "machine"_is(text_cell(image.identity->machine)),
-       "configuration"_is(hex_cell(image.identity->configuration))});
+  return record_cell("for unit {serial_number}, machine {machine}, configuration {configuration}\n",
+                     "serial_number"_is(text_cell(image.identity->serial_number)),
+                     "machine"_is(text_cell(image.identity->machine)),
+                     "configuration"_is(hex_cell(image.identity->configuration)));
 }
 
 Cell below_a_gap(Cell cell) {
@@ -304,18 +302,18 @@ Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_byt
   const ImageVerdict& verdict = image.verdict;
   const Cell block_check =
       record_cell("block check {stored} stored, {computed} computed: {agrees}\n",
-                  {"stored"_is(hex_cell(verdict.check_expected)), "computed"_is(hex_cell(verdict.check_found)),
-                   "agrees"_is(verdict.check_expected == verdict.check_found, "they agree", "they differ")});
+                  "stored"_is(hex_cell(verdict.check_expected)), "computed"_is(hex_cell(verdict.check_found)),
+                  "agrees"_is(verdict.check_expected == verdict.check_found, "they agree", "they differ"));
   return record_cell(
       "\n== {region} at {address}, {bytes} "
       "bytes{active}\n{identity}{block_check}{faults}{fields}{parameters}\n{tables}{header}",
-      {"region"_is(image.region), "address"_is(hex_address(image.address)), "active"_is(image.active, ", active", ""),
-       "bytes"_is(image.bytes), "sound"_is(image.faults.empty()), "faults"_is(lines_cell(image.faults, "FAULT: ")),
-       "format"_is(image.format), "identity"_is(identity_cell(image)), "block_check"_is(block_check),
-       "fields"_shown(with_bytes ? "\n" + bytes_text(image, dump) : ""),
-       "parameters"_is(image.parameters ? below_a_gap(parameters_cell(*image.parameters)) : null_cell()),
-       "tables"_is(tables_cell(image)),
-       "header"_is(image.header.empty() ? null_cell() : Cell{image.header, "\nheader\n" + image.header + "\n"})});
+      "region"_is(image.region), "address"_is(hex_address(image.address)), "active"_is(image.active, ", active", ""),
+      "bytes"_is(image.bytes), "sound"_is(image.faults.empty()), "faults"_is(lines_cell(image.faults, "FAULT: ")),
+      "format"_is(image.format), "identity"_is(identity_cell(image)), "block_check"_is(block_check),
+      "fields"_shown(with_bytes ? "\n" + bytes_text(image, dump) : ""),
+      "parameters"_is(image.parameters ? below_a_gap(parameters_cell(*image.parameters)) : null_cell()),
+      "tables"_is(tables_cell(image)),
+      "header"_is(image.header.empty() ? null_cell() : Cell{image.header, "\nheader\n" + image.header + "\n"}));
 }
 
 Cell images_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
@@ -338,11 +336,11 @@ Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_
       dump.taken.empty()
           ? "{faults}{regions}{commits}{images}{status}"
           : "unit {serial_number}, taken {taken}\nover {link}\n{faults}{regions}{commits}{images}{status}",
-      {"taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
-       "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
-       "faults"_is(lines_cell(memory.faults, "FAULT: ")), "regions"_is(regions_cell(dump)),
-       "commits"_is(commits_cell(memory)), "images"_is(images_cell(dump, memory, with_bytes)),
-       "status"_is(status_when_taken(dump))});
+      "taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
+      "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
+      "faults"_is(lines_cell(memory.faults, "FAULT: ")), "regions"_is(regions_cell(dump)),
+      "commits"_is(commits_cell(memory)), "images"_is(images_cell(dump, memory, with_bytes)),
+      "status"_is(status_when_taken(dump)));
 }
 
 Result<StatusFile> read_status_file(const std::string& path) {

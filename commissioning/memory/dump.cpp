@@ -126,9 +126,9 @@ Result<MemoryDump> bare_image(std::string_view bytes) {
 Json header_of(const MemoryDump& dump) {
   Json regions = Json::array();
   for (const DumpRegion& region : dump.regions)
-    regions.push_back(object_of({"name"_is(region.name), "address"_is(region.address), "bytes"_is(region.bytes.size()),
-                                 "crc32"_is(fmt::format("{:08X}", crc32_of(region.bytes)))}));
-  Json header = object_of({"taken"_is(dump.taken), "link"_is(dump.link), "serial_number"_is(dump.serial_number)});
+    regions.push_back(object_of("name"_is(region.name), "address"_is(region.address), "bytes"_is(region.bytes.size()),
+                                "crc32"_is(fmt::format("{:08X}", crc32_of(region.bytes)))));
+  Json header = object_of("taken"_is(dump.taken), "link"_is(dump.link), "serial_number"_is(dump.serial_number));
   if (dump.status) header["status"] = json_with_registers(*dump.status);
   header["regions"] = regions;
   return header;

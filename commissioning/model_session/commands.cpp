@@ -151,7 +151,7 @@ void record_saved_model(const ModelArguments& files, const model::Model& model) 
   record_model(files, model,
                {.kind = "model",
                 .summary = last.empty() ? "MODEL: saved" : "MODEL: saved, the last effect added is " + last,
-                .content = one_line(object_of({"screen"_is("MODEL"), "model"_is(files.model)}))},
+                .content = one_line(object_of("screen"_is("MODEL"), "model"_is(files.model)))},
                "output");
 }
 
@@ -163,7 +163,7 @@ void record_diagnosis(const ModelArguments& files, const model::Model& model, co
   record_model(files, model,
                {.kind = "diagnosis",
                 .summary = "MODEL: " + (has ? headline->get<std::string>() : "diagnosis"),
-                .content = one_line(object_of({"screen"_is("MODEL"), "answer"_is(answer)}))},
+                .content = one_line(object_of("screen"_is("MODEL"), "answer"_is(answer)))},
                "input");
 }
 

@@ -189,17 +189,17 @@ Result<model::Check> check_answer(MessageSink& messages, const std::string& answ
 Cell check_cell(const model::Check& check) {
   Cell numbers{Json::array(), {}};
   for (const model::CheckedNumber& one : check.numbers)
-    numbers.add(record_cell(
-        "{name} {claimed:>14} {recomputed:>14}  {holds}\n",
-        {"name"_is(one.name, padded(one.name, kWidestName)), "claimed"_is(one.claimed, shown(one.claimed)),
-         "recomputed"_is(one.recomputed, shown(one.recomputed)), "holds"_is(one.holds, "holds", "DIFFERS")}));
+    numbers.add(
+        record_cell("{name} {claimed:>14} {recomputed:>14}  {holds}\n",
+                    "name"_is(one.name, padded(one.name, kWidestName)), "claimed"_is(one.claimed, shown(one.claimed)),
+                    "recomputed"_is(one.recomputed, shown(one.recomputed)), "holds"_is(one.holds, "holds", "DIFFERS")));
   std::string objections;
   for (const std::string& one : check.objections) objections += paragraph(one, 0, 2);
   const bool holds = check.holds();
   return record_cell("{holds}\n" + fmt::format("{:<{}} {:>14} {:>14}\n", "", kWidestName, "claimed", "recomputed") +
                          "{checked}{objections}",
-                     {"holds"_is(holds, "The answer holds.", "The answer does not hold."), "checked"_is(numbers),
-                      "objections"_is(check.objections, objections)});
+                     "holds"_is(holds, "The answer holds.", "The answer does not hold."), "checked"_is(numbers),
+                     "objections"_is(check.objections, objections));
 }
 
 }  // namespace ecs::commissioning

@@ -20,11 +20,11 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
     lack_of_fit.text.erase(0, comma + 2);
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
-      {"sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
-       "axis"_is(d.path.empty() ? axis_json(d.axis, rotary) : d.axes),
-       "approach"_is(d.approach, std::string(direction_text(d.approach))), "bias_um"_is(d.bias_um, 3),
-       "rms_um"_is(d.rms_um, 3), "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)),
-       "readings"_is(d.readings)});
+      "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
+      "axis"_is(d.path.empty() ? axis_json(d.axis, rotary) : d.axes),
+      "approach"_is(d.approach, std::string(direction_text(d.approach))), "bias_um"_is(d.bias_um, 3),
+      "rms_um"_is(d.rms_um, 3), "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)),
+      "readings"_is(d.readings));
 }
 
 Cell directions_cell(const Comparison& c) {
@@ -40,12 +40,11 @@ Cell worst_cell(const Comparison& c) {
   Cell list{Json::array(),
             fmt::format("\nworst places\n   row sense axis          {} dir  run   reading  residual\n", letters)};
   for (const model::WorstPlace& w : c.worst) {
-    AnswerFields fields{"row"_is(w.row), "axis"_is(w.path.empty() ? axis_json(w.axis, c.rotary) : w.axes),
-                        "sense"_is(w.path.empty() ? std::string(name_of(w.sense)) : w.path)};
+    AnswerFields fields = described("row"_is(w.row), "axis"_is(w.path.empty() ? axis_json(w.axis, c.rotary) : w.axes),
+                                    "sense"_is(w.path.empty() ? std::string(name_of(w.sense)) : w.path));
     add_position(fields, w.position_mm, c.rotary);
-    append(fields, {"approach"_is(w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")), "run"_is(w.run),
-                    "reading_um"_is(w.reading_um, 2), "predicted_um"_is(w.predicted_um, 2),
-                    "residual_um"_is(w.residual_um, 2)});
+    append(fields, "approach"_is(w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")), "run"_is(w.run),
+           "reading_um"_is(w.reading_um, 2), "predicted_um"_is(w.predicted_um, 2), "residual_um"_is(w.residual_um, 2));
     list.add(record_cell(fmt::format("{{row:>6}} {{sense:<5}} {{axis:<4}} {} {{approach:>3}} {{run:>4}} "
                                      "{{reading_um:>9}} {{residual_um:>9}}\n",
                                      position_layout(c.rotary)),
@@ -64,11 +63,10 @@ std::vector<const model::ResidualView*> by_share(const Comparison& c) {
 Cell variable_cell(const model::ResidualView& view) {
   Json bins = Json::array();
   for (const model::ResidualBin& bin : view.bins)
-    bins.push_back(object_of({"from"_is(bin.from), "to"_is(bin.to), "mean_um"_is(bin.mean_um),
-                              "sigma_um"_is(bin.sigma_um), "rms_um"_is(bin.rms_um), "readings"_is(bin.readings)}));
-  return record_cell("  {variable} {share:>6} %\n",
-                     {"variable"_is(view.variable, padded(view.variable, 26)),
-                      "share"_is(view.share, fmt::format("{:.1f}", 100.0 * view.share)), "bins"_is(std::move(bins))});
+    bins.push_back(object_of("from"_is(bin.from), "to"_is(bin.to), "mean_um"_is(bin.mean_um),
+                             "sigma_um"_is(bin.sigma_um), "rms_um"_is(bin.rms_um), "readings"_is(bin.readings)));
+  return record_cell("  {variable} {share:>6} %\n", "variable"_is(view.variable, padded(view.variable, 26)),
+                     "share"_is(view.share, fmt::format("{:.1f}", 100.0 * view.share)), "bins"_is(std::move(bins)));
 }
 
 Cell variables_cell(const Comparison& c) {
@@ -102,11 +100,10 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
       fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack of fit: {}", readings,
                   c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), lack_of_fit.text));
   return record_cell(
-      "{summary}\n{directions}{variables}{worst}{outliers}",
-      {"observations"_is(readings), "summary"_shown(summary), "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um),
-       "noise_um"_is(c.noise.noise_um), "noise_from_repeats"_is(c.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
-       "directions"_is(directions_cell(c)), "variables"_is(variables_cell(c)), "worst"_is(worst_cell(c)),
-       "outliers"_is(c.outliers, outliers_text(c))});
+      "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
+      "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
+      "noise_from_repeats"_is(c.noise.from_repeats), "lack_of_fit"_is(lack_of_fit), "directions"_is(directions_cell(c)),
+      "variables"_is(variables_cell(c)), "worst"_is(worst_cell(c)), "outliers"_is(c.outliers, outliers_text(c)));
 }
 
 namespace {
@@ -160,14 +157,13 @@ std::string set_text(const std::vector<model::SetMember>& set) {
 Json set_json(const std::vector<model::SetMember>& set) {
   Json list = Json::array();
   for (const model::SetMember& member : set)
-    list.push_back(object_of({"name"_is(member.name), "probability"_is(member.probability)}));
+    list.push_back(object_of("name"_is(member.name), "probability"_is(member.probability)));
   return list;
 }
 
 Json own_terms_json(const std::vector<model::OwnTerm>& terms) {
   Json list = Json::array();
-  for (const model::OwnTerm& term : terms)
-    list.push_back(object_of({"effect"_is(term.effect), "value"_is(term.value)}));
+  for (const model::OwnTerm& term : terms) list.push_back(object_of("effect"_is(term.effect), "value"_is(term.value)));
   return list;
 }
 
@@ -208,34 +204,26 @@ Cell candidate_cell(const Candidate& c) {
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : c.rivals) rivals.push_back(place_text(rival));
-  AnswerFields fields{
-      inlined({effect_json(c.effect), ""}),
-      "place"_shown(place_in_table(c.effect)),
-      "parameters"_is(values, details(!c.parameters.empty(), parameters_text(c.parameters))),
-      "sigma"_is(sigmas),
-      "named"_is(c.named),
-      "standing"_is(name_of(c.standing)),
+  AnswerFields fields = described(
+      inlined({effect_json(c.effect), ""}), "place"_shown(place_in_table(c.effect)),
+      "parameters"_is(values, details(!c.parameters.empty(), parameters_text(c.parameters))), "sigma"_is(sigmas),
+      "named"_is(c.named), "standing"_is(name_of(c.standing)),
       "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),
-      "rms_after_um"_is(c.rms_after_um, 3),
-      "explained"_is(c.explained, percent(c.explained)),
-      "explainable_share"_is(c.explainable_share),
-      "p_value"_is(c.p_value, ""),
-      "false_naming"_is(c.false_naming),
+      "rms_after_um"_is(c.rms_after_um, 3), "explained"_is(c.explained, percent(c.explained)),
+      "explainable_share"_is(c.explainable_share), "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming),
       "probability"_is(c.probability),
       "set"_is(set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))),
       "parameters_set"_is(parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))),
-      "e_value"_is(c.e_value),
-      "found"_is(c.found),
-      "tried_at"_is(object_of({"value"_is(c.tried_at.value), "coefficients"_is(c.tried_at.coefficients)})),
-      "held_out_rms_um"_is(c.held_out_rms_um, 3),
-      "held_out_rms_before_um"_is(c.held_out_rms_before_um, 3),
+      "e_value"_is(c.e_value), "found"_is(c.found),
+      "tried_at"_is(object_of("value"_is(c.tried_at.value), "coefficients"_is(c.tried_at.coefficients))),
+      "held_out_rms_um"_is(c.held_out_rms_um, 3), "held_out_rms_before_um"_is(c.held_out_rms_before_um, 3),
       "skipped"_is(c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))),
       "indistinguishable_from"_is(
           c.indistinguishable_from,
           details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
-      "next_measurement"_is(c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement))};
+      "next_measurement"_is(c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)));
   if (!c.effect.curve.empty()) fields.push_back("curve"_is(curve_json(c.effect.curve)));
   return {
       object_of(fields),
@@ -273,8 +261,8 @@ std::string add_text(const Diagnosis& d) {
 
 Json add_json(const Diagnosis& d) {
   if (!d.add) return nullptr;
-  return object_of({"effects"_is(d.add->effects), "held_out_rms_before_um"_is(d.add->held_out_rms_before_um),
-                    "held_out_rms_um"_is(d.add->held_out_rms_um)});
+  return object_of("effects"_is(d.add->effects), "held_out_rms_before_um"_is(d.add->held_out_rms_before_um),
+                   "held_out_rms_um"_is(d.add->held_out_rms_um));
 }
 
 Cell candidates_cell(const Diagnosis& d) {
@@ -311,12 +299,12 @@ double largest_in(const std::vector<ShapePoint>& points) {
 Cell where_cell(const Diagnosis& d) {
   Cell where{Json::array(), d.where.empty() ? "" : "\nwhat the residual depends on (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
-    where.add(record_cell(
-        "  {variable} {strength:>8}  in noise alone: p = {p_value}\n",
-        {"variable"_is(one.variable, padded(one.variable, 26)), "strength"_is(one.strength, percent(one.strength)),
-         "p_value"_is(one.p_value, fmt::format("{:.1g}", one.p_value)), "at"_is(numbers_json(one.at)),
-         "mean_um"_is(numbers_json(one.mean_um)),
-         "looks_like"_is(one.looks_like.empty() ? Json() : Json(one.looks_like))}));
+    where.add(record_cell("  {variable} {strength:>8}  in noise alone: p = {p_value}\n",
+                          "variable"_is(one.variable, padded(one.variable, 26)),
+                          "strength"_is(one.strength, percent(one.strength)),
+                          "p_value"_is(one.p_value, fmt::format("{:.1g}", one.p_value)), "at"_is(numbers_json(one.at)),
+                          "mean_um"_is(numbers_json(one.mean_um)),
+                          "looks_like"_is(one.looks_like.empty() ? Json() : Json(one.looks_like))));
   for (const model::Dependence& one : d.where)
     if (!one.looks_like.empty()) where.text += paragraph(fmt::format("{}: {}", one.variable, one.looks_like), 2, 4);
   std::size_t shapes = 0;
@@ -350,16 +338,16 @@ Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
       paragraph(fmt::format("{} candidates were tried, and {} simulated data sets of noise alone on the same design",
                             d.candidates_tried, d.noise_replicates));
-  return record_cell(
-      "{headline}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
-      {"observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
-       "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
-       "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)), "summary"_shown(summary(d)),
-       "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)), "where"_is(where_cell(d)),
-       "rms_after_um"_is(d.rms_after_um), "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
-       "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
-       "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
-       "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : "")});
+  return record_cell("{headline}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
+                     "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
+                     "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
+                     "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)),
+                     "summary"_shown(summary(d)), "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)),
+                     "where"_is(where_cell(d)), "rms_after_um"_is(d.rms_after_um),
+                     "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
+                     "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
+                     "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
+                     "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));
 }
 
 std::string diagnosis_text(const Diagnosis& diagnosis) { return diagnosis_cell(diagnosis).text; }

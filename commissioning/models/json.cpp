@@ -49,11 +49,11 @@ Json numbers_json(const std::vector<double>& values) {
 }
 
 Json effect_json(const EffectInstance& effect) {
-  Json out = object_of({"effect"_is(name_of(effect.id)),
-                        "axis"_is(effect.axis ? Json(axis_json(*effect.axis, effect.rotary)) : Json(nullptr)),
-                        "sense"_is(text_or_null(sense_text(effect))), "approach"_is(name_of(effect.approach)),
-                        "code"_is(text_or_null(code_text(effect))), "sensor"_is(text_or_null(effect.sensor)),
-                        "name"_is(to_text(effect))});
+  Json out = object_of("effect"_is(name_of(effect.id)),
+                       "axis"_is(effect.axis ? Json(axis_json(*effect.axis, effect.rotary)) : Json(nullptr)),
+                       "sense"_is(text_or_null(sense_text(effect))), "approach"_is(name_of(effect.approach)),
+                       "code"_is(text_or_null(code_text(effect))), "sensor"_is(text_or_null(effect.sensor)),
+                       "name"_is(to_text(effect)));
   if (!effect.sensor2.empty()) out["sensor2"] = effect.sensor2;
   if (effect.ball > 1) out["ball"] = effect.ball;
   return out;
@@ -85,11 +85,11 @@ std::optional<EffectInstance> effect_in(const Json& object) {
 
 Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   if (!test) return null_cell("too few repeats to judge");
-  return record_cell("F = {F}, p = {p}: {word}",
-                     {"F"_is(test->F, few_digits(test->F)), "p"_is(test->p, fmt::format("{:.1g}", test->p)),
-                      "word"_shown(test->fails()         ? "fails"
-                                   : test->is_in_doubt() ? "in doubt"
-                                                         : "holds")});
+  return record_cell("F = {F}, p = {p}: {word}", "F"_is(test->F, few_digits(test->F)),
+                     "p"_is(test->p, fmt::format("{:.1g}", test->p)),
+                     "word"_shown(test->fails()         ? "fails"
+                                  : test->is_in_doubt() ? "in doubt"
+                                                        : "holds"));
 }
 
 AnswerFields fields_of(const ParameterEstimate& p) {
@@ -100,8 +100,8 @@ AnswerFields fields_of(const ParameterEstimate& p) {
   if (!p.held && !p.undetermined && p.sigma && *p.sigma >= 1e-9)
     digits =
         2 + std::max(0, static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), *p.sigma) / *p.sigma))));
-  return {"name"_is(shown_name(p)),   "unit"_is(p.unit), "value"_is(p.value, few_digits(p.value, digits)),
-          "sigma"_is(p.sigma, sigma), "held"_is(p.held), "undetermined"_is(p.undetermined)};
+  return described("name"_is(shown_name(p)), "unit"_is(p.unit), "value"_is(p.value, few_digits(p.value, digits)),
+                   "sigma"_is(p.sigma, sigma), "held"_is(p.held), "undetermined"_is(p.undetermined));
 }
 
 Cell parameters_cell(const std::vector<ParameterEstimate>& parameters, std::string_view layout) {
@@ -111,7 +111,7 @@ Cell parameters_cell(const std::vector<ParameterEstimate>& parameters, std::stri
 }
 
 Json curve_json(const model::FittedCurve& curve) {
-  return object_of({"p_mm"_is(numbers_json(curve.p_mm)), "value"_is(numbers_json(curve.value))});
+  return object_of("p_mm"_is(numbers_json(curve.p_mm)), "value"_is(numbers_json(curve.value)));
 }
 
 }  // namespace ecs::commissioning

@@ -118,7 +118,7 @@ Cell volume_cell(std::string_view direction, const std::vector<VolumePoint>& poi
   Json worst_json = position_json(at);
   worst_json["error_um"] = number_or_null(worst_um);
   const Extent e = extent_of(points);
-  AnswerFields fields{"points"_is(points.size())};
+  AnswerFields fields = described("points"_is(points.size()));
   for (const auto& [key, sense, i] : {std::tuple{"EX_um", "EX", 0U}, {"EY_um", "EY", 1U}, {"EZ_um", "EZ", 2U}})
     fields.push_back(
         {key, {{number_or_null(e.least[i]), number_or_null(e.most[i])}, range_text(sense, e.least[i], e.most[i])}});
@@ -162,11 +162,11 @@ Cell shares_cell(const PlaceShares& shares) {
     sums += fmt::format(" {:>10.3f}", per.total_um);
     Json effects = Json::array();
     for (std::size_t i = 0; i < per.shares.size(); ++i) {
-      effects.push_back(object_of({"effect"_is(per.shares[i].effect), "um"_is(per.shares[i].um)}));
+      effects.push_back(object_of("effect"_is(per.shares[i].effect), "um"_is(per.shares[i].um)));
       rows[i] += fmt::format(" {:>10.3f}", per.shares[i].um);
     }
-    senses.push_back(object_of({"sense"_is(name_of(shares.senses[s])), "total_um"_is(per.total_um),
-                                "effects"_is(std::move(effects)), "notes"_is(per.notes)}));
+    senses.push_back(object_of("sense"_is(name_of(shares.senses[s])), "total_um"_is(per.total_um),
+                               "effects"_is(std::move(effects)), "notes"_is(per.notes)));
   }
   rows.push_back(sums);
   Json object = position_json(at, rotary);
@@ -188,8 +188,8 @@ Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optiona
 }
 
 Cell volume_cell(const PredictedVolume& volume) {
-  Cell cell = record_cell("{forward}{reverse}", {"forward"_is(volume_cell("forward", volume.forward)),
-                                                 "reverse"_is(volume_cell("reverse", volume.reverse))});
+  Cell cell = record_cell("{forward}{reverse}", "forward"_is(volume_cell("forward", volume.forward)),
+                          "reverse"_is(volume_cell("reverse", volume.reverse)));
   cell.text = fmt::format("\npredicted error over the working volume, {} places\n", volume.forward.size()) + cell.text;
   return cell;
 }

@@ -110,15 +110,10 @@ constexpr std::string_view kLadderRow =
 
 AnswerFields fields_of(const model::Model& model, const LadderStep& step, std::size_t number) {
   const std::string name = step.effect.empty() ? "(the model as it began)" : name_with_alternatives(model, step.effect);
-  return {"step"_shown(number),
-          "effect"_is(text_or_null(step.effect), padded(name, 34)),
-          "data"_is(text_cell(step.data)),
-          "rms_before_um"_is(step.rms_before_um, 3),
-          "rms_um"_is(step.rms_um, 3),
-          "peak_um"_is(step.peak_um, 3),
-          "noise_um"_is(step.noise_um, 3),
-          "held_out_rms_um"_is(step.held_out_rms_um, 3),
-          "outliers"_is(step.outliers)};
+  return described("step"_shown(number), "effect"_is(text_or_null(step.effect), padded(name, 34)),
+                   "data"_is(text_cell(step.data)), "rms_before_um"_is(step.rms_before_um, 3),
+                   "rms_um"_is(step.rms_um, 3), "peak_um"_is(step.peak_um, 3), "noise_um"_is(step.noise_um, 3),
+                   "held_out_rms_um"_is(step.held_out_rms_um, 3), "outliers"_is(step.outliers));
 }
 
 }  // namespace

@@ -169,12 +169,8 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
   const std::size_t all = set.readings.size();
   std::erase_if(set.readings, [](const laser::Reading& r) { return !r.compensated.value_or(true); });
   if (set.readings.empty())
-    return tl::unexpected(Problem{ProblemKind::bad_input,
-                                  "expected readings taken with compensation active (compensated = 1), found none",
-                                  after.front(),
-                                  0,
-                                  0,
-                                  {}});
+    return problem_at(after.front(), 0, 0,
+                      "expected readings taken with compensation active (compensated = 1), found none");
   Achieved out{model::observations_of(set, work.model, work.machine), 0.0, 0.0, all - set.readings.size()};
   double square = 0.0;
   for (const double reading : out.data.reading) {
@@ -189,12 +185,10 @@ Cell effects_cell(const WhatIfAnswer& answer) {
   Cell effects{Json::array(),
                fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit), "carried by")};
   for (const model::WhatIf::Share& share : answer.what.shares) {
-    const AnswerFields fields{"effect"_is(share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)),
-                              "rms_um"_is(share.rms_um, 3),
-                              "carried"_is(share.carried, "", share.of_measurement ? "" : "NOT CARRIED: "),
-                              "of_measurement"_is(share.of_measurement),
-                              "peak_um"_is(share.peak_um, ""),
-                              "how"_is(share.how)};
+    const AnswerFields fields = described(
+        "effect"_is(share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)),
+        "rms_um"_is(share.rms_um, 3), "carried"_is(share.carried, "", share.of_measurement ? "" : "NOT CARRIED: "),
+        "of_measurement"_is(share.of_measurement), "peak_um"_is(share.peak_um, ""), "how"_is(share.how));
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
   }
@@ -211,15 +205,15 @@ Cell directions_cell(const WhatIfAnswer& answer) {
     directions.add(record_cell(
         "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {rms_now_um:>10} "
         "{rms_after_um:>10}{achieved_rms_um}{ratio}\n",
-        {"sense"_is(one.path.empty() ? std::string(name_of(one.sense)) : one.path),
-         "axis"_is(one.path.empty() ? axis_json(one.axis, answer.rotary) : one.axes),
-         "approach"_is(one.approach, std::string(direction_text(one.approach))), "rms_now_um"_is(one.now_um, 3),
-         "rms_after_um"_is(one.predicted_um, 3),
-         "achieved_rms_um"_is(one.achieved_um
-                                  ? Cell{number_or_null(one.achieved_um), fmt::format(" {:>10.3f}", *one.achieved_um)}
-                                  : null_cell()),
-         "ratio"_shown(compared ? fmt::format(" {:>12.2f} x", ratio) : ""), "readings"_is(one.readings),
-         "readings_after"_is(one.readings_after)}));
+        "sense"_is(one.path.empty() ? std::string(name_of(one.sense)) : one.path),
+        "axis"_is(one.path.empty() ? axis_json(one.axis, answer.rotary) : one.axes),
+        "approach"_is(one.approach, std::string(direction_text(one.approach))), "rms_now_um"_is(one.now_um, 3),
+        "rms_after_um"_is(one.predicted_um, 3),
+        "achieved_rms_um"_is(one.achieved_um
+                                 ? Cell{number_or_null(one.achieved_um), fmt::format(" {:>10.3f}", *one.achieved_um)}
+                                 : null_cell()),
+        "ratio"_shown(compared ? fmt::format(" {:>12.2f} x", ratio) : ""), "readings"_is(one.readings),
+        "readings_after"_is(one.readings_after)));
   }
   return directions;
 }
@@ -230,9 +224,9 @@ Cell rest_cell(const WhatIfAnswer& answer) {
   std::vector<std::string> parts;
   for (const RestPart& part : parts_of_rest(answer.achieved->data)) {
     parts.push_back(fmt::format("{:.2g} {} rms of it is {}", part.rms_um, answer.unit, part.text));
-    list.json.push_back(
-        object_of({"shape"_is(part.shape), "sense"_is(name_of(part.sense)),
-                   "axis"_is(axis_json(part.axis, answer.rotary)), "size"_is(part.size), "rms_um"_is(part.rms_um)}));
+    list.json.push_back(object_of("shape"_is(part.shape), "sense"_is(name_of(part.sense)),
+                                  "axis"_is(axis_json(part.axis, answer.rotary)), "size"_is(part.size),
+                                  "rms_um"_is(part.rms_um)));
   }
   if (!parts.empty()) list.text = fmt::format(" {}.", fmt::join(parts, "; "));
   return list;
@@ -244,10 +238,10 @@ Cell achieved_cell(const WhatIfAnswer& answer) {
   Cell cell = record_cell(
       "Measured again: {readings} readings, rms {rms_um} {unit} (peak {peak_um} {unit}): {of_predicted} times what was "
       "predicted.{rest}",
-      {"unit"_shown(answer.unit), "rms_um"_is(achieved.rms_um, 3), "peak_um"_is(achieved.peak_um, 3),
-       "readings"_is(achieved.data.size()), "rest"_is(rest_cell(answer)),
-       "of_predicted"_is(achieved.rms_um / answer.what.rms_after_um,
-                         fmt::format("{:.2f}", achieved.rms_um / std::max(1e-12, answer.what.rms_after_um)))});
+      "unit"_shown(answer.unit), "rms_um"_is(achieved.rms_um, 3), "peak_um"_is(achieved.peak_um, 3),
+      "readings"_is(achieved.data.size()), "rest"_is(rest_cell(answer)),
+      "of_predicted"_is(achieved.rms_um / answer.what.rms_after_um,
+                        fmt::format("{:.2f}", achieved.rms_um / std::max(1e-12, answer.what.rms_after_um))));
   cell.text = paragraph(cell.text);
   return cell;
 }
@@ -322,12 +316,12 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
 
 Cell what_if_cell(const WhatIfAnswer& answer) {
   const std::string summary = paragraph(what_if_summary(answer.what, answer.model, answer.unit));
-  return record_cell("{summary}{achieved}\n{effects}\n{directions}{notes}",
-                     {"summary"_shown(summary), "rms_now_um"_is(answer.what.rms_now_um),
-                      "rms_after_um"_is(answer.what.rms_after_um), "peak_after_um"_is(answer.what.peak_after_um),
-                      "machine_um"_is(answer.what.machine_um), "measurement_um"_is(answer.what.measurement_um),
-                      "effects"_is(effects_cell(answer)), "directions"_is(directions_cell(answer)),
-                      "achieved"_is(achieved_cell(answer)), "notes"_is(answer.notes, notes_text(answer.notes))});
+  return record_cell("{summary}{achieved}\n{effects}\n{directions}{notes}", "summary"_shown(summary),
+                     "rms_now_um"_is(answer.what.rms_now_um), "rms_after_um"_is(answer.what.rms_after_um),
+                     "peak_after_um"_is(answer.what.peak_after_um), "machine_um"_is(answer.what.machine_um),
+                     "measurement_um"_is(answer.what.measurement_um), "effects"_is(effects_cell(answer)),
+                     "directions"_is(directions_cell(answer)), "achieved"_is(achieved_cell(answer)),
+                     "notes"_is(answer.notes, notes_text(answer.notes)));
 }
 
 }  // namespace ecs::commissioning

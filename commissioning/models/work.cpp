@@ -237,21 +237,15 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     ECS_TRY(path, import.columns.empty() && import.profile.empty() ? path_in(bytes, file)
                                                                    : std::optional<laser::MeasurementSet>());
     if (path && files.size() > 1 && !path->notes.empty())
-      return tl::unexpected(
-          Problem{ProblemKind::bad_input,
-                  path->notes.front() + "; beside other files its readings need their true place: add that line",
-                  file,
-                  0,
-                  0,
-                  {}});
+      return problem_at(file, 0, 0,
+                        path->notes.front() + "; beside other files its readings need their true place: add that line");
     if (!path) {
       ECS_TRY(imported, measurements_in(bytes, file, any_axis));
       sets.push_back(std::move(imported.set));
     }
     laser::MeasurementSet& read = path ? paths.emplace_back(std::move(*path)) : sets.back();
     for (const std::string& note : read.notes) messages.note(fmt::format("{}: {}", file, note));
-    if (read.readings.empty())
-      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
+    if (read.readings.empty()) return problem_at(file, 0, 0, "expected readings, found none");
     for (laser::Reading& reading : read.readings) reading.row = ++rows;
     read.notes.clear();
   }
@@ -287,8 +281,7 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   if (std::any_of(steps.begin(), steps.end(), [&](const auto& step) { return step.data == work.data_name; }))
     work.data.clock_note.clear();  // the readings of the fit
   if (!work.data.clock_note.empty()) work.data.notes.push_back(work.data.clock_note);
-  if (!work.data.not_followed.empty())
-    return tl::unexpected(Problem{ProblemKind::bad_input, work.data.not_followed, arguments.data.front(), 0, 0, {}});
+  if (!work.data.not_followed.empty()) return problem_at(arguments.data.front(), 0, 0, work.data.not_followed);
   if (work.machine)
     if (auto other = of_other_machine(work.data, arguments.data)) return tl::unexpected(std::move(*other));
   return work;

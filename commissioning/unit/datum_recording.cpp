@@ -179,9 +179,9 @@ std::vector<DatumEvent> events_of(const DatumRecording& recording) {
 }
 
 Cell datum_event_cell(const DatumEvent& event) {
-  return record_cell("{time_s:>8} {position_mm:>12} {speed_mm_min:>15}  {what}\n",
-                     {"what"_is(event.what), "time_s"_is(event.time_s, 3), "position_mm"_is(event.position_mm, 4),
-                      "speed_mm_min"_is(event.speed_mm_min, 1)});
+  return record_cell("{time_s:>8} {position_mm:>12} {speed_mm_min:>15}  {what}\n", "what"_is(event.what),
+                     "time_s"_is(event.time_s, 3), "position_mm"_is(event.position_mm, 4),
+                     "speed_mm_min"_is(event.speed_mm_min, 1));
 }
 
 std::string graph_of(const DatumRecording& recording) {

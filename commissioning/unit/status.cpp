@@ -127,9 +127,9 @@ Json raw_json(const StatusSnapshot& snapshot) {
   Json selected = Json::array();
   for (const auto& value : snapshot.selected)
     selected.push_back(value ? Json::array({value->counts, number_or_null(value->value)}) : Json(nullptr));
-  return object_of({"identity"_is(snapshot.identity_registers), "status"_is(snapshot.status_registers),
-                    "pointers"_is(snapshot.pointer_registers), "selected"_is(selected),
-                    "events"_is(snapshot.event_blocks)});
+  return object_of("identity"_is(snapshot.identity_registers), "status"_is(snapshot.status_registers),
+                   "pointers"_is(snapshot.pointer_registers), "selected"_is(selected),
+                   "events"_is(snapshot.event_blocks));
 }
 
 }  // namespace
@@ -153,7 +153,7 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
 }
 
 Json json_with_registers(const StatusSnapshot& snapshot) {
-  Json object = object_of({"ecs_status"_is(kFormat)});
+  Json object = object_of("ecs_status"_is(kFormat));
   object.update(status_cell(snapshot).json);
   object["raw"] = raw_json(snapshot);
   return object;
@@ -221,19 +221,17 @@ Cell fault_cell(const UnitStatus& status) {
   const FaultText text = ecs::text_of(status.fault);
   const std::string address = hex_address(status.fault_address);
   const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
-  return record_cell("fault {number} ({name}): {meaning}{address}{axis}. What to do: {action}",
-                     {"name"_is(text.name), "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning),
-                      "action"_is(text.action),
-                      "address"_is(has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()),
-                      "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell())});
+  return record_cell("fault {number} ({name}): {meaning}{address}{axis}. What to do: {action}", "name"_is(text.name),
+                     "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning), "action"_is(text.action),
+                     "address"_is(has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()),
+                     "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()));
 }
 
 Cell ram_test_cell(const UnitStatus& status) {
   const std::string address = hex_address(status.ram_test_address);
   return record_cell(
-      "RAM test     {outcome}{address}\n",
-      {"outcome"_is(name_of_outcome(status.ram_test)),
-       "address"_is(status.ram_test == TestOutcome::failed ? Cell{address, " at " + address} : null_cell())});
+      "RAM test     {outcome}{address}\n", "outcome"_is(name_of_outcome(status.ram_test)),
+      "address"_is(status.ram_test == TestOutcome::failed ? Cell{address, " at " + address} : null_cell()));
 }
 
 Cell block_check_cell(const UnitStatus& status) {
@@ -241,16 +239,16 @@ Cell block_check_cell(const UnitStatus& status) {
   const bool agrees = status.block_check_expected == status.block_check_found;
   const std::string differ = fmt::format(": they differ. What to do: {}", text_of(Fault::block_check).action);
   return record_cell(made ? "block check  expected {expected}, found {found}{agrees}\n" : "block check  not run\n",
-                     {"expected"_is(made ? hex_cell(status.block_check_expected) : null_cell()),
-                      "found"_is(made ? hex_cell(status.block_check_found) : null_cell()),
-                      "agrees"_is(made ? Cell{agrees, agrees ? "" : differ} : null_cell())});
+                     "expected"_is(made ? hex_cell(status.block_check_expected) : null_cell()),
+                     "found"_is(made ? hex_cell(status.block_check_found) : null_cell()),
+                     "agrees"_is(made ? Cell{agrees, agrees ? "" : differ} : null_cell()));
 }
 
 Cell map_cell(const UnitStatus& status) {
   const std::string_view bank = name_of_bank(status.active_bank);
   return record_cell("active map   bank {bank}, {bytes} bytes, commit {commit_sequence}\n",
-                     {"bank"_is(status.active_bank == Bank::none ? null_cell(bank) : cell_of(bank)),
-                      "bytes"_is(status.image_length_bytes), "commit_sequence"_is(status.commit_sequence)});
+                     "bank"_is(status.active_bank == Bank::none ? null_cell(bank) : cell_of(bank)),
+                     "bytes"_is(status.image_length_bytes), "commit_sequence"_is(status.commit_sequence));
 }
 
 Cell axis_cell(Axis letter, const AxisStatus& axis) {
@@ -259,12 +257,12 @@ Cell axis_cell(Axis letter, const AxisStatus& axis) {
   return record_cell(
       "{axis:<5} {referenced:<11} {datum_stage:<15} {position_mm:>11}  {last_approach:<9} {relay_closed}\n"
       "{datum_failure}{datum_advice}",
-      {"axis"_shown(std::string(1, letter_of(letter))), "referenced"_is(axis.referenced, "yes", "no"),
-       "datum_stage"_is(ecs::name_of(axis.datum_stage)),
-       "datum_failure"_is(failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""),
-       "datum_advice"_is(failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()),
-       "position_mm"_is(axis.referenced ? number_cell(axis.position_mm, 4) : null_cell("unknown")),
-       "last_approach"_is(name_of(axis.last_approach)), "relay_closed"_is(axis.relay_closed, "closed", "open")});
+      "axis"_shown(std::string(1, letter_of(letter))), "referenced"_is(axis.referenced, "yes", "no"),
+      "datum_stage"_is(ecs::name_of(axis.datum_stage)),
+      "datum_failure"_is(failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""),
+      "datum_advice"_is(failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()),
+      "position_mm"_is(axis.referenced ? number_cell(axis.position_mm, 4) : null_cell("unknown")),
+      "last_approach"_is(name_of(axis.last_approach)), "relay_closed"_is(axis.relay_closed, "closed", "open"));
 }
 
 Cell axes_cell(const StatusSnapshot& snapshot) {
@@ -281,11 +279,10 @@ Cell axes_cell(const StatusSnapshot& snapshot) {
 Cell pointer_cell(Component component, const protocol::CurvePointer& pointer,
                   const std::optional<SelectedValue>& selected) {
   return record_cell(
-      "{component}   {index:>5}  {address}  {value:>9} {unit:<5}{description}\n",
-      {"component"_is(name_of(component)), "description"_is(laser::description_of(component)),
-       "index"_is(pointer.index), "address"_is(hex_address(pointer.address)),
-       "counts"_is(selected ? cell_of(selected->counts) : null_cell()),
-       "value"_is(selected ? number_cell(selected->value, 2) : null_cell("unknown")), "unit"_is(unit_of(component))});
+      "{component}   {index:>5}  {address}  {value:>9} {unit:<5}{description}\n", "component"_is(name_of(component)),
+      "description"_is(laser::description_of(component)), "index"_is(pointer.index),
+      "address"_is(hex_address(pointer.address)), "counts"_is(selected ? cell_of(selected->counts) : null_cell()),
+      "value"_is(selected ? number_cell(selected->value, 2) : null_cell("unknown")), "unit"_is(unit_of(component)));
 }
 
 Cell pointers_cell(const StatusSnapshot& snapshot) {
@@ -307,12 +304,12 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
     if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
   return record_cell(
       "unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s){of_machine}\n",
-      {"serial_number"_is(text_cell(id.serial_number)), "name"_is(text_cell(id.unit_name)),
-       "firmware"_is(fmt::format("{}.{}", id.firmware_major, id.firmware_minor)),
-       "protocol_version"_is(id.protocol_version), "axes"_is(axes), "memory_modules"_is(id.memory_modules),
-       "capacity_values"_is(id.capacity_values),
-       "of_machine"_shown(id.machine.empty() ? "" : ", of machine " + id.machine), "machine"_is(text_cell(id.machine)),
-       "configuration"_is(id.configuration == 0 ? null_cell() : cell_of(fmt::format("{:08X}", id.configuration)))});
+      "serial_number"_is(text_cell(id.serial_number)), "name"_is(text_cell(id.unit_name)),
+      "firmware"_is(fmt::format("{}.{}", id.firmware_major, id.firmware_minor)),
+      "protocol_version"_is(id.protocol_version), "axes"_is(axes), "memory_modules"_is(id.memory_modules),
+      "capacity_values"_is(id.capacity_values),
+      "of_machine"_shown(id.machine.empty() ? "" : ", of machine " + id.machine), "machine"_is(text_cell(id.machine)),
+      "configuration"_is(id.configuration == 0 ? null_cell() : cell_of(fmt::format("{:08X}", id.configuration))));
 }
 
 /// In the order of protocol::UnitError, short enough for a row.
@@ -348,14 +345,14 @@ Cell event_cell(const protocol::HostEvent& event) {
   return record_cell(
       "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      {what}{arguments}: "
       "{result}{error}\n",
-      {"number"_is(event.number),
-       "time"_is(event.unix_time_s == 0 ? null_cell("unknown") : cell_of(utc_of(event.unix_time_s))),
-       "unit_time_s"_is(event.unit_time_s), "starts"_is(event.starts), "host"_is(text_cell(event.host)),
-       "what"_is(writes ? "write memory" : protocol::name_of(event.code)),
-       "arguments"_is(event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}),
-       "result"_is(protocol::name_of(event.state)),
-       "times"_is(event.times, event.times > 1 ? fmt::format(", {} times in a row", event.times) : ""),
-       "error"_is(failed ? Cell{why, fmt::format(", {}", why)} : null_cell())});
+      "number"_is(event.number),
+      "time"_is(event.unix_time_s == 0 ? null_cell("unknown") : cell_of(utc_of(event.unix_time_s))),
+      "unit_time_s"_is(event.unit_time_s), "starts"_is(event.starts), "host"_is(text_cell(event.host)),
+      "what"_is(writes ? "write memory" : protocol::name_of(event.code)),
+      "arguments"_is(event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}),
+      "result"_is(protocol::name_of(event.state)),
+      "times"_is(event.times, event.times > 1 ? fmt::format(", {} times in a row", event.times) : ""),
+      "error"_is(failed ? Cell{why, fmt::format(", {}", why)} : null_cell()));
 }
 
 /// The three newest, where there are any.
@@ -395,14 +392,14 @@ Cell status_cell(const StatusSnapshot& snapshot) {
   return record_cell(
       "{unit}status of {taken}\nmode         {mode}\n{fault}\n\n{ram_test}{block_check}{map}{loop}, watchdog trips "
       "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
-      {"taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
-       "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
-       "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
-       "loop"_is(record_cell("loop         {period_us} us, {ticks} ticks, {overruns} overruns",
-                             {"period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks)})),
-       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),
-       "pointers_at_tick"_is(s.pointers_at_tick), "pointers"_is(pointers_cell(snapshot)),
-       "events"_is(std::move(events))});
+      "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
+      "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
+      "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
+      "loop"_is(record_cell("loop         {period_us} us, {ticks} ticks, {overruns} overruns",
+                            "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
+      "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),
+      "pointers_at_tick"_is(s.pointers_at_tick), "pointers"_is(pointers_cell(snapshot)),
+      "events"_is(std::move(events)));
 }
 
 namespace {
@@ -441,7 +438,7 @@ Cell differences_cell(const std::vector<params::Difference>& differences, std::s
   Cell list{Json::array(), params::to_text(differences, name_a, name_b)};
   for (const params::Difference& d : differences)
     list.json.push_back(
-        object_of({"key"_is(d.key), "unit"_is(text_cell(d.unit)), FieldKey(key_a)(d.a), FieldKey(key_b)(d.b)}));
+        object_of("key"_is(d.key), "unit"_is(text_cell(d.unit)), FieldKey(key_a)(d.a), FieldKey(key_b)(d.b)));
   return list;
 }
 

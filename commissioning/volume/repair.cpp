@@ -221,13 +221,13 @@ Cell remaining_cell(std::string_view name, const Remaining& one) {
   const auto shown = [](const Expected& size) {
     return shown_cell(fmt::format("{:.2f} ({:.2f})", size.um, size.at_most_um));
   };
-  return record_cell(
-      fmt::format("  {:<16} {{left:>17}} {{compensated:>17}} {{repaired:>17}}\n", name),
-      {"left"_is(shown(one.left)), "compensated"_is(shown(one.compensated)), "repaired"_is(shown(one.repaired)),
-       "left_um"_is(one.left.um), "compensated_um"_is(one.compensated.um), "repaired_um"_is(one.repaired.um),
-       "left_at_most_um"_is(one.left.at_most_um), "compensated_at_most_um"_is(one.compensated.at_most_um),
-       "repaired_at_most_um"_is(one.repaired.at_most_um), "left_share"_is(one.left.share),
-       "compensated_share"_is(one.compensated.share), "repaired_share"_is(one.repaired.share)});
+  return record_cell(fmt::format("  {:<16} {{left:>17}} {{compensated:>17}} {{repaired:>17}}\n", name),
+                     "left"_is(shown(one.left)), "compensated"_is(shown(one.compensated)),
+                     "repaired"_is(shown(one.repaired)), "left_um"_is(one.left.um),
+                     "compensated_um"_is(one.compensated.um), "repaired_um"_is(one.repaired.um),
+                     "left_at_most_um"_is(one.left.at_most_um), "compensated_at_most_um"_is(one.compensated.at_most_um),
+                     "repaired_at_most_um"_is(one.repaired.at_most_um), "left_share"_is(one.left.share),
+                     "compensated_share"_is(one.compensated.share), "repaired_share"_is(one.repaired.share));
 }
 
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
@@ -235,12 +235,11 @@ Cell cause_cell(const CauseCost& cost, bool has_circle) {
       fmt::format("{}: {} ({})", name_with_alternatives(cost.effect), remedy_text(cost.remedy), cost.how), 0, 2);
   Cell circle = remaining_cell("circle G", cost.circle);
   if (!has_circle) circle = null_cell();
-  return record_cell(
-      "{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n",
-      {"head"_shown(head), inlined({effect_json(cost.effect), ""}), "remedy"_is(remedy_text(cost.remedy)),
-       "readings_rms"_is(remaining_cell("readings, rms", cost.readings_rms)),
-       "volume_largest"_is(remaining_cell("volume, largest", cost.volume_largest)),
-       "volume_rms"_is(remaining_cell("volume, rms", cost.volume_rms)), "circle"_is(std::move(circle))});
+  return record_cell("{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n", "head"_shown(head),
+                     inlined({effect_json(cost.effect), ""}), "remedy"_is(remedy_text(cost.remedy)),
+                     "readings_rms"_is(remaining_cell("readings, rms", cost.readings_rms)),
+                     "volume_largest"_is(remaining_cell("volume, largest", cost.volume_largest)),
+                     "volume_rms"_is(remaining_cell("volume, rms", cost.volume_rms)), "circle"_is(std::move(circle)));
 }
 
 /// Of an error that is a value times coordinates.
@@ -426,11 +425,11 @@ Cell repair_cell(const RepairAnswer& answer) {
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",
-      {"head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
-       "noise_um"_is(answer.noise_um),
-       "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),
-       "circle_plane"_is(has_circle ? Json(answer.plane) : Json(nullptr)), "causes"_is(std::move(causes)),
-       "notes"_is(answer.notes, notes_text(answer.notes))});
+      "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
+      "noise_um"_is(answer.noise_um),
+      "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),
+      "circle_plane"_is(has_circle ? Json(answer.plane) : Json(nullptr)), "causes"_is(std::move(causes)),
+      "notes"_is(answer.notes, notes_text(answer.notes)));
 }
 
 }  // namespace ecs::commissioning

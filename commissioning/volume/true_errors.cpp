@@ -67,7 +67,7 @@ std::string machine_toml(const volume::CompensatedMachine& machine) {
 
 Result<Json> answer_of(const std::vector<std::string>& words, const std::string& errors_file) {
   const auto said = output_of(words, {}, {"ecs-emulator", "install it beside `ecs`", 120.0});
-  if (!said) return tl::unexpected(Problem{ProblemKind::bad_input, said.error().message, errors_file, 0, 0, {}});
+  if (!said) return problem_at(errors_file, 0, 0, said.error().message);
   Json answer = Json::parse(*said, nullptr, false);
   if (!answer.is_object() || !answer.contains("components"))
     return problem(ProblemKind::output, "ecs-emulator: expected one JSON object with \"components\"");
