@@ -7,8 +7,8 @@
 
 #include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "modules/report/page.hpp"
 
@@ -26,11 +26,11 @@ Json row_json(const ReportContent& content, std::size_t i) {
   Json problems = Json::array();
   for (const Problem& one : row.problems) problems.push_back(problem_json(one));
   return object_of(
-      {"name"_is(row.planned.name), "title"_is(row.planned.title), "unit"_is(laser::unit_of(row.planned.sense)),
-       "before"_is(band_of(row.before)), "after"_is(band_of(row.after)),
-       "predicted"_is(content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)),
-       "ratio"_is(row.ratio()), "limit"_is(row.planned.published_after), "verdict"_is(word_for(verdict_of(row))),
-       "problems"_is(std::move(problems))});
+      "name"_is(row.planned.name), "title"_is(row.planned.title), "unit"_is(laser::unit_of(row.planned.sense)),
+      "before"_is(band_of(row.before)), "after"_is(band_of(row.after)),
+      "predicted"_is(content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)),
+      "ratio"_is(row.ratio()), "limit"_is(row.planned.published_after), "verdict"_is(word_for(verdict_of(row))),
+      "problems"_is(std::move(problems)));
 }
 
 /// What a report may hold and this one was not given.
@@ -62,7 +62,7 @@ Json volume_json(const std::optional<ReportedVolume>& volume) {
   if (!volume) return nullptr;
   Json before = Json::object(), after = Json::object();
   const auto put = [](Json& into, const std::string& name, double largest_um, double rms_um) {
-    into[name] = object_of({"largest_um"_is(largest_um), "rms_um"_is(rms_um)});
+    into[name] = object_of("largest_um"_is(largest_um), "rms_um"_is(rms_um));
   };
   for (auto& [size, into] : {std::pair<const volume::ErrorSize&, Json&>{volume->answer.before.all, before},
                              {volume->answer.after.all, after}}) {
@@ -72,10 +72,10 @@ Json volume_json(const std::optional<ReportedVolume>& volume) {
             size.rms_along_um[index_of(axis)]);
     put(into, "length", size.largest_um, size.rms_um);
   }
-  return object_of({"from"_is(volume->prepared.errors_from), "places"_is(volume->answer.grid.places()),
-                    "uncertainty_95_um"_is(object_of(
-                        {"largest"_is(volume->uncertainty.largest_95_um), "rms"_is(volume->uncertainty.rms_95_um)})),
-                    "predicted_before"_is(std::move(before)), "predicted_after"_is(std::move(after))});
+  return object_of("from"_is(volume->prepared.errors_from), "places"_is(volume->answer.grid.places()),
+                   "uncertainty_95_um"_is(object_of("largest"_is(volume->uncertainty.largest_95_um),
+                                                    "rms"_is(volume->uncertainty.rms_95_um))),
+                   "predicted_before"_is(std::move(before)), "predicted_after"_is(std::move(after)));
 }
 
 Json circles_json(const ReportContent& content) {
@@ -85,9 +85,9 @@ Json circles_json(const ReportContent& content) {
     for (const laser::CirclePass& pass : circle.values.passes) worst_um = std::max(worst_um, pass.G_um);
     Json causes = Json::array();
     for (const model::CircleFaultFound& fault : circle.diagnosis.faults)
-      causes.push_back(object_of({"name"_is(fault.name), "share"_is(fault.share)}));
-    circles.push_back(object_of({"file"_is(circle.file.string()), "plane"_is(laser::plane_name(circle.test.plane)),
-                                 "G_um"_is(worst_um), "causes"_is(std::move(causes))}));
+      causes.push_back(object_of("name"_is(fault.name), "share"_is(fault.share)));
+    circles.push_back(object_of("file"_is(circle.file.string()), "plane"_is(laser::plane_name(circle.test.plane)),
+                                "G_um"_is(worst_um), "causes"_is(std::move(causes))));
   }
   return circles;
 }
@@ -97,43 +97,26 @@ struct Page {
   bool replaced = false;  ///< another file of that name was there
 };
 
-Json report_json(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+Cell report_cell(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   Json rows = Json::array();
   for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(row_json(content, i));
-  Json object =
-      object_of({"report"_is(output),
-                 "bytes"_is(page.html.size()),
-                 "sha256"_is(sha256_hex(page.html)),
-                 "replaced"_is(page.replaced),
-                 "machine"_is(text_or_null(header_value(content, "machine"))),
-                 "serial_number"_is(text_or_null(header_value(content, "serial_number"))),
-                 "date"_is(text_or_null(content.date)),
-                 "map_sha256"_is(content.map ? Json(content.map->sha256) : Json(nullptr)),
-                 "block_check"_is(content.map && content.map->check ? Json(fmt::format("{:08X}", *content.map->check))
-                                                                    : Json(nullptr)),
-                 "verdict"_is(j.sentence),
-                 "measured_after"_is(j.after),
-                 "judged"_is(j.judged),
-                 "within"_is(j.within),
-                 "missing"_is(j.missing),
-                 "worst"_is(j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)),
-                 "diagnosis"_is(content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)),
-                 "volume"_is(volume_json(content.volume)),
-                 "circles"_is(circles_json(content)),
-                 "next"_is(j.next),
-                 "absent"_is(absent_from(content)),
-                 "rows"_is(std::move(rows))});
-  if (const auto unfit = unfit_files(content)) object["error"] = problem_json(*unfit);
-  return object;
-}
-
-std::string report_text(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
-  std::string text = fmt::format("{}\n", j.sentence);
-  if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
-  if (content.volume) text += volume_sentence(*content.volume) + "\n";
-  for (const std::string& open : j.next) text += fmt::format("- {}\n", open);
-  return text + fmt::format("report written to {} ({} kB{})\n", output, (page.html.size() + 500) / 1000,
-                            page.replaced ? ", replaced" : "");
+  const auto& map = content.map;
+  const auto unfit = unfit_files(content);
+  return record_cell(
+      "{verdict}\n{worst_sentence}{volume}{next}report written to {report} ({kilobytes} kB{replaced})\n",
+      "report"_is(output), "bytes"_is(page.html.size()), "sha256"_is(sha256_hex(page.html)),
+      "replaced"_is(page.replaced, ", replaced", ""), "machine"_is(text_cell(header_value(content, "machine"))),
+      "serial_number"_is(text_cell(header_value(content, "serial_number"))), "date"_is(text_cell(content.date)),
+      "map_sha256"_is(map ? cell_of(map->sha256) : null_cell()),
+      "block_check"_is(map && map->check ? cell_of(fmt::format("{:08X}", *map->check)) : null_cell()),
+      "verdict"_is(j.sentence), "measured_after"_is(j.after), "judged"_is(j.judged), "within"_is(j.within),
+      "missing"_is(j.missing), "worst"_is(j.worst != nullptr ? cell_of(j.worst->planned.name) : null_cell()),
+      "diagnosis"_is(content.diagnosis ? cell_of(content.diagnosis->verdict) : null_cell()),
+      "volume"_is(volume_json(content.volume), content.volume ? volume_sentence(*content.volume) + "\n" : ""),
+      "circles"_is(circles_json(content)), "next"_is(lines_cell(j.next, "- ")), "absent"_is(absent_from(content)),
+      "rows"_is(std::move(rows)), "error"_is(unfit ? Cell{problem_json(*unfit), {}} : shown_cell()),
+      "kilobytes"_shown((page.html.size() + 500) / 1000),
+      "worst_sentence"_shown(j.worst_sentence.empty() ? "" : j.worst_sentence + "\n"));
 }
 
 Result<void> check_page_not_source(const ReportArguments& request, const ReportFiles& files,
@@ -163,9 +146,7 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
   const Judgement judgement = judgement_of(content);
   const Page page{report_page(content, judgement), std::filesystem::exists(request.output, ignored)};
   ECS_DO(write_file(request.output, page.html));
-  return Outcome{report_text(content, judgement, request.output, page),
-                 one_line(report_json(content, judgement, request.output, page)),
-                 unfit_files(content) ? kUnfitFile : kDone};
+  return outcome_of(report_cell(content, judgement, request.output, page), unfit_files(content) ? kUnfitFile : kDone);
 }
 
 const std::vector<Action> kReport{
