@@ -39,9 +39,7 @@ struct LengthsArguments {
   std::string output, params_out;  ///< files to write
   std::string knots;               ///< "100,50,50" [mm]
   std::vector<std::string> zero;   ///< EBY="reason"
-  int reversal_degree = 1;
-  double scale_um_per_m = 0.1;
-  bool keep_outliers = false;
+  model::IdentifySettings settings;
   std::string customer, engineer, date;
   static cli::Fields<LengthsArguments> fields();
 };
@@ -62,11 +60,8 @@ struct LengthsPlanAsked {
   std::string instrument = "tracker";
   std::string tools = "0,0,0;0,0,-250;150,0,-120";
   std::string stations, knots;
-  int reversal_degree = 1;
-  double instrument_um = 0.2, scatter_um = 1.0, scatter_um_per_m = 0.5, scale_um_per_m = 0.1;
-  double ball_bar_mm = 150.0, bar_um = 1.0, bar_lowest_deg = -20.0;
-  double targets_an_interval = 1.0, feed_mm_min = 2000.0, dwell_s = 2.0;
-  double set_up_minutes = model::MeasuringTimes{}.line_minutes, tool_minutes = 5.0;
+  double set_up_minutes = model::MeasuringTimes{}.line_minutes;
+  model::LengthPlanSettings settings;
   std::string output;  ///< file to write
   static cli::Fields<LengthsPlanAsked> fields();
 };
@@ -155,6 +150,7 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
 
 cli::Fields<LengthsArguments> LengthsArguments::fields() {
   using A = LengthsArguments;
+  using S = model::IdentifySettings;
   using cli::Is, cli::Need, cli::Range;
   return {{"LENGTHS", &A::file, "measured lengths (.csv, modules/lengths/README.md)", Need::required},
           {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
@@ -164,12 +160,13 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
           {"--knots", &A::knots,
            "spacing of the curves' knots X,Y,Z [mm]; by default as the file says, else twice the "
            "spacing of its coordinates"},
-          {"--reversal-degree", &A::reversal_degree,
-           "of the reversal error as a polynomial; -1: the approach does not matter", Range{-1, 6}},
-          {"--scale", &A::scale_um_per_m, "of each set-up (air, wavelength), standard uncertainty [um/m]; 0: none",
-           Range{0.0}},
+          {&A::settings,
+           cli::Fields<S>{{"--reversal-degree", &S::reversal_degree,
+                           "of the reversal error as a polynomial; -1: the approach does not matter", Range{-1, 6}},
+                          {"--scale", &S::scale_um_per_m,
+                           "of each set-up (air, wavelength), standard uncertainty [um/m]; 0: none", Range{0.0}}}},
           {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
-          {"--keep-outliers", &A::keep_outliers, "leave no reading out"},
+          {&A::settings, cli::Fields<S>{{"--keep-outliers", &S::keep_outliers, "leave no reading out"}}},
           {"--customer", &A::customer, "for the header"},
           {"--engineer", &A::engineer, "for the header"},
           {"--date", &A::date, "for the header, as in 2026-03-12"}};
@@ -192,11 +189,8 @@ Result<PerAxis<std::optional<double>>> three_lengths_in(const std::string& text,
 
 Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
   ECS_TRY(knots, three_lengths_in(arguments.knots, "--knots"));
-  model::IdentifySettings settings;
+  model::IdentifySettings settings = arguments.settings;
   settings.knots_mm = knots;
-  settings.reversal_degree = arguments.reversal_degree;
-  settings.scale_um_per_m = arguments.scale_um_per_m;
-  settings.keep_outliers = arguments.keep_outliers;
   LengthsWork work;
   for (const std::string& word : arguments.zero) {
     ECS_TRY(zero, declared_zero_in(word));
@@ -247,7 +241,7 @@ Result<std::vector<Vector3>> places_in(const std::string& text, std::string_view
 }
 
 Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
-  model::LengthPlanSettings s;
+  model::LengthPlanSettings s = a.settings;
   s.volume_U_um = a.volume_um;
   s.instrument = a.instrument == "tracker"          ? model::LengthInstrument::tracker
                  : a.instrument == "interferometer" ? model::LengthInstrument::interferometer
@@ -258,24 +252,13 @@ Result<model::LengthPlanSettings> settings_of(const LengthsPlanAsked& a) {
   if (!tools.empty()) s.tools_mm = tools;
   ECS_TRY(stations, places_in(a.stations, "--stations"));
   s.stations_mm = stations;
-  s.reversal_degree = a.reversal_degree;
-  s.instrument_um = a.instrument_um;
-  s.scatter_um = a.scatter_um;
-  s.scatter_um_per_m = a.scatter_um_per_m;
-  s.scale_um_per_m = a.scale_um_per_m;
-  s.ball_bar_mm = a.ball_bar_mm;
-  s.bar_um = a.bar_um;
-  s.bar_lowest_deg = a.bar_lowest_deg;
-  s.targets_an_interval = a.targets_an_interval;
-  s.feed_mm_min = a.feed_mm_min;
-  s.dwell_s = a.dwell_s;
   s.times.line_minutes = s.times.align_minutes = a.set_up_minutes;
-  s.tool_minutes = a.tool_minutes;
   return s;
 }
 
 cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
   using A = LengthsPlanAsked;
+  using S = model::LengthPlanSettings;
   using cli::Is, cli::Need, cli::Range, cli::Words;
   return {{"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
           {"--volume-um", &A::volume_um,
@@ -289,20 +272,23 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
            "where the instrument may stand: -250,-200,-750;1450,800,-700 [mm]; "
            "by default around the volume, of a ball bar within it"},
           {"--knots", &A::knots, "spacing of the curves' knots X,Y,Z [mm]; default: a twelfth of the travel"},
-          {"--reversal-degree", &A::reversal_degree, "of the reversal error as a polynomial", Range{0, 6}},
-          {"--instrument-um", &A::instrument_um, "of a reading, standard deviation [um]", Range{0.001}},
-          {"--scatter-um", &A::scatter_um, "of a stop of the machine, each axis and direction [um]", Range{0.0}},
-          {"--scatter-um-per-m", &A::scatter_um_per_m, "the same of its angles [um/m]", Range{0.0}},
-          {"--scale", &A::scale_um_per_m, "of each set-up, standard uncertainty [um/m]", Range{0.0}},
-          {"--ball-bar-mm", &A::ball_bar_mm, "reach of a ball bar: its radius [mm]", Range{1.0}},
-          {"--bar-um", &A::bar_um, "of a ball bar's length, standard uncertainty [um]; 0: not known", Range{0.0}},
-          {"--bar-lowest-deg", &A::bar_lowest_deg, "elevation below which the post of the ball is in the way",
-           Range{-90.0, 0.0}},
-          {"--targets", &A::targets_an_interval, "of a line, between two knots (and four more)", Range{0.1, 10.0}},
-          {"--feed", &A::feed_mm_min, "between targets [mm/min]", Range{1.0}},
-          {"--dwell", &A::dwell_s, "before each reading [s]", Range{0.0}},
+          {&A::settings,
+           cli::Fields<S>{
+               {"--reversal-degree", &S::reversal_degree, "of the reversal error as a polynomial", Range{0, 6}},
+               {"--instrument-um", &S::instrument_um, "of a reading, standard deviation [um]", Range{0.001}},
+               {"--scatter-um", &S::scatter_um, "of a stop of the machine, each axis and direction [um]", Range{0.0}},
+               {"--scatter-um-per-m", &S::scatter_um_per_m, "the same of its angles [um/m]", Range{0.0}},
+               {"--scale", &S::scale_um_per_m, "of each set-up, standard uncertainty [um/m]", Range{0.0}},
+               {"--ball-bar-mm", &S::ball_bar_mm, "reach of a ball bar: its radius [mm]", Range{1.0}},
+               {"--bar-um", &S::bar_um, "of a ball bar's length, standard uncertainty [um]; 0: not known", Range{0.0}},
+               {"--bar-lowest-deg", &S::bar_lowest_deg, "elevation below which the post of the ball is in the way",
+                Range{-90.0, 0.0}},
+               {"--targets", &S::targets_an_interval, "of a line, between two knots (and four more)", Range{0.1, 10.0}},
+               {"--feed", &S::feed_mm_min, "between targets [mm/min]", Range{1.0}},
+               {"--dwell", &S::dwell_s, "before each reading [s]", Range{0.0}}}},
           {"--set-up-minutes", &A::set_up_minutes, "instrument to another station or line", Range{0.0}},
-          {"--tool-minutes", &A::tool_minutes, "another tool at the same station", Range{0.0}}};
+          {&A::settings,
+           cli::Fields<S>{{"--tool-minutes", &S::tool_minutes, "another tool at the same station", Range{0.0}}}}};
 }
 
 Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std::function<bool()>& stopped) {
@@ -328,49 +314,47 @@ std::optional<double> freedom_of(const Identified& one) {
 
 Cell curve_cell(const model::IdentifiedCurve& curve) {
   const std::string unit(unit_of(curve.component));
-  Json points =
-      object_of({"position_mm"_is(curve.position_mm), "forward"_is(curve.forward), "reverse"_is(curve.reverse),
-                 "U_forward"_is(curve.U_forward), "U_reverse"_is(curve.U_reverse)});
+  Json points = object_of("position_mm"_is(curve.position_mm), "forward"_is(curve.forward), "reverse"_is(curve.reverse),
+                          "U_forward"_is(curve.U_forward), "U_reverse"_is(curve.U_reverse));
   if (!curve.determined) points = nullptr;
   const auto number = [&](double value) {
     return number_cell(curve.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell(
-      "  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
-      {"component"_is(name_of(curve.component)), "description"_is(laser::description_of(curve.component)),
-       "unit"_is(unit), "determined"_is(curve.determined),
-       "largest"_is(number(greatest_in(curve.forward, curve.reverse))), "reversal"_is([&] {
-         std::vector<double> reversal;
-         for (std::size_t i = 0; i < curve.forward.size(); ++i) reversal.push_back(curve.forward[i] - curve.reverse[i]);
-         return number(greatest_in(reversal, {}));
-       }()),
-       "U_largest"_is(number(greatest_in(curve.U_forward, curve.U_reverse))),
-       "degrees_of_freedom"_is(freedom_of(curve), 1), "points"_is(std::move(points))});
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
+                     "component"_is(name_of(curve.component)), "description"_is(laser::description_of(curve.component)),
+                     "unit"_is(unit), "determined"_is(curve.determined),
+                     "largest"_is(number(greatest_in(curve.forward, curve.reverse))), "reversal"_is([&] {
+                       std::vector<double> reversal;
+                       for (std::size_t i = 0; i < curve.forward.size(); ++i)
+                         reversal.push_back(curve.forward[i] - curve.reverse[i]);
+                       return number(greatest_in(reversal, {}));
+                     }()),
+                     "U_largest"_is(number(greatest_in(curve.U_forward, curve.U_reverse))),
+                     "degrees_of_freedom"_is(freedom_of(curve), 1), "points"_is(std::move(points)));
 }
 
 Cell square_cell(const model::IdentifiedSquareness& square) {
   const auto number = [&](double value) {
     return number_cell(square.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell(
-      "  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
-      {"component"_is(name_of(square.component)), "description"_is(laser::description_of(square.component)),
-       "unit"_is("um/m"), "determined"_is(square.determined), "um_per_m"_is(number(square.um_per_m)), "none"_shown(""),
-       "U"_is(number(square.U_um_per_m)), "degrees_of_freedom"_is(freedom_of(square), 1)});
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
+                     "component"_is(name_of(square.component)),
+                     "description"_is(laser::description_of(square.component)), "unit"_is("um/m"),
+                     "determined"_is(square.determined), "um_per_m"_is(number(square.um_per_m)), "none"_shown(""),
+                     "U"_is(number(square.U_um_per_m)), "degrees_of_freedom"_is(freedom_of(square), 1));
 }
 
 Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
   return record_cell("  set-up {name}: {readings} readings, residuals {rms_um} um, station off by {shown} mm\n",
-                     {"name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
-                      "station_correction_mm"_is(Json(set_up.station_correction_mm)),
-                      "shown"_shown(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
-                                                set_up.station_correction_mm[1], set_up.station_correction_mm[2]))});
+                     "name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
+                     "station_correction_mm"_is(Json(set_up.station_correction_mm)),
+                     "shown"_shown(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
+                                               set_up.station_correction_mm[1], set_up.station_correction_mm[2])));
 }
 
 Cell outlier_cell(const model::LengthOutlier& outlier) {
-  return record_cell(
-      "  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n",
-      {"line"_is(outlier.line), "residual_um"_is(outlier.residual_um, 2), "sigmas"_is(outlier.sigmas, 1)});
+  return record_cell("  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n", "line"_is(outlier.line),
+                     "residual_um"_is(outlier.residual_um, 2), "sigmas"_is(outlier.sigmas, 1));
 }
 
 std::vector<std::string> missing_in(const model::Identification& found) {
@@ -399,9 +383,9 @@ Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes)
   return record_cell(
       "single set-ups for {wanted} um: {set_ups} of {runs} runs of {targets} targets{not_reached}, {minutes} minutes; "
       "ratio {ratio}\n",
-      {"wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
-       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
-       "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)")});
+      "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
+      "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
+      "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)"));
 }
 
 /// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
@@ -419,56 +403,43 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
-      {"file"_is(work.test.source),
-       "machine"_is(work.machine_name),
-       "readings"_is(found.readings),
-       "unknowns"_is(found.unknowns),
-       "degrees_of_freedom"_is(found.degrees_of_freedom),
-       "knots_mm"_is(Json(found.knots_mm)),
-       "determined"_is(found.whole()),
-       "components"_is(list_cell(acting, curve_cell,
-                                 fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
-                                             "largest", "reversal", "U (95 %)"))),
-       "squareness"_is(list_cell(found.squareness, square_cell)),
-       "without_effect"_is(Json(without_effect(found)), idle_text(without_effect(found))),
-       "not_determined"_is(lines_cell(missing_in(found), "  ")),
-       "residual_um"_is(found.residual_um, 3),
-       "white_um"_is(found.white_um, 3),
-       "stop_um"_is(found.stop_um, 3),
-       "stop_um_per_m"_is(found.stop_um_per_m, 3),
-       "pass_um"_is(found.pass_um, 3),
-       "pass_um_per_m"_is(found.pass_um_per_m, 3),
-       "repeat_um"_is(found.repeat_um, 3),
-       "volume_U_um"_is(found.volume_U_um, 3),
-       "set_ups"_is(list_cell(found.set_ups, set_up_cell)),
-       "outliers"_is(list_cell(found.outliers, outlier_cell)),
-       "notes"_is(lines_cell(found.notes, "  note: ")),
-       "map"_is(written_cell("map", map, none)),
-       "params_out"_is(written_cell("parameters", params_out))});
+      "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
+      "unknowns"_is(found.unknowns), "degrees_of_freedom"_is(found.degrees_of_freedom),
+      "knots_mm"_is(Json(found.knots_mm)), "determined"_is(found.whole()),
+      "components"_is(list_cell(acting, curve_cell,
+                                fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
+                                            "largest", "reversal", "U (95 %)"))),
+      "squareness"_is(list_cell(found.squareness, square_cell)),
+      "without_effect"_is(Json(without_effect(found)), idle_text(without_effect(found))),
+      "not_determined"_is(lines_cell(missing_in(found), "  ")), "residual_um"_is(found.residual_um, 3),
+      "white_um"_is(found.white_um, 3), "stop_um"_is(found.stop_um, 3), "stop_um_per_m"_is(found.stop_um_per_m, 3),
+      "pass_um"_is(found.pass_um, 3), "pass_um_per_m"_is(found.pass_um_per_m, 3), "repeat_um"_is(found.repeat_um, 3),
+      "volume_U_um"_is(found.volume_U_um, 3), "set_ups"_is(list_cell(found.set_ups, set_up_cell)),
+      "outliers"_is(list_cell(found.outliers, outlier_cell)), "notes"_is(lines_cell(found.notes, "  note: ")),
+      "map"_is(written_cell("map", map, none)), "params_out"_is(written_cell("parameters", params_out)));
 }
 
 /// The answer of `ecs lengths plan`. @param file  that was written; empty: none
 Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const std::string& file) {
   const auto set_up = [&](const model::LengthSetUp& one) {
     return record_cell(
-        "  {name}: {instrument} {place}\n",
-        {"name"_is(one.name), "instrument"_is(model::word_of(one.instrument)),
-         "place"_is(Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2]))});
+        "  {name}: {instrument} {place}\n", "name"_is(one.name), "instrument"_is(model::word_of(one.instrument)),
+        "place"_is(Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2])));
   };
   return record_cell(
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
       "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
       "{stations}{notes}{single}  with the first tool alone: {single_first_tool}{plan}",
-      {"reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
-       "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
-       "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),
-       "set_up_minutes"_is(plan.set_up_minutes, 1), "set_ups"_is(plan.set_ups), "paths"_is(plan.paths),
-       "readings"_is(plan.test.readings.size()), "stations"_is(list_cell(plan.test.set_ups, set_up)),
-       "not_determined"_is(Json(plan.undetermined)), "notes"_is(lines_cell(plan.notes, "note: ")),
-       "single"_is(single_cell(plan.single, plan.volume_U_um, plan.minutes)),
-       "single_first_tool"_is(single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)),
-       "plan"_is(written_cell("plan", file, "plan not written: give -o plan.csv\n"))});
+      "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
+      "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
+      "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),
+      "set_up_minutes"_is(plan.set_up_minutes, 1), "set_ups"_is(plan.set_ups), "paths"_is(plan.paths),
+      "readings"_is(plan.test.readings.size()), "stations"_is(list_cell(plan.test.set_ups, set_up)),
+      "not_determined"_is(Json(plan.undetermined)), "notes"_is(lines_cell(plan.notes, "note: ")),
+      "single"_is(single_cell(plan.single, plan.volume_U_um, plan.minutes)),
+      "single_first_tool"_is(single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)),
+      "plan"_is(written_cell("plan", file, "plan not written: give -o plan.csv\n")));
 }
 
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
