@@ -26,15 +26,14 @@ Cell end_cell(const CaptureEnd& end) {
     doubts += key == "in doubt" ? 1U : 0U;
     if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
   }
-  return record_cell(
-      end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
-                   : "left before the end: {kept}\n",
-      {"complete"_is(end.complete), "output"_is(text_cell(end.file)),
-       "part"_is(end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}),
-       "targets"_is(end.targets, fmt::format("{}", end.targets)), "readings"_is(readings.size()),
-       "left_out"_is(end.skipped), "in_doubt"_is(doubts), "runs"_is(end.runs),
-       "duration_s"_is(readings.empty() ? null_cell() : Cell{number_or_null(readings.back().time_s), {}}),
-       "unplugged"_is(end.unplugged), "remarks"_shown(remarks), "kept"_shown(end.kept)});
+  return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
+                                  : "left before the end: {kept}\n",
+                     "complete"_is(end.complete), "output"_is(text_cell(end.file)),
+                     "part"_is(end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}),
+                     "targets"_is(end.targets, fmt::format("{}", end.targets)), "readings"_is(readings.size()),
+                     "left_out"_is(end.skipped), "in_doubt"_is(doubts), "runs"_is(end.runs),
+                     "duration_s"_is(readings.empty() ? null_cell() : Cell{number_or_null(readings.back().time_s), {}}),
+                     "unplugged"_is(end.unplugged), "remarks"_shown(remarks), "kept"_shown(end.kept));
 }
 
 Result<Outcome> capture_verb(VerbContext& context, const CaptureChoice& choice) {
@@ -88,23 +87,23 @@ Cell device_cell(const devices::HidIdentity& one) {
                           : fmt::format(", input report {} of {} bytes", number, bytes);
   return record_cell(
       "{path}\n  usage page {usage_page}, usage {usage}{input_reports}\n{described_by}{hindrance}",
-      {"path"_is(one.path, devices::to_text(one)), "vendor_id"_is(hex(one.vendor_id)),
-       "product_id"_is(hex(one.product_id)), "serial"_is(text_cell(one.serial)),
-       "manufacturer"_is(text_cell(one.manufacturer)), "product"_is(text_cell(one.product)),
-       "interface"_is(one.interface >= 0 ? cell_of(one.interface) : null_cell()), "usage_page"_is(hex(one.usage_page)),
-       "usage"_is(hex(one.usage)), "input_reports"_is(lengths(one.reports.input), inputs),
-       "feature_reports"_is(lengths(one.reports.feature)),
-       "described_by"_is(text_or_null(known), known.empty() ? "" : fmt::format("  known: --environment {}\n", known)),
-       "usable"_is(opened.has_value()),
-       "hindrance"_is(opened ? null_cell()
-                             : Cell{opened.error().message, fmt::format("  {}\n", opened.error().message)})});
+      "path"_is(one.path, devices::to_text(one)), "vendor_id"_is(hex(one.vendor_id)),
+      "product_id"_is(hex(one.product_id)), "serial"_is(text_cell(one.serial)),
+      "manufacturer"_is(text_cell(one.manufacturer)), "product"_is(text_cell(one.product)),
+      "interface"_is(one.interface >= 0 ? cell_of(one.interface) : null_cell()), "usage_page"_is(hex(one.usage_page)),
+      "usage"_is(hex(one.usage)), "input_reports"_is(lengths(one.reports.input), inputs),
+      "feature_reports"_is(lengths(one.reports.feature)),
+      "described_by"_is(text_or_null(known), known.empty() ? "" : fmt::format("  known: --environment {}\n", known)),
+      "usable"_is(opened.has_value()),
+      "hindrance"_is(opened ? null_cell()
+                            : Cell{opened.error().message, fmt::format("  {}\n", opened.error().message)}));
 }
 
 Result<Outcome> list() {
   ECS_TRY(present, devices::hid_devices());
   Cell list = list_cell(present, device_cell);
   if (present.empty()) list.text = "no HID device is plugged in (or the kernel has no hidraw)\n";
-  return outcome_of(record_cell("{devices}", {"devices"_is(list)}));
+  return outcome_of(record_cell("{devices}", "devices"_is(list)));
 }
 
 Result<Outcome> rules(const DevicesRequest& request) {
@@ -114,7 +113,7 @@ Result<Outcome> rules(const DevicesRequest& request) {
     devices.insert(devices.end(), more.begin(), more.end());
   }
   const std::string text = devices::udev_rules(devices);
-  return Outcome{text, one_line(object_of({"rules"_is(text), "file"_is("/etc/udev/rules.d/70-ecs.rules")})), kDone};
+  return Outcome{text, one_line(object_of("rules"_is(text), "file"_is("/etc/udev/rules.d/70-ecs.rules"))), kDone};
 }
 
 Result<Outcome> learn(VerbContext& context, const DevicesRequest& request) {
@@ -124,11 +123,10 @@ Result<Outcome> learn(VerbContext& context, const DevicesRequest& request) {
   const std::string toml = devices::to_toml(found.description);
   ECS_DO(write_file(request.output, toml));
   const devices::TriggerLayout& trigger = found.description.trigger;
-  return outcome_of(
-      record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n",
-                  {"toml"_shown(toml), "output"_is(request.output), "name"_is(found.description.name),
-                   "byte"_is(trigger.byte), "mask"_is(trigger.mask), "active"_is(trigger.active_high ? "high" : "low"),
-                   "debounce_ms"_is(trigger.debounce_ms), "bounce_ms"_is(found.bounce_ms, 0)}));
+  return outcome_of(record_cell("{toml}\nwritten to {output}; longest bounce seen {bounce_ms} ms\n", "toml"_shown(toml),
+                                "output"_is(request.output), "name"_is(found.description.name), "byte"_is(trigger.byte),
+                                "mask"_is(trigger.mask), "active"_is(trigger.active_high ? "high" : "low"),
+                                "debounce_ms"_is(trigger.debounce_ms), "bounce_ms"_is(found.bounce_ms, 0)));
 }
 
 Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request, devices::DevicePort port) {
@@ -148,7 +146,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request,
         ProblemKind::refused,
         fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
                     seen, request.count, request.timeout_s));
-  return outcome_of(record_cell("{presses} presses\n", {"presses"_is(seen)}));
+  return outcome_of(record_cell("{presses} presses\n", "presses"_is(seen)));
 }
 
 Json values_json(const devices::Values& values) {
@@ -182,7 +180,7 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesRequest& request, 
                    fmt::format("{} answered {} times of {} with a value within {} s: is its description "
                                "right, is its probe plugged in?",
                                name_of(sensor.port()), seen, request.count, request.timeout_s));
-  return Outcome{text, one_line(object_of({"answers"_is(answers)})), kDone};
+  return Outcome{text, one_line(object_of("answers"_is(answers))), kDone};
 }
 
 Result<Outcome> try_device(VerbContext& context, const DevicesRequest& request) {
@@ -210,7 +208,7 @@ Result<Outcome> describe(const DevicesRequest& request) {
       text += fmt::format("# the same: vendor_id = 0x{:04x}, product_id = 0x{:04x}\n", device.match.ids[k].vendor_id,
                           device.match.ids[k].product_id);
   }
-  return Outcome{text, one_line(object_of({"toml"_is(text)})), kDone};
+  return Outcome{text, one_line(object_of("toml"_is(text))), kDone};
 }
 
 Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {

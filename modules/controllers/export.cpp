@@ -153,13 +153,13 @@ Cell table_cell(const controllers::ExportedTable& t) {
   const bool shifted = std::abs(t.shift) >= kShiftShown;
   return record_cell(
       "{component:<4} {table:<37} {points:>6} {map_points:>6} {largest:>8} {deviation_from_unit:>8}  {unit}\n{shift}",
-      {"component"_is(t.component), "table"_is(t.what), "points"_is(t.points),
-       "map_points"_is(t.map_points, t.map_points == 0 ? "-" : std::to_string(t.map_points)),
-       "largest"_is(t.largest, 2), "deviation_from_unit"_is(t.deviation, 2),
-       "shift"_is(t.shift, shifted ? fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n",
-                                                 t.shift, t.unit)
-                                   : ""),
-       "unit"_is(t.unit)});
+      "component"_is(t.component), "table"_is(t.what), "points"_is(t.points),
+      "map_points"_is(t.map_points, t.map_points == 0 ? "-" : std::to_string(t.map_points)), "largest"_is(t.largest, 2),
+      "deviation_from_unit"_is(t.deviation, 2),
+      "shift"_is(t.shift, shifted ? fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n",
+                                                t.shift, t.unit)
+                                  : ""),
+      "unit"_is(t.unit));
 }
 
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
@@ -173,7 +173,7 @@ Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
 /// In the text a paragraph for each reason, in the order in which the reasons come up.
 Cell not_carried_cell(const std::vector<controllers::LeftBehind>& all) {
   Cell list = list_cell(all, [](const controllers::LeftBehind& one) {
-    return record_cell({}, {"what"_is(one.what), "largest"_is(one.largest, 1), "unit"_is(one.unit), "why"_is(one.why)});
+    return record_cell({}, "what"_is(one.what), "largest"_is(one.largest, 1), "unit"_is(one.unit), "why"_is(one.why));
   });
   std::vector<std::pair<std::string, std::string>> reasons;
   for (const controllers::LeftBehind& one : all) {
@@ -187,8 +187,8 @@ Cell not_carried_cell(const std::vector<controllers::LeftBehind>& all) {
 }
 
 Cell size_cell(const controllers::ResidualSize& size, std::size_t direction) {
-  return record_cell("{largest_um:>7} /{rms_um:>7}",
-                     {"largest_um"_is(size.largest_um[direction], 1), "rms_um"_is(size.rms_um[direction], 1)});
+  return record_cell("{largest_um:>7} /{rms_um:>7}", "largest_um"_is(size.largest_um[direction], 1),
+                     "rms_um"_is(size.rms_um[direction], 1));
 }
 
 /// By direction in JSON, a line for each direction in the text.
@@ -207,8 +207,8 @@ Cell residual_row_cell(const controllers::ResidualRow& row, const PerAxis<bool>&
                         of_export.text);
     where.clear();
   }
-  return {object_of({"where"_is(row.where), "places"_is(row.places), "not_compensated"_is(before), "whole_map"_is(unit),
-                     "this_export"_is(control)}),
+  return {object_of("where"_is(row.where), "places"_is(row.places), "not_compensated"_is(before), "whole_map"_is(unit),
+                    "this_export"_is(control)),
           text};
 }
 
@@ -221,7 +221,7 @@ Cell residual_cell(const ExportReport& report) {
   Cell cell = record_cell(
       "what is left, predicted from {from}: largest / rms, um\n{rows}both approaches; counted from the reference "
       "point, as a work offset is\n",
-      {"from"_is(report.work.errors_from), "rows"_is(rows)});
+      "from"_is(report.work.errors_from), "rows"_is(rows));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(
         "From the map itself: what the map does not hold counts as zero, and what repeats badly is not in it. --model "
@@ -257,15 +257,15 @@ Cell export_cell(const ExportReport& report) {
   if (report.written.empty()) written.text = fmt::format("nothing written: give {} to keep it\n", report.output_hint);
   return record_cell(
       "{control} from {map}\n\n{tables}\n{not_carried}\n{residual}\n{settings}{notes}{written}",
-      {"control"_is(report.control), "map"_is(report.work.map_name),
-       "files"_is(list_cell(report.made.files,
-                            [](const controllers::ExportFile& file) {
-                              return record_cell({}, {"name"_is(file.name), "bytes"_is(file.content.size())});
-                            })),
-       "written"_is(written), "replaced"_is(replaced_files_cell(report.written)),
-       "tables"_is(tables_cell(report.made.tables)), "not_carried"_is(not_carried_cell(report.made.not_carried)),
-       "settings"_is(settings_cell(report.made.settings)), "residual"_is(residual_cell(report)),
-       "notes"_is(paragraphs_cell(notes, "note: "))});
+      "control"_is(report.control), "map"_is(report.work.map_name),
+      "files"_is(list_cell(report.made.files,
+                           [](const controllers::ExportFile& file) {
+                             return record_cell({}, "name"_is(file.name), "bytes"_is(file.content.size()));
+                           })),
+      "written"_is(written), "replaced"_is(replaced_files_cell(report.written)),
+      "tables"_is(tables_cell(report.made.tables)), "not_carried"_is(not_carried_cell(report.made.not_carried)),
+      "settings"_is(settings_cell(report.made.settings)), "residual"_is(residual_cell(report)),
+      "notes"_is(paragraphs_cell(notes, "note: ")));
 }
 
 }  // namespace ecs::commissioning

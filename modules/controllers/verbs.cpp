@@ -359,19 +359,18 @@ Cell squareness_of(const ReadRequest& request, const Taken& made) {
 
 Cell read_cell(const ReadRequest& request, const ReadFiles& files, const Taken& made,
                const std::vector<WrittenFile>& written) {
-  return record_cell(
-      "{format}\n\n{tables}{squareness}{notes}{map}{written}",
-      {"format"_is(files.format->id),
-       "map"_is(text_or_null(request.output),
-                request.output.empty() ? "no map written: give -o map.csv to keep it\n" : ""),
-       "tables"_is(tables_cell(made.read.map.tables, false)), "squareness"_is(squareness_of(request, made)),
-       "levers_from"_is(text_cell(made.levers_from)), "curves_moved"_is(made.moved),
-       "written"_shown(written_files_cell(written).text), "replaced"_is(replaced_files_cell(written)),
-       "warnings"_is(list_cell(files.tables.warnings,
-                               [](const Problem& one) {
-                                 return Cell{problem_json(one), {}};
-                               })),
-       "notes"_is(paragraphs_cell(made.notes, "note: "))});
+  return record_cell("{format}\n\n{tables}{squareness}{notes}{map}{written}", "format"_is(files.format->id),
+                     "map"_is(text_or_null(request.output),
+                              request.output.empty() ? "no map written: give -o map.csv to keep it\n" : ""),
+                     "tables"_is(tables_cell(made.read.map.tables, false)),
+                     "squareness"_is(squareness_of(request, made)), "levers_from"_is(text_cell(made.levers_from)),
+                     "curves_moved"_is(made.moved), "written"_shown(written_files_cell(written).text),
+                     "replaced"_is(replaced_files_cell(written)),
+                     "warnings"_is(list_cell(files.tables.warnings,
+                                             [](const Problem& one) {
+                                               return Cell{problem_json(one), {}};
+                                             })),
+                     "notes"_is(paragraphs_cell(made.notes, "note: ")));
 }
 
 Result<Outcome> read(VerbContext& context, const ReadRequest& request) {

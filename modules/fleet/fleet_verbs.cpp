@@ -35,11 +35,11 @@ Cell report_cell(const BatchReport& r) {
   if (r.problem) below += fmt::format("    {}\n", to_text(*r.problem));
   for (const std::string& note : r.notes) below += fmt::format("    note: {}\n", note);
   return record_cell(
-      "{name:<20} {serial_number:<14} {state:<14} {link}\n{error}",
-      {"name"_is(r.name), "link"_is(r.link, (r.is_emulator ? "EMULATOR " : "") + r.link), "emulator"_is(r.is_emulator),
-       "serial_number"_is(text_or_null(r.serial_number), r.serial_number.empty() ? "unknown" : r.serial_number),
-       "state"_is(name_of(r.state)), "bytes"_is(r.bytes > 0 ? Json(r.bytes) : Json(nullptr)), "notes"_is(r.notes),
-       "error"_is(r.problem ? problem_json(*r.problem) : Json(nullptr), below)});
+      "{name:<20} {serial_number:<14} {state:<14} {link}\n{error}", "name"_is(r.name),
+      "link"_is(r.link, (r.is_emulator ? "EMULATOR " : "") + r.link), "emulator"_is(r.is_emulator),
+      "serial_number"_is(text_or_null(r.serial_number), r.serial_number.empty() ? "unknown" : r.serial_number),
+      "state"_is(name_of(r.state)), "bytes"_is(r.bytes > 0 ? Json(r.bytes) : Json(nullptr)), "notes"_is(r.notes),
+      "error"_is(r.problem ? problem_json(*r.problem) : Json(nullptr), below));
 }
 
 Cell reports_cell(const std::vector<BatchReport>& reports) {
@@ -48,12 +48,9 @@ Cell reports_cell(const std::vector<BatchReport>& reports) {
 
 /// A line as that of a machine in the results of `ecs fleet diagnose`: {"id", "state", …} or {"id", "error"}.
 std::string report_line(const BatchReport& r) {
-  if (r.problem) return one_line({{"id", r.name}, {"error", to_text(*r.problem)}});
-  return one_line({{"id", r.name},
-                   {"state", name_of(r.state)},
-                   {"serial_number", text_or_null(r.serial_number)},
-                   {"link", r.link},
-                   {"bytes", r.bytes}});
+  if (r.problem) return one_line(object_of("id"_is(r.name), "error"_is(to_text(*r.problem))));
+  return one_line(object_of("id"_is(r.name), "state"_is(name_of(r.state)),
+                            "serial_number"_is(text_cell(r.serial_number)), "link"_is(r.link), "bytes"_is(r.bytes)));
 }
 
 Result<void> write_report(const std::string& path, const std::vector<BatchReport>& reports) {
@@ -81,8 +78,8 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
   ECS_DO(write_report(request.output, reports));
   const int exit_code = exit_code_of(reports);
   const Cell units = reports_cell(reports);
-  Json object = object_of(
-      {"plan"_is(request.plan), "dry_run"_is(request.dry_run), "ok"_is(exit_code == kDone), "units"_is(units.json)});
+  Json object = object_of("plan"_is(request.plan), "dry_run"_is(request.dry_run), "ok"_is(exit_code == kDone),
+                          "units"_is(units.json));
   if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
     object["error"] = problem_json(*problem);
   std::string text = units.text;
@@ -126,7 +123,7 @@ Cell errors_cell(const FleetReport& report) {
   Cell errors{Json::array(), {}};
   for (const FleetError& error : report.errors)
     if (errors.json.size() < kMostErrors)
-      errors.add(record_cell({}, {"line"_is(error.line), "id"_is(text_cell(error.id)), "message"_is(error.message)}));
+      errors.add(record_cell({}, "line"_is(error.line), "id"_is(text_cell(error.id)), "message"_is(error.message)));
   return errors;
 }
 
@@ -157,11 +154,11 @@ Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseRequest&
   const Cell answer = record_cell(
       "{machines} machines: {diagnosed} diagnosed, {skipped} done before, {error_count} with errors; {processor_s} s "
       "of processor time\n{verdicts}{stopped}",
-      {"manifest"_is(request.manifest), "output"_is(request.output), "machines"_is(report->machines),
-       "diagnosed"_is(report->diagnosed), "skipped"_is(report->skipped), "error_count"_is(report->errors.size()),
-       "errors"_is(errors_cell(*report)), "verdicts"_is(verdicts_cell(*report)),
-       "processor_s"_is(report->processor_s, 1), "seconds"_is(report->seconds, 1),
-       "stopped"_is(report->stopped, "stopped by a signal: the same command goes on\n", "")});
+      "manifest"_is(request.manifest), "output"_is(request.output), "machines"_is(report->machines),
+      "diagnosed"_is(report->diagnosed), "skipped"_is(report->skipped), "error_count"_is(report->errors.size()),
+      "errors"_is(errors_cell(*report)), "verdicts"_is(verdicts_cell(*report)),
+      "processor_s"_is(report->processor_s, 1), "seconds"_is(report->seconds, 1),
+      "stopped"_is(report->stopped, "stopped by a signal: the same command goes on\n", ""));
   return outcome_of(answer, report->errors.empty() ? kDone : kDoesNotHold);
 }
 
@@ -189,10 +186,9 @@ Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {
   return list_cell(
       machines,
       [](const NamedMachine& one) {
-        return record_cell(
-            "  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n",
-            {"id"_is(one.id), "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
-             "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch)});
+        return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n", "id"_is(one.id),
+                           "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
+                           "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch));
       },
       heading);
 }
@@ -201,10 +197,9 @@ Cell groups_cell(const std::vector<SharedCause>& groups) {
   return list_cell(
       groups,
       [](const SharedCause& one) {
-        return record_cell(
-            "  {by:<6} {value:<24} {cause:<36} {machines:>6} of {of:<6} p = {p_holm}\n",
-            {"by"_is(one.by), "value"_is(one.value), "cause"_is(one.cause), "machines"_is(one.machines),
-             "of"_is(one.of), "p_value"_is(one.p_value), "p_holm"_is(one.p_holm, fmt::format("{:.1e}", one.p_holm))});
+        return record_cell("  {by:<6} {value:<24} {cause:<36} {machines:>6} of {of:<6} p = {p_holm}\n", "by"_is(one.by),
+                           "value"_is(one.value), "cause"_is(one.cause), "machines"_is(one.machines), "of"_is(one.of),
+                           "p_value"_is(one.p_value), "p_holm"_is(one.p_holm, fmt::format("{:.1e}", one.p_holm)));
       },
       groups.empty() ? "" : "\nshared by a type or batch (for all of them together)\n");
 }
@@ -213,8 +208,8 @@ Cell changed_cell(const FleetChanges& changes) {
   return list_cell(
       changes.machines,
       [](const FleetChange& one) {
-        return record_cell("  {id:<24} {cause:<36} {change}\n",
-                           {"id"_is(one.id), "cause"_is(one.cause), "change"_is(one.is_new ? "new" : "gone")});
+        return record_cell("  {id:<24} {cause:<36} {change}\n", "id"_is(one.id), "cause"_is(one.cause),
+                           "change"_is(one.is_new ? "new" : "gone"));
       },
       changes.machines.empty() ? "" : "\nchanged since last time\n");
 }
@@ -223,8 +218,8 @@ Cell changed_causes_cell(const FleetChanges& changes) {
   return list_cell(
       changes.causes,
       [](const FleetChanges::Count& one) {
-        return record_cell("  {cause:<36} {new:>6} new {gone:>6} gone\n",
-                           {"cause"_is(one.cause), "new"_is(one.is_new), "gone"_is(one.gone)});
+        return record_cell("  {cause:<36} {new:>6} new {gone:>6} gone\n", "cause"_is(one.cause), "new"_is(one.is_new),
+                           "gone"_is(one.gone));
       },
       changes.causes.empty() ? "" : "\nby cause\n");
 }
@@ -237,19 +232,16 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
   std::vector<std::string> errors;
   for (const FleetResult& result : gathered.results)
     if (!result.error.empty()) errors.push_back(result.id);
-  AnswerFields fields{
-      "machines"_is(names.machines),
-      "errors"_is(errors, fmt::format("{}", errors.size())),
-      "conflicts"_is(gathered.conflicts),
-      "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
-      "count"_shown(names.named.size()),
-      "named"_is(named_cell(names.named, "named (q-value)")),
+  AnswerFields fields = described(
+      "machines"_is(names.machines), "errors"_is(errors, fmt::format("{}", errors.size())),
+      "conflicts"_is(gathered.conflicts), "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
+      "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "named (q-value)")),
       "unconfirmed"_is(named_cell(names.unconfirmed, "not sure enough among so many machines")),
       "unexplained"_is(names.unexplained, names.unexplained.empty()
                                               ? ""
                                               : fmt::format("\n{} machines with structure that no effect explains\n",
                                                             names.unexplained.size())),
-      "groups"_is(groups_cell(names.groups))};
+      "groups"_is(groups_cell(names.groups)));
   std::string layout =
       "{machines} machines, {errors} without an answer; {count} names, of which at most {fdr} % are false on average\n"
       "{named}{unconfirmed}{unexplained}{groups}";

@@ -21,19 +21,19 @@
 namespace ecs::commissioning {
 std::string to_line(const FleetResult& result) {
   if (!result.error.empty()) {
-    Json error = object_of({"id"_is(text_or_null(result.id)), "error"_is(result.error)});
+    Json error = object_of("id"_is(text_or_null(result.id)), "error"_is(result.error));
     if (result.doubled) error["doubled"] = true;
     return one_line(error);
   }
   Json causes = Json::array();
   for (const FleetCause& cause : result.causes)
-    causes.push_back(
-        object_of({"name"_is(cause.name), "probability"_is(cause.probability), "e_value"_is(cause.e_value),
-                   "false_naming"_is(cause.false_naming), "p_value"_is(cause.p_value), "standing"_is(cause.standing)}));
-  return one_line(
-      object_of({"id"_is(result.id), "hash"_is(result.hash), "verdict"_is(result.verdict), "p_value"_is(result.p_value),
-                 "causes"_is(std::move(causes)), "type"_is(text_or_null(result.type)),
-                 "batch"_is(text_or_null(result.batch)), "processor_s"_is(result.processor_s)}));
+    causes.push_back(object_of("name"_is(cause.name), "probability"_is(cause.probability), "e_value"_is(cause.e_value),
+                               "false_naming"_is(cause.false_naming), "p_value"_is(cause.p_value),
+                               "standing"_is(cause.standing)));
+  return one_line(object_of("id"_is(result.id), "hash"_is(result.hash), "verdict"_is(result.verdict),
+                            "p_value"_is(result.p_value), "causes"_is(std::move(causes)),
+                            "type"_is(text_or_null(result.type)), "batch"_is(text_or_null(result.batch)),
+                            "processor_s"_is(result.processor_s)));
 }
 
 std::optional<FleetResult> result_in(std::string_view line) {

@@ -22,7 +22,7 @@ void record_readings(const laser::MeasurementSet& set, int run) {
 void record_step(const InvestigationStep& step, std::size_t number) {
   record({.kind = "investigation step",
           .summary = fmt::format("step {}: {}; {}", number, step.measured, model::name_of(step.verdict)),
-          .content = one_line(object_of({"step"_is(step_cell(step).json), "number"_is(number)}))});
+          .content = one_line(object_of("step"_is(step_cell(step).json), "number"_is(number)))});
 }
 
 }  // namespace

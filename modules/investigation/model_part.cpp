@@ -103,7 +103,7 @@ Result<Investigation> investigated(const ModelArguments& files, const std::strin
     record({.kind = "investigation",
             .summary = fmt::format("MODEL: {} steps; {}", found->steps.size(),
                                    found->verdict ? model::name_of(*found->verdict) : "nothing was measured"),
-            .content = one_line(object_of({"screen"_is("MODEL"), "answer"_is(investigation_cell(*found).json)}))});
+            .content = one_line(object_of("screen"_is("MODEL"), "answer"_is(investigation_cell(*found).json)))});
   return found;
 }
 

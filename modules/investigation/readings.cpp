@@ -203,18 +203,18 @@ Cell programme_cell(const IsoProgramme& programme) {
   return record_cell(
       "ISO 230-2 programme of the same {what}: {runs} bidirectional runs over {targets} targets, {dwell_s} s dwell and "
       "trigger, {set_up_minutes} min set-up a line, {minutes} min",
-      {"lines"_is(programme.lines), "runs"_is(IsoProgramme::kRuns, fmt::format("{}", IsoProgramme::kRuns)),
-       "targets"_is(programme.targets), "dwell_s"_is(programme.dwell_s, fmt::format("{:g}", programme.dwell_s)),
-       "set_up_minutes"_is(programme.set_up_minutes, fmt::format("{:g}", programme.set_up_minutes)),
-       "what"_shown(one ? "line" : fmt::format("{} lines", programme.lines)), "minutes"_shown(programme.minutes, 0)});
+      "lines"_is(programme.lines), "runs"_is(IsoProgramme::kRuns, fmt::format("{}", IsoProgramme::kRuns)),
+      "targets"_is(programme.targets), "dwell_s"_is(programme.dwell_s, fmt::format("{:g}", programme.dwell_s)),
+      "set_up_minutes"_is(programme.set_up_minutes, fmt::format("{:g}", programme.set_up_minutes)),
+      "what"_shown(one ? "line" : fmt::format("{} lines", programme.lines)), "minutes"_shown(programme.minutes, 0));
 }
 
 Cell cause_cell(const InvestigatedCause& cause) {
   Cell parameters{Json::object(), parameters_text(cause.parameters)};
   for (const model::ParameterEstimate& one : cause.parameters) parameters.json[one.name] = number_or_null(one.value);
-  Cell cell = record_cell("{name}, probability {probability}, {rms_um} um rms: {parameters}",
-                          {"name"_is(cause.name), "parameters"_is(parameters), "probability"_is(cause.probability, 2),
-                           "rms_um"_is(cause.rms_um, 2)});
+  Cell cell =
+      record_cell("{name}, probability {probability}, {rms_um} um rms: {parameters}", "name"_is(cause.name),
+                  "parameters"_is(parameters), "probability"_is(cause.probability, 2), "rms_um"_is(cause.rms_um, 2));
   cell.text = paragraph(cell.text, 2, 4);
   return cell;
 }
@@ -271,30 +271,27 @@ std::string ledger_line(std::size_t number, const InvestigationStep& step, doubl
 }
 
 Cell step_cell(const InvestigationStep& step) {
-  return record_cell(
-      {},
-      {"minutes"_is(step.minutes), "measured"_is(step.measured), "readings"_is(step.readings),
-       "verdict"_is(name_of(step.verdict)),
-       "set"_is(list_cell(step.set,
-                          [](const SetMember& member) {
-                            return record_cell({}, {"name"_is(member.name), "probability"_is(member.probability, 2)});
-                          })),
-       "rms_um"_is(step.rms_um)});
+  return record_cell({}, "minutes"_is(step.minutes), "measured"_is(step.measured), "readings"_is(step.readings),
+                     "verdict"_is(name_of(step.verdict)),
+                     "set"_is(list_cell(step.set,
+                                        [](const SetMember& member) {
+                                          return record_cell({}, "name"_is(member.name),
+                                                             "probability"_is(member.probability, 2));
+                                        })),
+                     "rms_um"_is(step.rms_um));
 }
 
 Cell investigation_cell(const Investigation& investigation) {
   const auto& verdict = investigation.verdict;
-  const AnswerFields fields{
+  const AnswerFields fields = described(
       "steps"_is(list_cell(investigation.steps, step_cell)),
       "verdict"_is(verdict ? Json(name_of(*verdict)) : Json(nullptr), paragraph(verdict_text(investigation))),
-      "causes"_is(list_cell(investigation.causes, cause_cell)),
-      "minutes"_is(investigation.minutes, 0),
-      "programme_minutes"_is(investigation.programme.minutes),
-      "programme"_is(programme_cell(investigation.programme)),
+      "causes"_is(list_cell(investigation.causes, cause_cell)), "minutes"_is(investigation.minutes, 0),
+      "programme_minutes"_is(investigation.programme.minutes), "programme"_is(programme_cell(investigation.programme)),
       "rms_before_um"_is(micrometres_cell(investigation.rms_before_um)),
       "rms_compensated_um"_is(micrometres_cell(investigation.rms_compensated_um)),
       "compensated_minutes"_is(investigation.compensated_minutes, 0),
-      "notes"_is(investigation.notes, notes_text(investigation.notes))};
+      "notes"_is(investigation.notes, notes_text(investigation.notes)));
   std::string text = laid_out("{verdict}{causes}", fields);
   if (verdict)
     text += paragraph(laid_out("{minutes} min in all; {programme}", fields)) +

@@ -65,10 +65,10 @@ Json measuring_request(const MeasurementProposal& proposal, const params::Machin
   for (const Axis a : kAllAxes)
     if (a != proposal.axis && machine.axes[index_of(a)]) parked[letter(a)] = proposal.parked_mm[index_of(a)];
   Json request =
-      object_of({"action"_is("measure"), "axis"_is(letter(proposal.axis)), "sense"_is(name_of(proposal.sense)),
-                 "targets"_is(targets), "runs"_is(proposal.runs), "unidirectional"_is(!proposal.bidirectional),
-                 "parked"_is(std::move(parked)), "feed"_is(feed_mm_min), "dwell"_is(proposal.dwell_s),
-                 "overrun"_is(proposal.overrun_mm), "on_the_fly"_is(proposal.dwell_s <= 0.0)});
+      object_of("action"_is("measure"), "axis"_is(letter(proposal.axis)), "sense"_is(name_of(proposal.sense)),
+                "targets"_is(targets), "runs"_is(proposal.runs), "unidirectional"_is(!proposal.bidirectional),
+                "parked"_is(std::move(parked)), "feed"_is(feed_mm_min), "dwell"_is(proposal.dwell_s),
+                "overrun"_is(proposal.overrun_mm), "on_the_fly"_is(proposal.dwell_s <= 0.0));
   add_artefact(request, proposal);
   if (proposal.set_up > 1) {
     request["misalignment"] = 0.0;
@@ -200,7 +200,7 @@ Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
 /// A part program where the machine stops for its readings, else the instrument's own request.
 Result<laser::MeasurementSet> SocketWorkshop::readings_of(const MeasurementProposal& proposal) {
   if (proposal.dwell_s > 0.0 && proposal.set_up <= 1) {
-    Json request = object_of({"axis"_is(letter(proposal.axis)), "sense"_is(name_of(proposal.sense))});
+    Json request = object_of("axis"_is(letter(proposal.axis)), "sense"_is(name_of(proposal.sense)));
     add_artefact(request, proposal);
     ECS_TRY(answer, hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine), std::move(request)));
     return set_in(answer);

@@ -157,8 +157,8 @@ std::string not_asked_for(const laser::MeasurementSet& set, const RequestedRun& 
 }
 
 Json json_of(const GivenRun& run) {
-  return object_of({"number"_is(run.number), "asked"_is(run.asked), "file"_is(run.file), "sha256"_is(run.sha256),
-                    "minutes"_is(run.minutes)});
+  return object_of("number"_is(run.number), "asked"_is(run.asked), "file"_is(run.file), "sha256"_is(run.sha256),
+                   "minutes"_is(run.minutes));
 }
 
 std::optional<GivenRun> given_in(const Json& object) {
@@ -207,9 +207,8 @@ Result<void> WatchedFolder::write_ledger() const {
   Json runs = Json::array(), steps = Json::array();
   for (const GivenRun& one : given_) runs.push_back(json_of(one));
   for (const std::string& one : steps_) steps.push_back(Json::parse(one));
-  const Json ledger =
-      object_of({"model"_is(options_.model.string()), "model_sha256"_is(model_sha256_), "map_active"_is(map_active_),
-                 "runs"_is(std::move(runs)), "steps"_is(std::move(steps))});
+  const Json ledger = object_of("model"_is(options_.model.string()), "model_sha256"_is(model_sha256_),
+                                "map_active"_is(map_active_), "runs"_is(std::move(runs)), "steps"_is(std::move(steps)));
   constexpr int kIndent = 1;
   return write_file(ledger_file(), ledger.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n");
 }

@@ -133,11 +133,11 @@ Result<Outcome> list_log(VerbContext& context, const ListLogRequest& request) {
   const std::size_t all = entries.size();
   if (const auto last = static_cast<std::size_t>(request.last); last > 0 && all > last)
     entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(last));
-  return outcome_of(record_cell("{owner}\n{entries}",
-                                {"log"_is(book.path().string()), "machine"_is(text_cell(owner.machine)),
-                                 "serial_number"_is(text_cell(owner.serial_number)),
-                                 "owner"_shown(fmt::format("logbook of {}: {}", in_words(owner), book.path().string())),
-                                 "entries"_is(list_cell(entries, log_entry_cell, log_list_head()))}));
+  return outcome_of(record_cell("{owner}\n{entries}", "log"_is(book.path().string()),
+                                "machine"_is(text_cell(owner.machine)),
+                                "serial_number"_is(text_cell(owner.serial_number)),
+                                "owner"_shown(fmt::format("logbook of {}: {}", in_words(owner), book.path().string())),
+                                "entries"_is(list_cell(entries, log_entry_cell, log_list_head()))));
 }
 
 struct ShowLogRequest {
@@ -270,8 +270,7 @@ Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
       if (!value.is_null())
         text += fmt::format("{:<26} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   if (request.use) text += fmt::format("kept in {}\n", in_use);
-  return outcome_of(
-      {object_of({"instrument"_is(object), "file"_is(request.use ? Json(in_use) : Json(nullptr))}), text});
+  return outcome_of({object_of("instrument"_is(object), "file"_is(request.use ? Json(in_use) : Json(nullptr))), text});
 }
 
 /// Those of `laser stats`, where they were given.
@@ -380,9 +379,9 @@ void log_certificate(const Logbook& book, const ExportLogRequest& request, const
       .summary = fmt::format("{}, {} lines, {}", written.certificate.identifier, written.certificate.lines.size(),
                              written.schema.empty() ? "not validated" : "validated against DCC " + written.schema),
       .content =
-          one_line(object_of({"identifier"_is(written.certificate.identifier), "sha256"_is(written.sha256),
-                              "schema_version"_is(written.certificate.schema_version),
-                              "validated"_is(!written.schema.empty()), "signed"_is(written.certificate.to_be_signed)})),
+          one_line(object_of("identifier"_is(written.certificate.identifier), "sha256"_is(written.sha256),
+                             "schema_version"_is(written.certificate.schema_version),
+                             "validated"_is(!written.schema.empty()), "signed"_is(written.certificate.to_be_signed))),
       .files = {{"output", request.dcc, std::make_shared<const std::string>(xml)}}};
   record_all({std::move(made)}, book.path());
 }
@@ -422,13 +421,13 @@ Cell certificate_cell(const std::optional<WrittenCertificate>& written, const st
   return record_cell(
       "certificate {identifier} with {lines} lines written to {file}: DCC {schema_version}, {validated_text}, SHA-256 "
       "{sha256}\n{remarks}",
-      {"file"_is(file), "identifier"_is(written->certificate.identifier),
-       "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),
-       "validated_text"_shown(written->schema.empty() ? "NOT VALIDATED" : "valid by its schema"),
-       "signed"_is(written->certificate.to_be_signed), "sha256"_is(written->sha256),
-       "logbook_hash"_is(written->certificate.logbook_hash),
-       "previous"_is(written->certificate.previous ? Json(written->certificate.previous->identifier) : Json(nullptr)),
-       "lines"_is(written->certificate.lines.size()), "remarks"_is(lines_cell(written->certificate.remarks, "- "))});
+      "file"_is(file), "identifier"_is(written->certificate.identifier),
+      "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),
+      "validated_text"_shown(written->schema.empty() ? "NOT VALIDATED" : "valid by its schema"),
+      "signed"_is(written->certificate.to_be_signed), "sha256"_is(written->sha256),
+      "logbook_hash"_is(written->certificate.logbook_hash),
+      "previous"_is(written->certificate.previous ? Json(written->certificate.previous->identifier) : Json(nullptr)),
+      "lines"_is(written->certificate.lines.size()), "remarks"_is(lines_cell(written->certificate.remarks, "- ")));
 }
 
 Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request) {
@@ -458,11 +457,10 @@ Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request
       request.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, request.output);
   const std::string files_text =
       names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), request.folder);
-  return outcome_of(
-      record_cell("{entries_text}{files_text}{certificate}",
-                  {"log"_is(book.path().string()), "output"_is(text_cell(request.output)), "entries"_is(count),
-                   "files"_is(names), "certificate"_is(certificate_cell(certificate, request.dcc)),
-                   "entries_text"_shown(entries_text), "files_text"_shown(files_text)}));
+  return outcome_of(record_cell("{entries_text}{files_text}{certificate}", "log"_is(book.path().string()),
+                                "output"_is(text_cell(request.output)), "entries"_is(count), "files"_is(names),
+                                "certificate"_is(certificate_cell(certificate, request.dcc)),
+                                "entries_text"_shown(entries_text), "files_text"_shown(files_text)));
 }
 
 }  // namespace

@@ -204,8 +204,8 @@ LogRecord record_of(const Action& action, const std::vector<std::string>& words,
   const std::string name = *action.is.logged_as != '\0' ? action.is.logged_as : action.path;
   std::error_code error;
   Json content =
-      object_of({"verb"_is(name), "words"_is(kept_words(action, words)),
-                 "folder"_is(std::filesystem::current_path(error).string()), "exit_code"_is(outcome.exit_code)});
+      object_of("verb"_is(name), "words"_is(kept_words(action, words)),
+                "folder"_is(std::filesystem::current_path(error).string()), "exit_code"_is(outcome.exit_code));
   if (answer.is_object() && outcome.json.size() <= kMostAnswer) content["answer"] = answer;
   std::string written;
   for (const SeenFile& file : seen.outputs())

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/answer_table.hpp"
 #include "modules/logbook/sqlite.hpp"
 
 namespace ecs::commissioning {
@@ -188,8 +188,8 @@ std::string content_with(const std::string& content, const std::vector<PackedFil
   if (!object.is_object()) object = Json::object();
   Json list = Json::array();
   for (const PackedFile& one : files)
-    list.push_back(object_of({"role"_is(one.file.role), "name"_is(one.file.name), "sha256"_is(one.file.sha256),
-                              "bytes"_is(one.file.bytes), "kept"_is(one.file.kept)}));
+    list.push_back(object_of("role"_is(one.file.role), "name"_is(one.file.name), "sha256"_is(one.file.sha256),
+                             "bytes"_is(one.file.bytes), "kept"_is(one.file.kept)));
   object["files"] = std::move(list);
   return one_line(object);
 }

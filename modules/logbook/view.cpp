@@ -45,11 +45,11 @@ std::string number_text(const std::optional<double>& value) { return value ? fmt
 Cell curve_cell(const ComparedCurve& one) {
   return record_cell(
       "{component:<5} {unit:<5} {largest_from:>12} {largest_to:>12} {largest_change:>15} {change_rms:>12}\n",
-      {"component"_is(one.component), "unit"_is(one.unit),
-       "largest_from"_is(one.largest[0], number_text(one.largest[0])),
-       "largest_to"_is(one.largest[1], number_text(one.largest[1])),
-       "largest_change"_is(one.largest_change, number_text(one.largest_change)),
-       "change_rms"_is(one.change_rms, number_text(one.change_rms))});
+      "component"_is(one.component), "unit"_is(one.unit),
+      "largest_from"_is(one.largest[0], number_text(one.largest[0])),
+      "largest_to"_is(one.largest[1], number_text(one.largest[1])),
+      "largest_change"_is(one.largest_change, number_text(one.largest_change)),
+      "change_rms"_is(one.change_rms, number_text(one.change_rms)));
 }
 
 Cell cause_cell(const ComparedCause& one) {
@@ -57,17 +57,15 @@ Cell cause_cell(const ComparedCause& one) {
     return Cell{parameters ? Json(*parameters) : Json(nullptr),
                 parameters ? (parameters->empty() ? "named" : *parameters) : "not named"};
   };
-  return record_cell("{name}\n  then: {from}\n  now:  {to}\n",
-                     {"name"_is(one.name), "from"_is(side(one.parameters[0])), "to"_is(side(one.parameters[1]))});
+  return record_cell("{name}\n  then: {from}\n  now:  {to}\n", "name"_is(one.name), "from"_is(side(one.parameters[0])),
+                     "to"_is(side(one.parameters[1])));
 }
 
 Json volume_json(const std::optional<ComparedVolume>& volume) {
   if (!volume) return nullptr;
-  return {
-      {"before",
-       {{"largest_um", number_or_null(volume->before_largest_um)}, {"rms_um", number_or_null(volume->before_rms_um)}}},
-      {"after",
-       {{"largest_um", number_or_null(volume->after_largest_um)}, {"rms_um", number_or_null(volume->after_rms_um)}}}};
+  return object_of(
+      "before"_is(object_of("largest_um"_is(volume->before_largest_um), "rms_um"_is(volume->before_rms_um))),
+      "after"_is(object_of("largest_um"_is(volume->after_largest_um), "rms_um"_is(volume->after_rms_um))));
 }
 
 std::string volume_text(const std::array<LoggedState, 2>& states) {
@@ -90,8 +88,8 @@ std::string volume_text(const std::array<LoggedState, 2>& states) {
 Json number_of(const std::optional<LogbookEntry>& entry) { return entry ? Json(entry->number) : Json(nullptr); }
 
 Json state_json(const LoggedState& state) {
-  return object_of({"date"_is(state.date), "map_entry"_is(number_of(state.map)),
-                    "diagnosis_entry"_is(number_of(state.diagnosis)), "volume"_is(volume_json(state.volume))});
+  return object_of("date"_is(state.date), "map_entry"_is(number_of(state.map)),
+                   "diagnosis_entry"_is(number_of(state.diagnosis)), "volume"_is(volume_json(state.volume)));
 }
 
 std::string state_text(const char* word, const LoggedState& state) {
@@ -110,12 +108,12 @@ std::string log_list_head() {
 }
 
 Cell log_entry_cell(const LogbookEntry& entry) {
-  return record_cell(
-      "{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
-      {"number"_is(entry.number), "time"_is(entry.time), "kind"_is(entry.kind),
-       "hash"_is(entry.hash, entry.hash.substr(0, 8)), "previous"_is(entry.previous),
-       "operator"_is(entry.operator_name), "summary"_is(entry.summary), "machine"_is(text_or_null(entry.machine)),
-       "serial_number"_is(text_or_null(entry.serial_number)), "instrument"_is(object_in(entry.instrument))});
+  return record_cell("{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
+                     "number"_is(entry.number), "time"_is(entry.time), "kind"_is(entry.kind),
+                     "hash"_is(entry.hash, entry.hash.substr(0, 8)), "previous"_is(entry.previous),
+                     "operator"_is(entry.operator_name), "summary"_is(entry.summary),
+                     "machine"_is(text_or_null(entry.machine)), "serial_number"_is(text_or_null(entry.serial_number)),
+                     "instrument"_is(object_in(entry.instrument)));
 }
 
 Cell whole_entry_cell(const LogbookEntry& entry) {
@@ -145,30 +143,30 @@ Cell verdict_cell(const LogVerdict& verdict, const std::string& path) {
       : verdict.first
           ? fmt::format("entry {} does not fit: {}; {} before it fit\n", *verdict.first, verdict.why, verdict.entries)
           : fmt::format("{}\n", verdict.why);
-  return record_cell("{text}", {"log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
-                                "last_hash"_is(text_or_null(verdict.last_hash)),
-                                "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),
-                                "why"_is(text_or_null(verdict.why)), "text"_shown(text)});
+  return record_cell("{text}", "log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
+                     "last_hash"_is(text_or_null(verdict.last_hash)),
+                     "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),
+                     "why"_is(text_or_null(verdict.why)), "text"_shown(text));
 }
 
 Cell replay_cell(const Replay& replay) {
   return record_cell(
       "active since entry {activation}\n{derived}{raw}{notes}image derived again: {map_sha256}\nimage that is active: "
       "{active_sha256}\n{same}\n",
-      {"map_sha256"_is(replay.map_sha256), "active_sha256"_is(replay.active_sha256),
-       "same"_is(replay.same, "the same, bit for bit", "NOT THE SAME"), "activation"_is(replay.activation),
-       "derived"_is(list_cell(replay.derived,
-                              [](const DerivedFile& one) {
-                                return record_cell(
-                                    "again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
-                                    {"entry"_is(one.entry), "name"_is(one.name), "verb"_is(one.verb),
-                                     "sha256"_is(one.sha256), "same"_is(one.same, "the same", "DIFFERENT")});
-                              })),
-       "raw"_is(list_cell(replay.raw,
-                          [](const RawFile& one) {
-                            return record_cell("from {name}\n", {"name"_is(one.name), "sha256"_is(one.sha256)});
-                          })),
-       "notes"_is(lines_cell(replay.notes, "note: "))});
+      "map_sha256"_is(replay.map_sha256), "active_sha256"_is(replay.active_sha256),
+      "same"_is(replay.same, "the same, bit for bit", "NOT THE SAME"), "activation"_is(replay.activation),
+      "derived"_is(list_cell(replay.derived,
+                             [](const DerivedFile& one) {
+                               return record_cell("again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
+                                                  "entry"_is(one.entry), "name"_is(one.name), "verb"_is(one.verb),
+                                                  "sha256"_is(one.sha256),
+                                                  "same"_is(one.same, "the same", "DIFFERENT"));
+                             })),
+      "raw"_is(list_cell(replay.raw,
+                         [](const RawFile& one) {
+                           return record_cell("from {name}\n", "name"_is(one.name), "sha256"_is(one.sha256));
+                         })),
+      "notes"_is(lines_cell(replay.notes, "note: ")));
 }
 
 Cell comparison_of_log_cell(const LogComparison& comparison) {
@@ -178,11 +176,11 @@ Cell comparison_of_log_cell(const LogComparison& comparison) {
                   states[1].date.substr(0, 10), "largest change", "change rms");
   Cell curves = list_cell(comparison.curves, curve_cell, comparison.curves.empty() ? "" : head);
   Cell causes = list_cell(comparison.causes, cause_cell, comparison.causes.empty() ? "" : "\ncauses\n");
-  return record_cell("{states}{curves}{causes}{volume}{notes}",
-                     {"from"_is(state_json(states[0])), "to"_is(state_json(states[1])), "curves"_is(std::move(curves)),
-                      "causes"_is(std::move(causes)), "notes"_is(lines_cell(comparison.notes, "note: ")),
-                      "states"_shown(state_text("then,", states[0]) + state_text("now, ", states[1])),
-                      "volume"_shown(volume_text(states))});
+  return record_cell("{states}{curves}{causes}{volume}{notes}", "from"_is(state_json(states[0])),
+                     "to"_is(state_json(states[1])), "curves"_is(std::move(curves)), "causes"_is(std::move(causes)),
+                     "notes"_is(lines_cell(comparison.notes, "note: ")),
+                     "states"_shown(state_text("then,", states[0]) + state_text("now, ", states[1])),
+                     "volume"_shown(volume_text(states)));
 }
 
 }  // namespace ecs::commissioning

@@ -148,14 +148,9 @@ Result<Document> parsed_xml(std::string_view xml, const std::string& file) {
   Document document(xmlReadMemory(xml.data(), static_cast<int>(xml.size()), file.c_str(), nullptr, kNoNetwork));
   if (document) return document;
   const xmlError* error = xmlGetLastError();
-  return tl::unexpected(
-      Problem{ProblemKind::bad_input,
-              fmt::format("is no XML: {}", error != nullptr && error->message != nullptr ? trimmed(error->message)
-                                                                                         : "it cannot be read"),
-              file,
-              error != nullptr ? error->line : 0,
-              0,
-              {}});
+  return problem_at(file, error != nullptr ? error->line : 0, 0,
+                    fmt::format("is no XML: {}", error != nullptr && error->message != nullptr ? trimmed(error->message)
+                                                                                               : "it cannot be read"));
 }
 
 }  // namespace

@@ -35,9 +35,9 @@ Cell centre_cell(const std::array<double, 2>& centre_um) {
 
 Cell pass_cell(const laser::CirclePass& pass) {
   return record_cell("  {direction:<4} {run:>4} {G_um:>9} {F_max_um:>9} {F_min_um:>9} {mean_um:>9}   {centre_um}\n",
-                     {"direction"_is(laser::contouring_name(pass.clockwise)), "run"_is(pass.run),
-                      "G_um"_is(pass.G_um, 2), "F_max_um"_is(pass.F_max_um, 2), "F_min_um"_is(pass.F_min_um, 2),
-                      "mean_um"_is(pass.mean_um, 2), "centre_um"_is(centre_cell(pass.centre_um))});
+                     "direction"_is(laser::contouring_name(pass.clockwise)), "run"_is(pass.run),
+                     "G_um"_is(pass.G_um, 2), "F_max_um"_is(pass.F_max_um, 2), "F_min_um"_is(pass.F_min_um, 2),
+                     "mean_um"_is(pass.mean_um, 2), "centre_um"_is(centre_cell(pass.centre_um)));
 }
 
 Cell pair_cell(const laser::CirclePair& pair) {
@@ -45,9 +45,9 @@ Cell pair_cell(const laser::CirclePair& pair) {
       "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, D {D_um} um, hysteresis H "
       "{H_um} "
       "um at {H_at_deg} deg, all about the centre {centre_um} um\n",
-      {"counter_clockwise_run"_is(pair.counter_clockwise_run), "clockwise_run"_is(pair.clockwise_run),
-       "G_um"_is(pair.G_um, 2), "D_um"_is(pair.D_um, 2), "H_um"_is(pair.H_um, 2), "H_at_deg"_is(pair.H_at_deg, 0),
-       "centre_um"_is(centre_cell(pair.centre_um))});
+      "counter_clockwise_run"_is(pair.counter_clockwise_run), "clockwise_run"_is(pair.clockwise_run),
+      "G_um"_is(pair.G_um, 2), "D_um"_is(pair.D_um, 2), "H_um"_is(pair.H_um, 2), "H_at_deg"_is(pair.H_at_deg, 0),
+      "centre_um"_is(centre_cell(pair.centre_um)));
 }
 
 Cell fault_cell(const model::CircleFaultFound& fault) {
@@ -58,15 +58,15 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
   const std::string decay = fault.nonlinear_sigma_mm ? fmt::format(", decay {:.3g} +- {:.2g} mm", fault.nonlinear_mm,
                                                                    *fault.nonlinear_sigma_mm)
                                                      : std::string();
-  return record_cell(
-      "  {share:>6} {rms_um:>8} {range_um:>8}  {title}: {value} +- {sigma} {unit}{decay}\n{rivals}",
-      {"name"_is(fault.name), "title"_is(fault.title),
-       "share"_is(fault.share, fmt::format("{:.1f} %", 100.0 * fault.share)), "rms_um"_is(fault.rms_um, 2),
-       "range_um"_is(fault.range_um, 2), "value"_is(fault.value, 2), "sigma"_is(fault.sigma, 2), "unit"_is(fault.unit),
-       "decay"_shown(decay), "component"_is(fault.component.empty() ? Json() : Json(fault.component)),
-       "nonlinear_mm"_is(fault.nonlinear_mm > 0.0 ? Json(fault.nonlinear_mm) : Json()),
-       "nonlinear_sigma_mm"_is(fault.nonlinear_sigma_mm), "false_naming"_is(std::exp(fault.ln_p)),
-       "indistinguishable_from"_is(fault.indistinguishable_from), "rivals"_shown(rivals)});
+  return record_cell("  {share:>6} {rms_um:>8} {range_um:>8}  {title}: {value} +- {sigma} {unit}{decay}\n{rivals}",
+                     "name"_is(fault.name), "title"_is(fault.title),
+                     "share"_is(fault.share, fmt::format("{:.1f} %", 100.0 * fault.share)),
+                     "rms_um"_is(fault.rms_um, 2), "range_um"_is(fault.range_um, 2), "value"_is(fault.value, 2),
+                     "sigma"_is(fault.sigma, 2), "unit"_is(fault.unit), "decay"_shown(decay),
+                     "component"_is(fault.component.empty() ? Json() : Json(fault.component)),
+                     "nonlinear_mm"_is(fault.nonlinear_mm > 0.0 ? Json(fault.nonlinear_mm) : Json()),
+                     "nonlinear_sigma_mm"_is(fault.nonlinear_sigma_mm), "false_naming"_is(std::exp(fault.ln_p)),
+                     "indistinguishable_from"_is(fault.indistinguishable_from), "rivals"_shown(rivals));
 }
 
 Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
@@ -76,13 +76,13 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
   return record_cell(
       "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, {left_um} um rms left\n"
       "{faults}{notes}",
-      {"rms_um"_is(diagnosis.rms_um, 3), "noise_um"_is(diagnosis.noise_um, 3),
-       "noise_from_repeats"_is(diagnosis.noise_from_repeats),
-       "from"_shown(diagnosis.noise_from_repeats ? " (from repeats)" : " (from neighbouring readings)"),
-       "left_um"_is(diagnosis.left_um, 3), "explained"_is(diagnosis.explained),
-       "lack_of_fit_p"_is(std::exp(diagnosis.lack_of_fit_ln_p)),
-       "faults"_is(list_cell(diagnosis.faults, fault_cell, heading)),
-       "notes"_is(lines_cell(diagnosis.notes, "  note: "))});
+      "rms_um"_is(diagnosis.rms_um, 3), "noise_um"_is(diagnosis.noise_um, 3),
+      "noise_from_repeats"_is(diagnosis.noise_from_repeats),
+      "from"_shown(diagnosis.noise_from_repeats ? " (from repeats)" : " (from neighbouring readings)"),
+      "left_um"_is(diagnosis.left_um, 3), "explained"_is(diagnosis.explained),
+      "lack_of_fit_p"_is(std::exp(diagnosis.lack_of_fit_ln_p)),
+      "faults"_is(list_cell(diagnosis.faults, fault_cell, heading)),
+      "notes"_is(lines_cell(diagnosis.notes, "  note: ")));
 }
 
 Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
@@ -98,13 +98,13 @@ Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   return outcome_of(
       record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
                   "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
-                  {"file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
-                   "feed_mm_min"_is(test.feed_mm_min),
-                   "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]",
-                                               "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]")),
-                   "passes"_is(list_cell(values.passes, pass_cell)), "pairs"_is(list_cell(values.pairs, pair_cell)),
-                   "causes"_is(diagnosis_cell(work.diagnosis)), "drawn"_shown(request.draw ? polar_text(values) : ""),
-                   "plot"_is(written_cell("plot", request.plot))}));
+                  "file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
+                  "feed_mm_min"_is(test.feed_mm_min),
+                  "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]",
+                                              "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]")),
+                  "passes"_is(list_cell(values.passes, pass_cell)), "pairs"_is(list_cell(values.pairs, pair_cell)),
+                  "causes"_is(diagnosis_cell(work.diagnosis)), "drawn"_shown(request.draw ? polar_text(values) : ""),
+                  "plot"_is(written_cell("plot", request.plot))));
 }
 
 struct DiagonalRequest {
@@ -121,15 +121,14 @@ Cell diagonal_cell(const laser::DiagonalValues& values) {
   return record_cell(
       "  {name:<8} {length_mm:>10} {E:>8} {R:>8} {A:>8} {B:>8} {M:>8} {growth_um_per_m:>9} +- "
       "{growth_sigma}\n",
-      {"name"_is(values.name), "length_mm"_is(values.length_mm, 1), "E"_is(iso.E, 2), "R"_is(iso.R, 2),
-       "A"_is(iso.A, 2), "B"_is(iso.B, 2), "M"_is(iso.M, 2), "growth_um_per_m"_is(values.growth_um_per_m, 2),
-       "growth_sigma"_is(values.growth_sigma, 2)});
+      "name"_is(values.name), "length_mm"_is(values.length_mm, 1), "E"_is(iso.E, 2), "R"_is(iso.R, 2), "A"_is(iso.A, 2),
+      "B"_is(iso.B, 2), "M"_is(iso.M, 2), "growth_um_per_m"_is(values.growth_um_per_m, 2),
+      "growth_sigma"_is(values.growth_sigma, 2));
 }
 
 Cell squareness_cell(const laser::DiagonalSquareness& squareness) {
-  return record_cell(
-      "  squareness {name}: {um_per_m} +- {sigma} um/m\n",
-      {"name"_is(squareness.name), "um_per_m"_is(squareness.um_per_m, 2), "sigma"_is(squareness.sigma, 2)});
+  return record_cell("  squareness {name}: {um_per_m} +- {sigma} um/m\n", "name"_is(squareness.name),
+                     "um_per_m"_is(squareness.um_per_m, 2), "sigma"_is(squareness.sigma, 2));
 }
 
 /// Of step diagonals: what came while one axis moved.
@@ -142,7 +141,7 @@ Cell moving_cell(const laser::DiagonalReadings& diagonal) {
       text += fmt::format("  {} moved {:+.2f} um", letter_of(axis), *sum_um);
     }
   if (axes.empty()) return {Json(), {}};
-  return {object_of({"name"_is(diagonal.name), "um"_is(std::move(axes))}), text + "\n"};
+  return {object_of("name"_is(diagonal.name), "um"_is(std::move(axes))), text + "\n"};
 }
 
 std::string body_text(const laser::DiagonalResults& results) {
@@ -162,12 +161,12 @@ Result<Outcome> diagonals(VerbContext&, const DiagonalRequest& request) {
   const std::string heading = fmt::format("  {:<8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "diagonal",
                                           "length mm", "E [um]", "R", "A", "B", "M", "um/m");
   return outcome_of(record_cell("{file}: {kind}\n{diagonals}{body}{squareness}{while_moving}{notes}",
-                                {"file"_is(request.file), "kind"_is(test.steps ? "step diagonals" : "diagonals"),
-                                 "diagonals"_is(list_cell(results.diagonals, diagonal_cell, heading)),
-                                 "body"_shown(body_text(results)), "E_body_um"_is(results.E_body_um),
-                                 "B_body_um"_is(results.B_body_um), "body_difference_um"_is(results.body_difference_um),
-                                 "squareness"_is(list_cell(results.squareness, squareness_cell)),
-                                 "while_moving"_is(moving), "notes"_is(lines_cell(results.notes, "  note: "))}));
+                                "file"_is(request.file), "kind"_is(test.steps ? "step diagonals" : "diagonals"),
+                                "diagonals"_is(list_cell(results.diagonals, diagonal_cell, heading)),
+                                "body"_shown(body_text(results)), "E_body_um"_is(results.E_body_um),
+                                "B_body_um"_is(results.B_body_um), "body_difference_um"_is(results.body_difference_um),
+                                "squareness"_is(list_cell(results.squareness, squareness_cell)),
+                                "while_moving"_is(moving), "notes"_is(lines_cell(results.notes, "  note: "))));
 }
 
 }  // namespace

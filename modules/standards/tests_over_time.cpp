@@ -32,10 +32,10 @@ struct DriftRequest {
 
 Cell drift_sense_cell(const laser::Drift& drift) {
   return record_cell("  {sense:<4} {range:>9} {window_range:>9} {from:>9} {last_window_range:>9} {unit}\n",
-                     {"sense"_is(name_of(drift.sense)), "hours"_is(drift.hours), "range"_is(drift.range, 2),
-                      "window_range"_is(drift.window_range, 2), "window_from_h"_is(drift.window_from_h),
-                      "from"_shown(fmt::format("{:.2f} h", drift.window_from_h)),
-                      "last_window_range"_is(drift.last_window_range, 2), "unit"_is(laser::unit_of(drift.sense))});
+                     "sense"_is(name_of(drift.sense)), "hours"_is(drift.hours), "range"_is(drift.range, 2),
+                     "window_range"_is(drift.window_range, 2), "window_from_h"_is(drift.window_from_h),
+                     "from"_shown(fmt::format("{:.2f} h", drift.window_from_h)),
+                     "last_window_range"_is(drift.last_window_range, 2), "unit"_is(laser::unit_of(drift.sense)));
 }
 
 PlotFigure drift_figure(const laser::DriftTest& test) {
@@ -68,10 +68,10 @@ Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
                                           fmt::format("in {:g} h", request.window_h), "from", "last");
-  return outcome_of(record_cell(
-      "{file}: {shown} h\n{senses}{plot}",
-      {"file"_is(request.file), "window_h"_is(request.window_h), "shown"_shown(test.senses.front().hours, 2),
-       "senses"_is(list_cell(test.senses, drift_sense_cell, heading)), "plot"_is(written_cell("plot", request.plot))}));
+  return outcome_of(record_cell("{file}: {shown} h\n{senses}{plot}", "file"_is(request.file),
+                                "window_h"_is(request.window_h), "shown"_shown(test.senses.front().hours, 2),
+                                "senses"_is(list_cell(test.senses, drift_sense_cell, heading)),
+                                "plot"_is(written_cell("plot", request.plot))));
 }
 
 struct FlatnessRequest {
@@ -95,7 +95,7 @@ Cell heights_cell(const laser::Flatness& flatness) {
     for (const laser::PlateStation& station : flatness.stations) {
       if (station.line != i) continue;
       stations.push_back(
-          object_of({"x_mm"_is(station.x_mm), "y_mm"_is(station.y_mm), "height_um"_is(station.height_um)}));
+          object_of("x_mm"_is(station.x_mm), "y_mm"_is(station.y_mm), "height_um"_is(station.height_um)));
       text += fmt::format("{:>5.1f}", station.height_um);
     }
     lines.add({{{"line", laser::kPlateLineNames[i]}, {"stations", std::move(stations)}}, text + "\n"});
@@ -139,8 +139,8 @@ PlotFigure oblique_view(const laser::Flatness& flatness) {
 Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
   const bool holds = std::abs(flatness.closure_um[0]) <= largest_um && std::abs(flatness.closure_um[1]) <= largest_um;
   return record_cell("closure error at the centre: E-W {E_W} um, N-S {N_S} um; at most {largest}: {holds}\n",
-                     {"E_W"_is(flatness.closure_um[0], 3), "N_S"_is(flatness.closure_um[1], 3),
-                      "largest"_is(largest_um), "holds"_is(holds, "holds", "exceeded, measure the lines again")});
+                     "E_W"_is(flatness.closure_um[0], 3), "N_S"_is(flatness.closure_um[1], 3), "largest"_is(largest_um),
+                     "holds"_is(holds, "holds", "exceeded, measure the lines again"));
 }
 
 Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
@@ -156,11 +156,11 @@ Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
       "  {least_squares_um:>9} um  planes parallel to that of least squares\n"
       "  {moody_um:>9} um  planes parallel to both diagonals (Moody 1955)\n"
       "{closure}heights above the lowest station [um], each line from its first station:\n{lines}{output}{plot}",
-      {"file"_is(request.file), "width_mm"_is(flatness.width_mm), "depth_mm"_is(flatness.depth_mm),
-       "heights"_is(flatness.stations.size()), "flatness_um"_is(flatness.minimum_zone_um, 3),
-       "least_squares_um"_is(flatness.least_squares_um, 3), "moody_um"_is(flatness.moody_um, 3), "closure"_is(closure),
-       "lines"_is(heights_cell(flatness)), "output"_is(written_cell("heights", request.output)),
-       "plot"_is(written_cell("plot", request.plot))});
+      "file"_is(request.file), "width_mm"_is(flatness.width_mm), "depth_mm"_is(flatness.depth_mm),
+      "heights"_is(flatness.stations.size()), "flatness_um"_is(flatness.minimum_zone_um, 3),
+      "least_squares_um"_is(flatness.least_squares_um, 3), "moody_um"_is(flatness.moody_um, 3), "closure"_is(closure),
+      "lines"_is(heights_cell(flatness)), "output"_is(written_cell("heights", request.output)),
+      "plot"_is(written_cell("plot", request.plot)));
   return outcome_of(answer, closure.json["holds"] == true ? kDone : kDoesNotHold);
 }
 
@@ -191,23 +191,19 @@ std::string settling_in_words(const laser::WarmUpCurve& curve) {
 
 Cell settling_cell(const std::optional<laser::Settling>& settling) {
   if (!settling) return null_cell();
-  return record_cell(
-      "", {"change"_is(settling->change), "change_uncertainty"_is(settling->change_uncertainty),
-           "time_constant_h"_is(settling->time_constant_h),
-           "time_constant_uncertainty_h"_is(settling->time_constant_uncertainty_h), "to_come"_is(settling->to_come)});
+  return record_cell("", "change"_is(settling->change), "change_uncertainty"_is(settling->change_uncertainty),
+                     "time_constant_h"_is(settling->time_constant_h),
+                     "time_constant_uncertainty_h"_is(settling->time_constant_uncertainty_h),
+                     "to_come"_is(settling->to_come));
 }
 
 AnswerFields curve_fields(const laser::WarmUpCurve& curve) {
-  return {"sense"_is(name_of(curve.sense)),
-          "position_mm"_is(curve.position_mm, fmt::format("{:g}", curve.position_mm)),
-          "approach"_is(static_cast<int>(curve.approach)),
-          "side"_shown(side_of(curve.approach)),
-          "range"_is(curve.range, 2),
-          "first_range"_is(curve.first_range, 2),
-          "last_range"_is(curve.last_range, 2),
-          "settled"_is(curve.settled),
-          "settling"_is(settling_cell(curve.settling)),
-          "words"_shown(settling_in_words(curve))};
+  return described("sense"_is(name_of(curve.sense)),
+                   "position_mm"_is(curve.position_mm, fmt::format("{:g}", curve.position_mm)),
+                   "approach"_is(static_cast<int>(curve.approach)), "side"_shown(side_of(curve.approach)),
+                   "range"_is(curve.range, 2), "first_range"_is(curve.first_range, 2),
+                   "last_range"_is(curve.last_range, 2), "settled"_is(curve.settled),
+                   "settling"_is(settling_cell(curve.settling)), "words"_shown(settling_in_words(curve)));
 }
 
 Cell warm_up_curve_cell(const laser::WarmUpCurve& curve) {
@@ -219,8 +215,8 @@ Cell warm_up_difference_cell(const laser::WarmUpDifference& difference) {
   AnswerFields fields = curve_fields(difference.curve);
   const std::string per_m =
       difference.range_um_per_m > 0.0 ? fmt::format(", {:.2f} um/m", difference.range_um_per_m) : std::string();
-  append(fields, {"to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
-                  "range_um_per_m"_is(difference.range_um_per_m), "per_m"_shown(per_m)});
+  append(fields, "to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
+         "range_um_per_m"_is(difference.range_um_per_m), "per_m"_shown(per_m));
   return record_cell("  {sense} at {to_mm} less that at {position_mm} mm {side}: range {range}{per_m}; {words}\n",
                      fields);
 }
@@ -252,11 +248,11 @@ Result<Outcome> warm_up(VerbContext& context, const WarmUpRequest& request) {
   return outcome_of(
       record_cell("{file}: axis {axis} moves for {shown} h; ranges in um, of rotations in um/m\n"
                   "{curves}{differences}{plot}",
-                  {"file"_is(request.file), "axis"_is(std::string(1, letter_of(test.axis))),
-                   "window_h"_is(request.window_h), "hours"_is(test.hours), "shown"_shown(test.hours, 2),
-                   "curves"_is(list_cell(test.curves, warm_up_curve_cell, heading)),
-                   "differences"_is(list_cell(test.differences, warm_up_difference_cell)),
-                   "plot"_is(written_cell("plot", request.plot))}));
+                  "file"_is(request.file), "axis"_is(std::string(1, letter_of(test.axis))),
+                  "window_h"_is(request.window_h), "hours"_is(test.hours), "shown"_shown(test.hours, 2),
+                  "curves"_is(list_cell(test.curves, warm_up_curve_cell, heading)),
+                  "differences"_is(list_cell(test.differences, warm_up_difference_cell)),
+                  "plot"_is(written_cell("plot", request.plot))));
 }
 
 }  // namespace

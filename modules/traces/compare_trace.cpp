@@ -173,8 +173,8 @@ Json signal_json(const model::SignalDifference& signal, DriveConstant first) {
     members[name_of(m.member)] = number_or_null(m.relative);
     peaks[name_of(m.member)] = number_or_null(m.peak);
   }
-  return object_of(
-      {"signal"_is(model::info_of(signal.signal).name), "relative_difference"_is(members), "peak_if"_is(peaks)});
+  return object_of("signal"_is(model::info_of(signal.signal).name), "relative_difference"_is(members),
+                   "peak_if"_is(peaks));
 }
 
 Cell drive_candidate_cell(const DriveCandidate& candidate, double rms_V, const model::DriveParameters& given) {
@@ -183,19 +183,13 @@ Cell drive_candidate_cell(const DriveCandidate& candidate, double rms_V, const m
   for (const DriveChange& c : all) parameters.push_back(name_of(c.constant));
   for (const model::DriveSignal s : candidate.separated_by) separated.push_back(model::info_of(s).name);
   for (const model::SignalDifference& s : candidate.signals) signals.push_back(signal_json(s, all.front().constant));
-  Json object{{"parameters", parameters},
-              {"together", candidate.together},
-              {"explains", candidate.explains},
-              {"factor", number_or_null(all.front().factor)},
-              {"factors", by_name(all, &DriveChange::factor)},
-              {candidate.together ? "values" : "value_if_others_trusted", by_name(all, &DriveChange::value)},
-              {"sigma", by_name(all, &DriveChange::sigma)},
-              {"unit", units_json(all)},
-              {"rms_before_V", number_or_null(rms_V)},
-              {"rms_after_V", number_or_null(candidate.rms_after_V)},
-              {"rms_after_each_V", by_name(all, &DriveChange::rms_after)},
-              {"separated_by", separated},
-              {"signals", signals}};
+  Json object =
+      object_of("parameters"_is(parameters), "together"_is(candidate.together), "explains"_is(candidate.explains),
+                "factor"_is(all.front().factor), "factors"_is(by_name(all, &DriveChange::factor)),
+                FieldKey(candidate.together ? "values" : "value_if_others_trusted")(by_name(all, &DriveChange::value)),
+                "sigma"_is(by_name(all, &DriveChange::sigma)), "unit"_is(units_json(all)), "rms_before_V"_is(rms_V),
+                "rms_after_V"_is(candidate.rms_after_V), "rms_after_each_V"_is(by_name(all, &DriveChange::rms_after)),
+                "separated_by"_is(separated), "signals"_is(signals));
   if (candidate.together)
     object["instead_of"] = {{name_of(all[0].constant), names_json(candidate.like_first)},
                             {name_of(all[1].constant), names_json(candidate.like_second)}};
@@ -227,24 +221,18 @@ Cell few_digits_cell(double value, int digits) { return {number_or_null(value), 
 
 Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trace,
                           const model::DriveParameters& given) {
-  const AnswerFields fields{
-      "trace"_is(trace.source),
-      "feed_mm_min"_is(few_digits_cell(trace.move.feed_mm_min, 4)),
-      "distance_mm"_is(few_digits_cell(trace.move.distance_mm, 3)),
-      "observations"_is(d.observations),
-      "rms_V"_is(d.rms_V),
-      "noise_V"_is(few_digits_cell(d.noise_V, 2)),
-      "verdict"_is(model::name_of(d.verdict), verdict_text(d)),
-      "move_starts_s"_is(few_digits_cell(d.start_s, 3)),
-      "measured"_is(shape_json(d.measured)),
-      "simulated"_is(shape_json(d.as_given)),
-      "mended"_is(d.candidates.empty() ? Json() : shape_json(d.mended)),
-      "shapes"_shown(shapes_text(d)),
+  const AnswerFields fields = described(
+      "trace"_is(trace.source), "feed_mm_min"_is(few_digits_cell(trace.move.feed_mm_min, 4)),
+      "distance_mm"_is(few_digits_cell(trace.move.distance_mm, 3)), "observations"_is(d.observations),
+      "rms_V"_is(d.rms_V), "noise_V"_is(few_digits_cell(d.noise_V, 2)),
+      "verdict"_is(model::name_of(d.verdict), verdict_text(d)), "move_starts_s"_is(few_digits_cell(d.start_s, 3)),
+      "measured"_is(shape_json(d.measured)), "simulated"_is(shape_json(d.as_given)),
+      "mended"_is(d.candidates.empty() ? Json() : shape_json(d.mended)), "shapes"_shown(shapes_text(d)),
       "candidates"_is(drive_candidates_cell(d, given)),
       "says_nothing_about"_is(
           names_json(d.silent),
           d.silent.empty() ? "" : paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)))),
-      "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes))};
+      "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)));
   return {
       object_of(fields),
       paragraph(laid_out("step of {distance_mm} mm at {feed_mm_min} mm/min, {observations} samples, noise {noise_V} "
