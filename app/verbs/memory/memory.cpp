@@ -92,10 +92,7 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
       confirmed(request.yes, fmt::format("{} bytes from {} on are overwritten", bytes.size(), hex_address(address))));
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
-  if (auto written =
-          write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory"));
-      !written)
-    return tl::unexpected(written.error());
+  ECS_DO(write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory")));
   return outcome_of(record_cell("{length} bytes written from {address} on", "address"_is(hex_address(address)),
                                 "length"_is(bytes.size())));
 }

@@ -175,9 +175,7 @@ Cell predictions_cell(const Predicted& p) {
 }
 
 Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
-  if (const auto distinct = check_output_not_input(request.output, {request.points, request.model, request.machine});
-      !distinct)
-    return tl::unexpected(distinct.error());
+  ECS_DO(check_output_not_input(request.output, {request.points, request.model, request.machine}));
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(context.console, request.machine));

@@ -97,10 +97,7 @@ struct RunRequest {
 Result<Outcome> run_program_in_unit(VerbContext& context, const RunRequest& request) {
   ECS_TRY(address, whole_number(request.address, "ADDRESS"));
   ECS_TRY(argument, whole_number(request.argument, "--argument"));
-  if (const auto sure =
-          confirmed(request.yes, fmt::format("the unit runs the machine code at {}", hex_address(address)));
-      !sure)
-    return tl::unexpected(sure.error());
+  ECS_DO(confirmed(request.yes, fmt::format("the unit runs the machine code at {}", hex_address(address))));
   ECS_TRY(unit, open_unit(context));
   const std::chrono::milliseconds limit(static_cast<long long>(request.wait_s * 1000.0));
   ECS_TRY(value, unit.client().run_user_software(address, argument, limit));
