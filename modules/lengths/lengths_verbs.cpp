@@ -142,8 +142,8 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
       fmt::format("identified from {} lengths of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
                   "degree {}, {} readings left out, residual {:.3f} um",
                   work.found.readings, work.test.set_ups.size(), work.found.unknowns, work.found.knots_mm[0],
-                  work.found.knots_mm[1], work.found.knots_mm[2], arguments.reversal_degree, work.found.outliers.size(),
-                  work.found.residual_um));
+                  work.found.knots_mm[1], work.found.knots_mm[2], arguments.settings.reversal_degree,
+                  work.found.outliers.size(), work.found.residual_um));
   header.processing.insert(header.processing.end(), work.found.contradictions.begin(), work.found.contradictions.end());
   return map;
 }
