@@ -1,5 +1,6 @@
-// Records of an answer whose fields are listed once: two writers visit the list, one makes the JSON, one the
-// text. Answers in prose keep their own text. Only for .cpp files (heavy header).
+// Records of an answer whose fields are described once, each by its key: record_cell("{axis}: {error_um} um\n",
+// "axis"_is(letter), "error_um"_is(error, 2)). Two writers visit them: one makes the JSON, one the text. Answers in
+// prose keep their own text. Only for .cpp files (heavy header).
 #pragma once
 
 #include <concepts>

@@ -212,12 +212,11 @@ namespace {
 Cell hex_cell(std::uint32_t number) { return cell_of(fmt::format("{:08X}", number)); }
 
 Cell regions_cell(const MemoryDump& dump) {
-  Cell regions{Json::array(), {}};
-  for (const DumpRegion& region : dump.regions)
-    regions.add(record_cell("{address}  {bytes:>7} bytes  {name}{intact}\n", "name"_is(region.name),
-                            "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size()),
-                            "expected_bytes"_is(region.size), "intact"_is(region.intact, "", " (damaged)")));
-  return regions;
+  return list_cell(dump.regions, [](const DumpRegion& region) {
+    return record_cell("{address}  {bytes:>7} bytes  {name}{intact}\n", "name"_is(region.name),
+                       "address"_is(hex_address(region.address)), "bytes"_is(region.bytes.size()),
+                       "expected_bytes"_is(region.size), "intact"_is(region.intact, "", " (damaged)"));
+  });
 }
 
 Cell commit_cell(const CommitSlot& slot) {
@@ -235,10 +234,7 @@ Cell commit_cell(const CommitSlot& slot) {
 }
 
 Cell commits_cell(const DecodedMemory& memory) {
-  Cell list{Json::array(), {}};
-  if (memory.has_commits)
-    for (const CommitSlot& slot : memory.commits) list.add(commit_cell(slot));
-  return list;
+  return memory.has_commits ? list_cell(memory.commits, commit_cell) : Cell{Json::array(), {}};
 }
 
 std::string_view layout_for(const DecodedTable& table) {

@@ -28,8 +28,9 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
 }
 
 Cell directions_cell(const Comparison& c) {
-  Cell list{Json::array(), "sense axis direction   readings     bias      rms     peak   lack of fit\n"};
-  for (const model::DirectionSummary& one : c.directions) list.add(direction_cell(one, c.rotary));
+  Cell list = list_cell(
+      c.directions, [&](const auto& one) { return direction_cell(one, c.rotary); },
+      "sense axis direction   readings     bias      rms     peak   lack of fit\n");
   list.text += "bias, rms, peak of the residual (reading - model): um; um/m for EA EB EC\n";
   return list;
 }

@@ -414,8 +414,6 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
 
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
-  Cell causes{Json::array(), ""};
-  for (const CauseCost& cost : answer.causes) causes.add(cause_cell(cost, has_circle));
   std::string head = fmt::format(
       "What is left [um] if one cause is left as it is, compensated or repaired, everything else that the unit can "
       "compensate being compensated; in brackets at most, with 95 %. {} readings (noise of one {:.2f} um), {} places "
@@ -428,7 +426,8 @@ Cell repair_cell(const RepairAnswer& answer) {
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
       "noise_um"_is(answer.noise_um),
       "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),
-      "circle_plane"_is(has_circle ? Json(answer.plane) : Json(nullptr)), "causes"_is(std::move(causes)),
+      "circle_plane"_is(has_circle ? Json(answer.plane) : Json(nullptr)),
+      "causes"_is(list_cell(answer.causes, [&](const auto& cost) { return cause_cell(cost, has_circle); })),
       "notes"_is(answer.notes, notes_text(answer.notes)));
 }
 
