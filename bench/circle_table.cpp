@@ -54,6 +54,7 @@ struct HiddenCircle {
 std::size_t one_of(Random& random, std::size_t count) {
   return std::min(count - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(count)));
 }
+double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
 double either_sign(Random& random) { return random.uniform() < 0.5 ? -1.0 : 1.0; }
 
 struct Drives {

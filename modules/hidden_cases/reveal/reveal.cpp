@@ -275,13 +275,11 @@ void add_scores(Cell& list, const HiddenEffect& hidden, const FoundEffect& found
     const auto given = found.sigma.find(name);
     const auto sigma = given != found.sigma.end() ? std::optional(given->second) : std::nullopt;
     const auto off = sigma && *sigma > 0.0 ? std::optional((value - truth) / *sigma) : std::nullopt;
-    list.add(record_cell("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}\n",
-                         {{"effect", word_cell(hidden.name)},
-                          {"name", {name, fmt::format("{} {}", hidden.name, name)}},
-                          {"truth", {number_or_null(truth), few_digits(truth, 5)}},
-                          {"found", {number_or_null(value), few_digits(value, 5)}},
-                          {"sigma", {number_or_null(sigma), sigma ? few_digits(*sigma, 2) : "-"}},
-                          {"sigmas_off", {number_or_null(off), off ? fmt::format("{:+.1f} s", *off) : "-"}}}));
+    list.add(record_cell("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}\n", "effect"_is(hidden.name),
+                         "name"_is(name, fmt::format("{} {}", hidden.name, name)),
+                         "truth"_is(truth, few_digits(truth, 5)), "found"_is(value, few_digits(value, 5)),
+                         "sigma"_is(sigma, sigma ? few_digits(*sigma, 2) : "-"),
+                         "sigmas_off"_is(off, off ? fmt::format("{:+.1f} s", *off) : "-")));
   }
 }
 
@@ -348,18 +346,12 @@ std::string case_text(const Revealed& r) {
 }
 
 Json case_json(const Revealed& r) {
-  return {{"case", r.folder},
-          {"kind", r.truth.kind},
-          {"right", r.judged.right},
-          {"why", r.judged.why},
-          {"truth", r.truth.json},
-          {"found", found_names(r.answer)},
-          {"verdict", r.answer.verdict},
-          {"where", r.answer.where},
-          {"parameters", scores_cell(r).json},
-          {"rms_after_um", number_or_null(r.answer.rms_after_um)},
-          {"true_model_rms_um", r.truth.true_model_rms_um > 0.0 ? Json(r.truth.true_model_rms_um) : Json(nullptr)},
-          {"rms_ratio", number_or_null(rms_ratio(r))}};
+  return object_of(
+      "case"_is(r.folder), "kind"_is(r.truth.kind), "right"_is(r.judged.right), "why"_is(r.judged.why),
+      "truth"_is(r.truth.json), "found"_is(found_names(r.answer)), "verdict"_is(r.answer.verdict),
+      "where"_is(r.answer.where), "parameters"_is(scores_cell(r).json), "rms_after_um"_is(r.answer.rms_after_um),
+      "true_model_rms_um"_is(r.truth.true_model_rms_um > 0.0 ? Json(r.truth.true_model_rms_um) : Json(nullptr)),
+      "rms_ratio"_is(rms_ratio(r)));
 }
 
 // --- a folder of cases
@@ -391,16 +383,13 @@ Outcome summed_up(const std::vector<Revealed>& all) {
   text += "\n";
   for (const auto& [kind, tally] : kinds) {
     text += fmt::format("{:<16} {:>4} of {} right\n", kind, tally.right, tally.of);
-    by_kind[kind] = {{"right", tally.right}, {"of", tally.of}};
+    by_kind[kind] = object_of("right"_is(tally.right), "of"_is(tally.of));
   }
   text += fmt::format("{:<16} {:>4} of {} right\n", "all", total.right, total.of);
   const bool right = total.right == total.of;
   return {text,
-          one_line(Json{{"right", right},
-                        {"right_cases", total.right},
-                        {"of", total.of},
-                        {"kinds", std::move(by_kind)},
-                        {"cases", std::move(cases)}}),
+          one_line(object_of("right"_is(right), "right_cases"_is(total.right), "of"_is(total.of),
+                             "kinds"_is(std::move(by_kind)), "cases"_is(std::move(cases)))),
           right ? kDone : kDoesNotHold};
 }
 
