@@ -11,13 +11,13 @@
 #include <map>
 #include <set>
 
+#include "base/linear/decompositions.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

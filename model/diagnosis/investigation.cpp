@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/waves.hpp"
@@ -14,7 +15,6 @@
 #include "model/fit/held_out.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

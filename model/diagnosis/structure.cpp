@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 

@@ -7,12 +7,12 @@
 #include <numbers>
 #include <optional>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

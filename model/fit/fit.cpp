@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
+#include "base/linear/decompositions.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 

@@ -15,9 +15,9 @@
 #include <set>
 #include <tuple>
 
+#include "base/linear/decompositions.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -7,11 +7,11 @@
 #include <tuple>
 #include <utility>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::model {

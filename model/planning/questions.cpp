@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/user_formula.hpp"
 

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/linear/decompositions.hpp"
 #include "model/data/motions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 #include "model/planning/run.hpp"
 #include "model/regression/user_formula.hpp"
 

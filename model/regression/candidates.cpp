@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
-#include "base/linear/decompositions.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 

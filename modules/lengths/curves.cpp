@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/units.hpp"
 #include "base/linear/decompositions.hpp"
+#include "base/units.hpp"
 
 namespace ecs::model {
 namespace {

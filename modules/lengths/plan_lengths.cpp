@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/units.hpp"
 #include "base/linear/decompositions.hpp"
+#include "base/units.hpp"
 #include "model/planning/run.hpp"
 #include "modules/lengths/plan_choice.hpp"
 

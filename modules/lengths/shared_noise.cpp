@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/units.hpp"
 #include "base/linear/decompositions.hpp"
+#include "base/units.hpp"
 
 namespace ecs::model {
 namespace {

@@ -12,9 +12,9 @@
 
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 #include "modules/standards/circle_faults.hpp"
 
 namespace ecs::model {

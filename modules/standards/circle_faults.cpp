@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "model/fit/statistics.hpp"
-#include "base/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {

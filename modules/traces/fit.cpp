@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/fit/statistics.hpp"
 #include "base/linear/decompositions.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <rapidcheck.h>
 
-#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

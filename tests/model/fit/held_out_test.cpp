@@ -1,7 +1,7 @@
 #include "model/fit/held_out.hpp"
 
-#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;

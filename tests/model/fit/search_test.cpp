@@ -2,8 +2,8 @@
 
 #include <Eigen/QR>
 
-#include "tests/support/normal_matrix.hpp"
 #include "tests/model/support/searching.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
