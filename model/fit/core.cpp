@@ -394,8 +394,9 @@ MatrixXd smooth_columns(const Observations& data) {
     };
     add([](std::size_t) { return 1.0; });
     std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for so many only
-    std::ranges::stable_partition(
-        axes, [&](Axis a) { return std::ranges::any_of(rows, [&](std::size_t k) { return data.axis[k] == a; }); });
+    std::stable_partition(axes.begin(), axes.end(), [&](Axis a) {
+      return std::ranges::any_of(rows, [&](std::size_t k) { return data.axis[k] == a; });
+    });
     for (const Axis a : axes) {
       std::vector<double> p;
       for (const std::size_t k : rows) p.push_back(data.p_mm(k, a));

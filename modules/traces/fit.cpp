@@ -40,7 +40,8 @@ constexpr double kStartIntervals = 3.0, kStartOfRise = 0.1, kUsualRise_s = 0.1;
 constexpr double kScaleFell = 0.7;
 constexpr int kMostScales = 3;
 /// Factors tried from: e^-4 to e^4 (about 1/55 to 55) in steps of e^0.4 = 1.5; valleys of the loss are wider.
-constexpr double kWidestTry = 4.0, kTrySpacing = 0.4, kRounding = 1e-9;
+constexpr int kTries = 10;  // to either side
+constexpr double kTrySpacing = 0.4;
 /// Samples beyond so many noises are glitches where at most one in a hundred is.
 constexpr double kGlitch = 8.0;
 constexpr std::size_t kSamplesAGlitch = 100;
@@ -263,12 +264,14 @@ double DriveFitter::best_start(const DriveResponse& response) const {
       least = cost;
       best = earliest_s_ + n * width;
     }
-  for (; width > kFinestStart_s; width *= 0.5)
+  while (width > kFinestStart_s) {
     for (const double at : {best - 0.5 * width, best + 0.5 * width})
       if (const double cost = cost_at(at); cost < least) {
         least = cost;
         best = at;
       }
+    width *= 0.5;
+  }
   return best;
 }
 
@@ -301,7 +304,8 @@ DriveFit DriveFitter::best_factor(const DriveFit& start, DriveConstant constant)
     double ln = 0.0, start_s = 0.0, cost = 0.0;
   };
   std::vector<Try> tries;
-  for (double ln = -kWidestTry; ln <= kWidestTry + kRounding; ln += kTrySpacing) {
+  for (int k = -kTries; k <= kTries; ++k) {
+    const double ln = k * kTrySpacing;
     DriveParameters drive = start.drive;
     drive[constant] *= std::exp(ln);
     const DriveResponse then = response(drive);
