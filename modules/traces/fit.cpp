@@ -304,8 +304,8 @@ DriveFit DriveFitter::best_factor(const DriveFit& start, DriveConstant constant)
     double ln = 0.0, start_s = 0.0, cost = 0.0;
   };
   std::vector<Try> tries;
-  for (int k = -kTries; k <= kTries; ++k) {
-    const double ln = k * kTrySpacing;
+  double ln = -kTries * kTrySpacing;
+  for (int k = -kTries; k <= kTries; ++k, ln += kTrySpacing) {
     DriveParameters drive = start.drive;
     drive[constant] *= std::exp(ln);
     const DriveResponse then = response(drive);
