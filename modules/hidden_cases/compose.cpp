@@ -19,7 +19,7 @@ constexpr Eigen::Index kFewRuns = 4;  ///< below, a condition that changes from 
 constexpr int kLeastRuns = 5;         ///< in which a zero that moves from run to run shows
 constexpr double kHallSensor = 0.3;   ///< how often a free base comes with a sensor that coincides with runs
 
-/// What a design needs beyond what the hidden effect asks for: it shall not give the effect away.
+/// What a design needs beyond what the hidden effect asks for: it must not give the effect away.
 Needs distractions(Random& random, const Needs& needs) {
   Needs n = needs;
   const auto maybe = [&](bool& need, double probability) { need = need || chance(random, probability); };

@@ -1,4 +1,4 @@
-// One try at each kind of hidden case; nothing comes of it where the design drawn cannot show what shall be hidden.
+// One try at each kind of hidden case; nothing comes of it where the design drawn cannot show what is to be hidden.
 // What a model can absorb of a set of readings and what of an error it cannot; the base model: errors that the engineer
 // knows of already. For .cpp files of this folder only (Eigen). Does not live here: trying again (case.cpp).
 #pragma once

@@ -137,7 +137,7 @@ struct Hiding {
 /// @param kind  one of effects()
 [[nodiscard]] const Hiding& hiding_of(const EffectDefinition& kind);
 [[nodiscard]] inline const Hiding& hiding_of(const PlacedEffect& effect) { return hiding_of(*effect.kind); }
-/// Those that a hidden case may draw by itself.
+/// Those that a hidden case may draw without being asked for one.
 [[nodiscard]] const std::vector<const EffectDefinition*>& drawn_effects();
 
 /// @param good  as of PlaceSearch

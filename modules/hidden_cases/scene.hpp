@@ -1,5 +1,5 @@
 // What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map, what its
-// stops cover; machine, weather and the order of stops drawn so that what shall be hidden can show. Does not live here:
+// stops cover; machine, weather and the order of stops drawn so that what is hidden can show. Does not live here:
 // errors (ecs_emulator/effects, modules/hidden_cases/hiding.hpp), readings (modules/hidden_cases/case.hpp), Ciddor's
 // equations of the virtual laser (ecs_emulator/instruments/interferometer.hpp).
 #pragma once

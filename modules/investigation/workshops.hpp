@@ -1,4 +1,4 @@
-// A workshop that works by itself: part programs, virtual laser, waiting, warming up, load and realigned optics as
+// A workshop that needs no person: part programs, virtual laser, waiting, warming up, load and realigned optics as
 // requests over its socket (docs/emulator.md); only the requests are known here, nothing of the program behind them.
 // A workshop where a person measures: each run is asked for in words, with its part program and target list as files,
 // and the readings are taken from a folder. What was given is kept in a ledger there, from which the same command goes
