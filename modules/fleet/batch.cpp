@@ -1,7 +1,6 @@
 #include "modules/fleet/batch.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -254,9 +253,27 @@ class Run {
     }
   }
 
-  void carry_out(std::size_t unit) {
+  /// Each line is taken and its first unit told in one step: lines begin in the order of the plan.
+  void carry_out_lines(const std::vector<std::vector<std::size_t>>& lines) {
+    for (;;) {
+      std::unique_lock lock(mutex_);
+      if (next_line_ == lines.size()) return;
+      const std::vector<std::size_t>& line = lines[next_line_++];
+      if (!interrupted()) begin(line.front());
+      lock.unlock();
+      for (const std::size_t unit : line) carry_out(unit, unit == line.front());
+    }
+  }
+
+  [[nodiscard]] const std::vector<BatchReport>& reports() const { return reports_; }
+
+ private:
+  void carry_out(std::size_t unit, bool is_told) {
     if (!interrupted()) {
-      begin(unit);
+      if (!is_told) {
+        const std::lock_guard lock(mutex_);
+        begin(unit);
+      }
       const auto progress = [this, unit](const protocol::Progress& now) {
         if (now.bytes_total > 0)
           tell(unit, static_cast<double>(now.bytes_done) / static_cast<double>(now.bytes_total), 0);
@@ -266,11 +283,7 @@ class Run {
     tell(unit, 1.0, 1);
   }
 
-  [[nodiscard]] const std::vector<BatchReport>& reports() const { return reports_; }
-
- private:
   void begin(std::size_t unit) {
-    const std::lock_guard lock(mutex_);
     if (watch_.begun) watch_.begun(plan_[unit]);
   }
 
@@ -291,6 +304,7 @@ class Run {
   std::vector<BatchReport> reports_;
   std::mutex mutex_;
   std::vector<double> shares_;
+  std::size_t next_line_ = 0;
   std::size_t done_ = 0;
   std::chrono::steady_clock::time_point begun_at_ = std::chrono::steady_clock::now();
 };
@@ -306,13 +320,9 @@ std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMo
                                    const BatchWatch& watch) {
   const auto queues = units_by_line(plan);
   Run run{plan, mode, watch};
-  std::atomic<std::size_t> next{0};
   std::vector<std::thread> workers;
   for (std::size_t i = 0; i < std::min(queues.size(), static_cast<std::size_t>(lines)); ++i)
-    workers.emplace_back([&] {
-      for (std::size_t line = next++; line < queues.size(); line = next++)
-        for (const std::size_t unit : queues[line]) run.carry_out(unit);
-    });
+    workers.emplace_back([&] { run.carry_out_lines(queues); });
   for (std::thread& worker : workers) worker.join();
   return run.reports();
 }
