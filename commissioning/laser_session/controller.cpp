@@ -14,8 +14,6 @@
 namespace ecs::commissioning {
 namespace {
 
-constexpr const char* kDraft = "laser";
-
 /// As the time of a draft: "2026-05-04 14:05".
 std::string written_at(const std::string& file) {
   struct stat facts {};
@@ -45,8 +43,8 @@ LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : L
 }  // namespace
 
 LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
-    : unit_(std::move(unit)), work_(std::make_shared<const LaserWork>()) {
-  offer(offered_draft(kDraft));
+    : unit_(std::move(unit)), edited_("laser"), work_(std::make_shared<const LaserWork>()) {
+  offer(offered_draft(edited_.draft()));
 }
 
 LaserController::~LaserController() {
@@ -56,10 +54,9 @@ LaserController::~LaserController() {
 // --- choices --------------------------------------------------------------------------------------------------------
 
 void LaserController::change(const std::string& what, const std::function<void(LaserChoices&)>& how) {
-  LaserChoices next = choices_;
+  LaserChoices next = choices();
   how(next);
-  if (next == choices_) return;
-  history_.did(what, std::exchange(choices_, std::move(next)));
+  if (!edited_.did(what, std::move(next))) return;
   keep();
   work_out();
 }
@@ -73,13 +70,13 @@ void LaserController::open_map(const std::string& file) {
     const std::string beside = files_of_map(file).parameters;
     if (std::filesystem::exists(beside, error)) c.params_file = beside;
   });
-  message_.say(choices_.params_file.empty()
+  message_.say(choices().params_file.empty()
                    ? "map opened; p takes the parameters of the unit, step 8 sends both"
-                   : fmt::format("map opened, with the parameters {}; step 8 sends both", choices_.params_file));
+                   : fmt::format("map opened, with the parameters {}; step 8 sends both", choices().params_file));
 }
 
-void LaserController::undo() { stepped("taken back: ", history_.undo(choices_), "nothing to undo"); }
-void LaserController::redo() { stepped("done again: ", history_.redo(choices_), "nothing to do again"); }
+void LaserController::undo() { stepped("taken back: ", edited_.undo(), "nothing to undo"); }
+void LaserController::redo() { stepped("done again: ", edited_.redo(), "nothing to do again"); }
 
 void LaserController::stepped(const char* how, const std::optional<std::string>& what, const char* nothing) {
   if (!what) return message_.say(nothing, Tone::warning);
@@ -91,16 +88,15 @@ void LaserController::stepped(const char* how, const std::optional<std::string>&
 void LaserController::keep() {
   changed_ = true;
   ready_.reset();
-  LaserChoices whole = choices_;  // the draft may be taken up from another folder
+  LaserChoices whole = choices();  // the draft may be taken up from another folder
   for (std::string* path : {&whole.params_file, &whole.map_file, &whole.opened_map}) *path = absolute(*path);
   for (LaserFileChoice& file : whole.files) file.path = absolute(file.path);
-  if (const auto kept = keep_draft(kDraft, choices_text(whole)); !kept) message_.say(kept.error());
+  if (const auto kept = edited_.keep(choices_text(whole)); !kept) message_.say(kept.error());
 }
 
 void LaserController::take_up_offered() {
   if (!offered_) return;
-  choices_ = choices_in(offered_->text).value_or(LaserChoices{});
-  history_.did("the work of the draft", LaserChoices{});
+  edited_.take_up(choices_in(offered_->text).value_or(LaserChoices{}), {});
   message_.say("taken up: work of " + offered_->kept);
   warn_of_newer_files(offered_->kept);
   offered_.reset();
@@ -115,27 +111,25 @@ void LaserController::offer(std::optional<Draft> draft) {
 }
 
 void LaserController::drop_offered() {
-  drop_draft(kDraft);
-  offer(offered_draft(kDraft));
+  drop_draft(edited_.draft());
+  offer(offered_draft(edited_.draft()));
 }
 
 void LaserController::set_offered_aside() {
   offered_.reset();
-  set_draft_aside(kDraft);
+  set_draft_aside(edited_.draft());
 }
 
-std::size_t LaserController::drafts_aside() { return commissioning::drafts_aside(kDraft); }
-
 void LaserController::offer_another() {
-  exchange_draft(kDraft);
-  offer(draft_of(kDraft));
+  exchange_draft(edited_.draft());
+  offer(draft_of(edited_.draft()));
 }
 
 /// Single readings are known by their place in the file: a file written anew may hold others there.
 void LaserController::warn_of_newer_files(const std::string& than) {
-  for (const auto& [key, line] : choices_.lines) {
+  for (const auto& [key, line] : choices().lines) {
     if (line.readings.empty()) continue;
-    for (const LaserFileChoice& file : choices_.files)
+    for (const LaserFileChoice& file : choices().files)
       if (written_at(file.path) > than) {
         message_.say(fmt::format("{} was written after readings were left out: look at step 3 again", file.path),
                      Tone::warning);
@@ -156,7 +150,7 @@ void LaserController::read_again() {
 void LaserController::work_out() {
   pending_ = working_out_.running();
   if (pending_) return working_out_.cancel();
-  const auto work = [choices = choices_, before = work_](JobControl& control) {
+  const auto work = [choices = choices(), before = work_](JobControl& control) {
     return worked_out(choices, before, control);
   };
   working_out_.start("working out", work, [this](LaserWorkPtr done) {
@@ -217,18 +211,18 @@ LaserMark LaserController::mark(LaserStep step) const {
 }
 
 std::string LaserController::unsaved() const {
-  if (!changed_ || choices_ == LaserChoices{}) return {};
+  if (!changed_ || !edited_.unsaved()) return {};
   return "PROCESS LASER DATA: the map with these choices is not saved (they are kept and offered again)";
 }
 
 // --- disc and unit --------------------------------------------------------------------------------------------------
 
 bool LaserController::would_overwrite() const {
-  const MapFiles files = files_of_map(choices_.map_file);
-  if (saved_file_ == choices_.map_file) return false;
-  const bool opened = choices_.opened_map == files.map;  // with it the parameters beside it are changed in place
+  const MapFiles files = files_of_map(choices().map_file);
+  if (saved_file_ == choices().map_file) return false;
+  const bool opened = choices().opened_map == files.map;  // with it the parameters beside it are changed in place
   const std::vector<std::string> own =
-      opened ? std::vector{files.map, choices_.params_file} : std::vector<std::string>{};
+      opened ? std::vector{files.map, choices().params_file} : std::vector<std::string>{};
   return ecs::would_overwrite(files.map, own) || ecs::would_overwrite(files.parameters, own) ||
          (!opened && ecs::would_overwrite(files.recipe));
 }
@@ -245,7 +239,7 @@ bool LaserController::can_save() {
     message_.say("The map is still being computed. Try again in a moment.", Tone::warning);
   else if (!work_->map.made)
     message_.say("there is no map to save yet: step 6 says what is missing", Tone::bad);
-  else if (choices_.map_file.empty())
+  else if (choices().map_file.empty())
     message_.say("the map needs the name of a file", Tone::bad);
   else
     return true;
@@ -267,14 +261,14 @@ void LaserController::save_and(bool check) {
   if (!can_save()) return;
   ready_.reset();
   using Saved = std::pair<Result<SavedMap>, std::optional<Result<ReadyMap>>>;
-  const auto work = [work = work_, choices = choices_, unit = unit_, check](JobControl& control) {
+  const auto work = [work = work_, choices = choices(), unit = unit_, check](JobControl& control) {
     Saved done{save_laser_map(work->map, choices, work->lines), std::nullopt};
     if (check && done.first) done.second = ready_map(*unit, control, done.first->files);
     return done;
   };
   task_.start(
       check ? "saving and checking" : "saving", work,
-      [this, check, choices = choices_, made = work_](const Saved& done) {
+      [this, check, choices = choices(), made = work_](const Saved& done) {
         const auto& [saved, ready] = done;
         if (!saved) return say_failed(check ? "not saved" : "saving", saved.error());
         take_saved(*saved, choices, *made);
@@ -283,7 +277,7 @@ void LaserController::save_and(bool check) {
           ready_ = **ready;
           return;
         }
-        const std::string recipe = choices_.opened_map.empty() ? ", the recipe " + saved->files.recipe : "";
+        const std::string recipe = choices.opened_map.empty() ? ", the recipe " + saved->files.recipe : "";
         message_.say(fmt::format("saved: {}, its parameters {}{}", saved->files.map, saved->files.parameters, recipe));
       });
 }

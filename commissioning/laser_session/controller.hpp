@@ -11,9 +11,8 @@
 
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/maps/unit_work.hpp"
-#include "commissioning/session/edit_history.hpp"
+#include "commissioning/session/editor.hpp"
 #include "commissioning/session/message.hpp"
-#include "commissioning/session/remembered.hpp"
 
 namespace ecs::commissioning {
 
@@ -34,7 +33,7 @@ class LaserController {
   LaserController(const LaserController&) = delete;
   LaserController& operator=(const LaserController&) = delete;
 
-  [[nodiscard]] const LaserChoices& choices() const { return choices_; }
+  [[nodiscard]] const LaserChoices& choices() const { return edited_.now(); }
   /// Never null; belongs to older choices while working() is true.
   [[nodiscard]] const LaserWork& work() const { return *work_; }
   [[nodiscard]] LaserMark mark(LaserStep step) const;
@@ -59,7 +58,7 @@ class LaserController {
   void drop_offered();
   /// New work is begun; what was offered is kept and offered again when there is no other.
   void set_offered_aside();
-  [[nodiscard]] static std::size_t drafts_aside();
+  [[nodiscard]] std::size_t drafts_aside() const { return commissioning::drafts_aside(edited_.draft()); }
   /// The next of several.
   void offer_another();
   /// Everything that the files on disc say now.
@@ -133,8 +132,7 @@ class LaserController {
 
   std::shared_ptr<UnitConnection> unit_;
   std::string mismatch_, other_unit_;
-  LaserChoices choices_;
-  EditHistory<LaserChoices> history_;
+  Editor<LaserChoices> edited_;
   void offer(std::optional<Draft> draft);
   std::optional<Draft> offered_;
   std::string offered_of_;

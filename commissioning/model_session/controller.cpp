@@ -23,6 +23,16 @@ namespace ecs::commissioning {
 
 using model::Observations;
 
+namespace {
+
+std::string draft_name_of(const std::string& model_file) {
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(model_file, error);
+  return "model-" + sha256_hex(path.string()).substr(0, 16);
+}
+
+}  // namespace
+
 Result<ModelController::Fitted> ModelController::fitted(model::Model model, const Observations& data,
                                                         std::string said) {
   ECS_TRY(fit, model::fit(model, data));
@@ -55,7 +65,7 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
   controller->values_kept_ = std::all_of(first->model.effects.begin(), first->model.effects.end(), [](const auto& e) {
     return !e.fitted.empty() || !e.curve.empty() || e.definition().traits.fixed_size;
   });
-  controller->model_ = std::move(first->model);
+  controller->edited_ = Editor(draft_name_of(files.model), std::move(first->model));
   controller->fit_ = std::move(first->fit);
   controller->comparison_ = std::move(first->comparison);
   return controller;
@@ -92,15 +102,6 @@ void ModelController::start_fit(const std::string& label, std::function<Result<F
       });
 }
 
-std::string ModelController::draft_name() const {
-  std::error_code error;
-  const std::filesystem::path path = std::filesystem::absolute(files_.model, error);
-  return "model-" + sha256_hex(path.string()).substr(0, 16);
-}
-
-std::optional<Draft> ModelController::draft() const { return draft_of(draft_name()); }
-void ModelController::drop_draft() { commissioning::drop_draft(draft_name()); }
-
 void ModelController::take_draft() {
   const auto kept = draft();
   if (!kept || busy()) return;
@@ -116,7 +117,7 @@ void ModelController::take_draft() {
 void ModelController::start_diagnosis() {
   if (busy()) return;
   message_.clear();
-  const auto work = [model = model_, data = work_](JobControl& control) {
+  const auto work = [model = model(), data = work_](JobControl& control) {
     model::DiagnoseOptions options;
     options.cancelled = &control.cancelled;
     Diagnosed found{model::diagnose(model, data->data, options), {}, {}};
@@ -146,19 +147,20 @@ void ModelController::start_adding(const std::string& effect) {
 }
 
 void ModelController::decide(std::size_t effect) {
-  if (busy() || effect >= model_.effects.size() || model_.effects[effect].is_user()) return;
-  did("decided for " + place_text(model_.effects[effect]), commands_.decide(place_text(model_.effects[effect])));
-  keep_alternatives(model_.effects[effect], {});
+  if (busy() || effect >= model().effects.size() || model().effects[effect].is_user()) return;
+  const std::string name = place_text(model().effects[effect]);
+  model::Model after = model();
+  keep_alternatives(after.effects[effect], {});
+  did("decided for " + name, std::move(after), commands_.decide(name));
   keep_alternatives(fit_.effects[effect].effect, {});
-  changed_ = true;
-  message_.say(fmt::format("decided: it is {}", place_text(model_.effects[effect])));
+  message_.say("decided: it is " + name);
   keep();
 }
 
 void ModelController::start_adding(const model::AddRequest& request, const std::string& name,
                                    const std::vector<model::EffectInstance>& rivals) {
   start_fit("adding " + name,
-            [model = model_, work = work_, request, rivals, name, commands = commands_]() -> Result<Fitted> {
+            [model = model(), work = work_, request, rivals, name, commands = commands_]() -> Result<Fitted> {
               ECS_TRY(added, model::add_effect(model, work->data, request, work->data_name));
               if (!rivals.empty()) keep_alternatives(added.model.effects.back(), rivals);
               const std::string effect = name_with_alternatives(added.model.effects.back());
@@ -175,12 +177,12 @@ void ModelController::start_adding(const model::AddRequest& request, const std::
 }
 
 void ModelController::start_removing(std::size_t effect) {
-  if (busy() || effect >= model_.effects.size()) return;
-  if (model_.effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
-  const std::string name = place_text(model_.effects[effect]);
+  if (busy() || effect >= model().effects.size()) return;
+  if (model().effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
+  const std::string name = place_text(model().effects[effect]);
   start_fit(
       "removing " + name,
-      [model = model_, work = work_, before = fit_, effect, name, words = commands_.remove(name)]() -> Result<Fitted> {
+      [model = model(), work = work_, before = fit_, effect, name, words = commands_.remove(name)]() -> Result<Fitted> {
         ECS_TRY(without, without_effect(model, work->data, effect, before, work->data_name));
         auto comparison =
             owned_lines_of(comparison_cell(model::compare(without.fit, work->data), work->data.size()).text);
@@ -192,69 +194,68 @@ void ModelController::start_removing(std::size_t effect) {
       });
 }
 
-void ModelController::did(const std::string& what, const std::vector<std::string>& words) {
-  history_.did(what, {model_, words});
+bool ModelController::did(const std::string& what, model::Model after, const std::vector<std::string>& words) {
+  if (!edited_.did(what, std::move(after), words)) return false;
   commands_.did(words);
+  return true;
 }
 
 void ModelController::keep() {
-  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+  if (const auto kept = edited_.keep(to_toml(model())); !kept) message_.say(kept.error());
 }
 
 /// @pre there is such a step
 void ModelController::step_over(bool back) {
-  const auto& step = back ? *history_.last() : *history_.next();
+  const auto& step = back ? *edited_.last() : *edited_.next();
   const char* const label = back ? "taken back" : "done again";
   message_.clear();
-  const auto work = [model = step.state.model, work = work_, said = fmt::format("{}: {}", label, step.what)](
-                        JobControl&) { return fitted(model, work->data, said); };
-  task_.start(label, work, [this, back, words = step.state.words](Result<Fitted> now) {
+  const auto work = [model = step.state, work = work_, said = fmt::format("{}: {}", label, step.what)](JobControl&) {
+    return fitted(model, work->data, said);
+  };
+  task_.start(label, work, [this, back, words = step.command](Result<Fitted> now) {
     if (task_.cancelled()) return;
     if (!now) return message_.say(now.error());
     back ? commands_.undid(words) : commands_.did_again(words);
-    Before state{model_, words};
-    (void)(back ? history_.undo(state) : history_.redo(state));
+    (void)(back ? edited_.undo() : edited_.redo());
     show(std::move(*now));
   });
 }
 
 void ModelController::undo() {
   if (busy()) return;
-  if (history_.last() == nullptr) {
-    auto before = model::undo(model_);
+  if (edited_.last() == nullptr) {
+    auto before = model::undo(model());
     if (!before) return message_.say(before.error());
-    history_.did_before(model_.history.back().effect, {std::move(*before), ModelCommands::added_before()});
+    edited_.did_before({model().history.back().effect, std::move(*before), ModelCommands::added_before()});
   }
   step_over(true);
 }
 
 void ModelController::redo() {
   if (busy()) return;
-  if (history_.next() == nullptr) return message_.say("nothing to do again", Tone::warning);
+  if (edited_.next() == nullptr) return message_.say("nothing to do again", Tone::warning);
   step_over(false);
 }
 
 void ModelController::save() {
   if (busy()) return;
-  model::Model model = model_to_keep(model_, fit_, data(), work_->data_name);
+  model::Model after = model_to_keep(model(), fit_, data(), work_->data_name);
   std::string beside;
   if (!saved_) {  // what people wrote into the file by hand, comments too, is not lost
     const auto before = read_file(files_.model);
-    if (before && !before->empty() && *before != to_toml(model)) {
+    if (before && !before->empty() && *before != to_toml(after)) {
       beside = files_.model + ".before";
       std::error_code error;
       for (int i = 2; std::filesystem::exists(beside, error); ++i) beside = fmt::format("{}.before{}", files_.model, i);
       if (const auto kept = write_file(beside, *before); !kept) return message_.say(kept.error());
     }
   }
-  if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
-  model_ = std::move(model);
-  commands_.saved(to_toml(model_));
-  record_saved_model(files_, model_);
+  if (const auto kept = keep_model(files_.model, after, files_.model); !kept) return message_.say(kept.error());
+  edited_.saved_as(std::move(after));
+  commands_.saved(to_toml(model()));
+  record_saved_model(files_, model());
   saved_ = true;
-  changed_ = false;
   values_kept_ = true;
-  drop_draft();
   message_.say("written to " + files_.model + " with its fitted values" +
                (beside.empty() ? "" : "; as it was: " + beside));
 }
@@ -262,7 +263,7 @@ void ModelController::save() {
 void ModelController::start_after(const std::vector<std::string>& measured_again) {
   if (busy()) return;
   message_.clear();
-  const auto compute = [model = model_, work = work_, files = files_, measured_again](JobControl&) -> Result<Lines> {
+  const auto compute = [model = model(), work = work_, files = files_, measured_again](JobControl&) -> Result<Lines> {
     NoMessages messages;
     const ModelWork now{model, work->machine, {}, work->data, work->data_name};
     ECS_TRY(answer, what_if_answer(messages, now, files.model, measured_again, files.import));
@@ -272,7 +273,7 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
     if (task_.cancelled()) return;
     if (!lines) return message_.say(lines.error());
     after_ = std::move(*lines);
-    commands_.looked_after(changed_, measured_again);
+    commands_.looked_after(changed(), measured_again);
   });
 }
 
@@ -280,7 +281,7 @@ void ModelController::export_picture(FigureWriter write) {
   commissioning::export_picture(
       drawing_, fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string(),
       std::move(write), message_,
-      [commands = commands_, changed = changed_](const std::string& picture) { commands.drawn(changed, picture); });
+      [commands = commands_, changed = changed()](const std::string& picture) { commands.drawn(changed, picture); });
 }
 
 void ModelController::cancel() {
@@ -292,19 +293,17 @@ void ModelController::cancel() {
 
 void ModelController::take(Result<Fitted> fitted) {
   if (!fitted) return message_.say(fitted.error());
-  did(fitted->done, fitted->words);
+  did(fitted->done, std::move(fitted->model), fitted->words);
   show(std::move(*fitted));
 }
 
 void ModelController::show(Fitted fitted) {
-  model_ = std::move(fitted.model);
   fit_ = std::move(fitted.fit);
   comparison_ = std::move(fitted.comparison);
   diagnosis_.reset();
   next_.reset();
   after_.clear();
   planned_.reset();
-  changed_ = true;
   ++generation_;
   message_.say(fitted.said);
   keep();
@@ -313,20 +312,18 @@ void ModelController::show(Fitted fitted) {
 void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
-  record_diagnosis(files_, model_, *diagnosis_);
-  commands_.diagnosed(changed_);
+  record_diagnosis(files_, model(), *diagnosis_);
+  commands_.diagnosed(changed());
   next_ = std::move(found.next);
   if (found.ties && !found.ties->notes.empty()) take(*found.ties);
 }
 
 void ModelController::take(const model::DecidedTies& ties) {
   message_.say(fmt::format("{}", fmt::join(ties.notes, "; ")));
-  if (ties.model.effects == model_.effects) return;
-  did("what these readings decide", commands_.fit());
-  for (std::size_t i = 0; i < model_.effects.size(); ++i)
-    model_.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
-  changed_ = true;
-  keep();
+  model::Model after = model();
+  for (std::size_t i = 0; i < after.effects.size(); ++i)
+    after.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
+  if (did("what these readings decide", std::move(after), commands_.fit())) keep();
 }
 
 bool ModelController::advance() {
@@ -418,7 +415,7 @@ void ModelController::write_map(const std::string& zero_reason) {
 
 /// Parameters that came from the unit are received again by a command of their own.
 void ModelController::note_map(const FromModelArguments& arguments) {
-  if (changed_) note_remark("the map is that of the model as it was saved last");
+  if (changed()) note_remark("the map is that of the model as it was saved last");
   std::string params = path_word(arguments.params);
   if (arguments.received && params.empty()) {
     params = file_between("parameters", ".toml");

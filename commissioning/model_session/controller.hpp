@@ -14,9 +14,8 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
-#include "commissioning/session/edit_history.hpp"
+#include "commissioning/session/editor.hpp"
 #include "commissioning/session/message.hpp"
-#include "commissioning/session/remembered.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
@@ -40,7 +39,7 @@ class ModelController {
   [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files,
                                                                           std::shared_ptr<UnitConnection> unit = {});
 
-  [[nodiscard]] const model::Model& model() const { return model_; }
+  [[nodiscard]] const model::Model& model() const { return edited_.now(); }
   [[nodiscard]] const model::Observations& data() const { return work_->data; }
   [[nodiscard]] const model::Fit& fit() const { return fit_; }
   [[nodiscard]] const std::vector<MeasuredLine>& lines() const { return lines_; }
@@ -55,14 +54,14 @@ class ModelController {
   [[nodiscard]] const ModelArguments& files() const { return files_; }
   [[nodiscard]] const std::optional<params::Machine>& machine() const { return work_->machine; }
   [[nodiscard]] const std::shared_ptr<UnitConnection>& unit() const { return unit_; }  ///< null: none
-  [[nodiscard]] bool changed() const { return changed_; }
+  [[nodiscard]] bool changed() const { return edited_.unsaved(); }
   /// Counts up with every fit: curves are made anew only then.
   [[nodiscard]] int generation() const { return generation_; }
 
   /// Unsaved work on this model that was kept when it was last open.
-  [[nodiscard]] std::optional<Draft> draft() const;
+  [[nodiscard]] std::optional<Draft> draft() const { return draft_of(edited_.draft()); }
   void take_draft();
-  void drop_draft();
+  void drop_draft() { commissioning::drop_draft(edited_.draft()); }
 
   // actions; each tells message() what came of it
   void start_diagnosis();
@@ -80,7 +79,7 @@ class ModelController {
   /// The model with its fitted values.
   void save();
   /// The values of this fit are in the file.
-  [[nodiscard]] bool is_kept() const { return !changed_ && values_kept_; }
+  [[nodiscard]] bool is_kept() const { return !changed() && values_kept_; }
   /// What compensation would leave; with files measured again, what it left.
   void start_after(const std::vector<std::string>& measured_again);
   /// Whether a map can be built; says why not.
@@ -133,10 +132,6 @@ class ModelController {
     std::string done{};                ///< what undo calls it
     std::vector<std::string> words{};  ///< of the command that does it; empty: there is none
   };
-  struct Before {
-    model::Model model;
-    std::vector<std::string> words;  ///< of the step after it, as in Fitted
-  };
   struct Diagnosed {
     Result<model::Diagnosis> diagnosis;
     model::NextMeasurement next;
@@ -145,8 +140,8 @@ class ModelController {
   using Lines = std::vector<std::string>;
   ModelController() = default;
   [[nodiscard]] const TaskRunner& running() const { return added_work_.running() ? added_work_ : task_; }
-  /// What was done here, as the command `words` does it.
-  void did(const std::string& what, const std::vector<std::string>& words);
+  /// A step, as the command `words` does it. @return false: it changes nothing
+  bool did(const std::string& what, model::Model after, const std::vector<std::string>& words);
   void keep();
   void step_over(bool back);
   void take(const model::DecidedTies& ties);
@@ -161,11 +156,10 @@ class ModelController {
   [[nodiscard]] bool has_unit();
   void take(Diagnosed found);
   void note_map(const FromModelArguments& arguments);
-  [[nodiscard]] std::string draft_name() const;
 
   ModelArguments files_;
   std::shared_ptr<const ModelWork> work_;  ///< as it was read; shared with the work under way
-  model::Model model_;                     ///< as it is now
+  Editor<model::Model> edited_{""};
   model::Fit fit_;
   std::vector<MeasuredLine> lines_;
   std::vector<int> runs_;
@@ -173,7 +167,6 @@ class ModelController {
   std::optional<model::Diagnosis> diagnosis_;
   std::optional<model::NextMeasurement> next_;
   Lines after_;
-  EditHistory<Before> history_;
   std::shared_ptr<UnitConnection> unit_;
   std::optional<PlannedMap> planned_;
   std::string map_file_;
@@ -181,7 +174,6 @@ class ModelController {
   std::optional<ReadyMap> ready_;
   std::optional<SentMap> sent_;
   bool values_kept_ = false;
-  bool changed_ = false;
   bool saved_ = false;  ///< since it was opened
   int generation_ = 0;
   Message message_;

@@ -68,12 +68,13 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   if (!unit.parameters)
     return problem(ProblemKind::refused,
                    fmt::format("nothing received from {}: {}", title_of(unit), unit.none_because));
-  ParameterSet received{*unit.parameters, {set_.identity.machine, unit.identity.serial_number}};
+  ParameterSet received{*unit.parameters, {set().identity.machine, unit.identity.serial_number}};
   held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
     if (unsaved()) set_draft_aside(kParametersDraft);
     edit(std::move(received), "receiving from the unit");
-    settle();
+    edited_.settle();
+    refresh();
   } else {
     load(std::move(received), "");
   }
@@ -108,49 +109,36 @@ Result<void> ParametersController::take_up_draft() {
     }
   }
   loaded_ = true;
-  set_ = std::move(draft.set);
-  base_ = std::move(draft.base);
+  edited_.take_up(std::move(draft.set), std::move(draft.base));
   file_ = draft.file;
-  history_.clear();
-  if (set_ != base_) history_.did("the work of the draft", base_);
   refresh();
   return {};
 }
 
 void ParametersController::load(ParameterSet set, std::string file) {
-  if (unsaved()) set_draft_aside(kParametersDraft);
   loaded_ = true;
-  set_ = std::move(set);
+  edited_.load(std::move(set));
   file_ = std::move(file);
-  history_.clear();
-  settle();
-}
-
-/// What stands there now is safe somewhere: it counts as unchanged from here on.
-void ParametersController::settle() {
-  base_ = set_;
-  drop_draft(kParametersDraft);
   refresh();
 }
 
 void ParametersController::edit(ParameterSet after, std::string what) {
-  if (after == set_) return;
-  history_.did(std::move(what), std::exchange(set_, std::move(after)));
+  if (!edited_.did(std::move(what), std::move(after))) return;
   keep_draft();
   refresh();
 }
 
 Result<void> ParametersController::change(const std::string& key, const std::string& text) {
-  ParameterSet after = set_;
+  ParameterSet after = set();
   if (auto changed = set_value(key, after, text); !changed) return changed;
-  edit(after, fmt::format("{}: {} > {}", full_label_of(key), shown(value_of(key, set_)), shown(value_of(key, after))));
+  edit(after, fmt::format("{}: {} > {}", full_label_of(key), shown(value_of(key, set())), shown(value_of(key, after))));
   return {};
 }
 
 bool ParametersController::cycle(const std::string& key, int by) {
   const auto choices = choices_of(key);
   if (choices.empty()) return false;
-  const auto at = std::find(choices.begin(), choices.end(), value_of(key, set_));
+  const auto at = std::find(choices.begin(), choices.end(), value_of(key, set()));
   const int count = static_cast<int>(choices.size());
   const int now = at == choices.end() ? 0 : static_cast<int>(at - choices.begin());
   return change(key, choices[static_cast<std::size_t>((now + by + count) % count)]).has_value();
@@ -167,8 +155,8 @@ bool ParametersController::take_from_unit(const std::string& key) {
   return change(key, value_of(key, {*unit_->parameters, {}})).has_value();
 }
 
-std::string ParametersController::undo() { return stepped(history_.undo(set_)); }
-std::string ParametersController::redo() { return stepped(history_.redo(set_)); }
+std::string ParametersController::undo() { return stepped(edited_.undo()); }
+std::string ParametersController::redo() { return stepped(edited_.redo()); }
 
 std::string ParametersController::stepped(std::optional<std::string> what) {
   if (!what) return {};
@@ -178,24 +166,20 @@ std::string ParametersController::stepped(std::optional<std::string> what) {
 }
 
 void ParametersController::keep_draft() const {
-  if (set_ == base_)
-    drop_draft(kParametersDraft);
-  else
-    (void)commissioning::keep_draft(kParametersDraft,
-                                    draft_text({absolute(file_), absolute(machine_path_), set_, base_}));
+  (void)edited_.keep(draft_text({absolute(file_), absolute(machine_path_), set(), edited_.saved()}));
 }
 
 void ParametersController::refresh() {
   findings_ = file_findings_;
-  for (params::Finding& finding : params::check(set_.parameters, machine_ ? &*machine_ : nullptr))
+  for (params::Finding& finding : params::check(set().parameters, machine_ ? &*machine_ : nullptr))
     findings_.push_back(std::move(finding));
   compared_.clear();
   changes_ = 0;
   const std::optional<ParameterSet> held =
       has_unit_values() ? std::optional(ParameterSet{*unit_->parameters, {}}) : std::nullopt;
   for (const std::string& key : all_keys()) {
-    const std::string here = value_of(key, set_);
-    if (here != value_of(key, base_)) ++changes_;
+    const std::string here = value_of(key, set());
+    if (here != value_of(key, edited_.saved())) ++changes_;
     const bool in_unit = held && params::field_named(key) != nullptr;
     ComparedKey row{key, here, in_file_ ? value_of(key, *in_file_) : "", in_unit ? value_of(key, *held) : ""};
     if ((in_file_ && row.file != here) || (in_unit && row.unit != here)) compared_.push_back(std::move(row));
@@ -216,8 +200,8 @@ std::size_t ParametersController::errors() const {
 }
 
 std::optional<std::string> ParametersController::was(const std::string& key) const {
-  std::string before = value_of(key, base_);
-  if (before == value_of(key, set_)) return std::nullopt;
+  std::string before = value_of(key, edited_.saved());
+  if (before == value_of(key, set())) return std::nullopt;
   return before;
 }
 
@@ -267,17 +251,18 @@ std::string ParametersController::overwrites(const std::string& path) const {
 
 Result<void> ParametersController::save(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
-  std::string text = params::parameters_toml(set_.parameters, set_.identity);
+  std::string text = params::parameters_toml(set().parameters, set().identity);
   if (auto written = write_file(path, text); !written) return written;
   record({.kind = "parameters",
           .summary = "parameters saved to " + std::filesystem::path(path).filename().string(),
           .files = seen_files({}, {path})});
-  note_written(path, set_);
+  note_written(path, set());
   file_text_ = std::move(text);
   file_findings_.clear();
   file_ = path;
-  in_file_ = set_;
-  settle();
+  in_file_ = set();
+  edited_.settle();
+  refresh();
   return {};
 }
 
@@ -318,7 +303,7 @@ void ParametersController::know_unit(UnitContent unit) {
 
 void ParametersController::sent(const ParameterSet& what, UnitContent after) {
   unit_ = std::move(after);
-  base_ = what;
+  edited_.settle(what);
   keep_draft();
   refresh();
 }

@@ -8,8 +8,7 @@
 
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/parameters/transfer.hpp"
-#include "commissioning/session/edit_history.hpp"
-#include "commissioning/session/remembered.hpp"
+#include "commissioning/session/editor.hpp"
 #include "params/check.hpp"
 #include "params/machine.hpp"
 
@@ -39,7 +38,7 @@ class ParametersController {
   [[nodiscard]] Result<void> take_up_draft();
 
   [[nodiscard]] bool loaded() const { return loaded_; }
-  [[nodiscard]] const ParameterSet& set() const { return set_; }
+  [[nodiscard]] const ParameterSet& set() const { return edited_.now(); }
   [[nodiscard]] const std::string& file() const { return file_; }             ///< empty: in no file yet
   [[nodiscard]] const std::string& machine() const { return machine_name_; }  ///< checked against; empty: none
   [[nodiscard]] const std::optional<UnitContent>& unit() const { return unit_; }
@@ -65,7 +64,7 @@ class ParametersController {
   [[nodiscard]] std::optional<std::string> was(const std::string& key) const;
   /// Keys that changed since then.
   [[nodiscard]] std::size_t changes() const { return changes_; }
-  [[nodiscard]] bool unsaved() const { return loaded_ && set_ != base_; }
+  [[nodiscard]] bool unsaved() const { return edited_.unsaved(); }
   [[nodiscard]] const std::vector<ComparedKey>& compared() const { return compared_; }
   [[nodiscard]] bool has_file_values() const { return in_file_.has_value(); }
   [[nodiscard]] bool has_unit_values() const { return unit_ && unit_->parameters; }
@@ -102,20 +101,17 @@ class ParametersController {
   void note_written(const std::string& path, const ParameterSet& what);
   void edit(ParameterSet after, std::string what);
   std::string stepped(std::optional<std::string> what);
-  void settle();
   void refresh();
   void keep_draft() const;
 
   bool loaded_ = false;
-  ParameterSet set_;
-  ParameterSet base_;  ///< as last loaded, saved or sent
+  Editor<ParameterSet> edited_{kParametersDraft};
   std::string file_;
   std::optional<ParameterSet> in_file_;  ///< as last read or written
   std::string file_text_;                ///< the same, to see whether somebody else wrote there
   std::string machine_path_, machine_name_;
   std::optional<params::Machine> machine_;
   std::optional<UnitContent> unit_;
-  EditHistory<ParameterSet> history_;
   std::vector<params::Finding> findings_;
   std::vector<params::Finding> file_findings_;  ///< of the file as it was read; saving it mends them
   std::vector<ComparedKey> compared_;

@@ -61,6 +61,8 @@ struct Model {
 
 /// The file again: `parameters` as they were given, `fitted` and curves of the last fit, the ladder.
 [[nodiscard]] std::string to_toml(const Model& model);
+/// They write the same file.
+[[nodiscard]] inline bool operator==(const Model& a, const Model& b) { return to_toml(a) == to_toml(b); }
 /// Writes it; the map file's name is made relative to the new place where the folder differs.
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
                                        const std::filesystem::path& read_from = {});

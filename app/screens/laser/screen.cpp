@@ -192,7 +192,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   const int rows = message_rows(area);
   if (area.rows > rows) draw_bottom(canvas, {area.row + area.rows - rows, area.column, rows, area.columns});
   if (const auto& draft = host_->controller.offered(); draft && !host_->asking_.active()) {
-    const std::size_t aside = LaserController::drafts_aside();
+    const std::size_t aside = host_->controller.drafts_aside();
     const std::string& of = host_->controller.offered_of();
     draw_question(canvas, area,
                   {fmt::format("Work of {} found{}{}", draft->kept, of.empty() ? "" : ": ", of),
