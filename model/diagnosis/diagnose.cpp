@@ -121,8 +121,6 @@ constexpr std::size_t kMostProved = 4;
 constexpr std::size_t kMostBins = 24;
 /// A dependence of a smaller share of the residual is not ranked.
 constexpr double kTellingShare = 0.01;
-/// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
-constexpr double kFewestSpare = 6.0;
 
 /// Sizes of an effect alone beside the model, as parameters without sigma.
 std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, const LinearProblem& problem,

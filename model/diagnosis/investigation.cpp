@@ -46,10 +46,11 @@ constexpr double kSpeaksAgainst = 1.0;
 /// Tests of structure are held against so many times the replicates that are searched: they are cheap, and their limit
 /// is further out.
 constexpr std::size_t kStructureReplicates = 2;
-/// Without repeats the noise may have been taken for nearly all that the model leaves: for less than so many squares of
-/// it, what the best effect explains is held against noise of any size.
+/// Without repeats the noise may have been taken for nearly all that the model leaves, and repeats of fewer degrees of
+/// freedom tell little of it (the thousandth of Student's t of 30 is a tenth beyond the normal one): for less than so
+/// many squares of it, or so few degrees, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
-constexpr double kMostSquareOfAll = 2.0, kLeastFreedomBeside = 12.0;
+constexpr double kMostSquareOfAll = 2.0, kManyDegrees = 30.0;
 /// Odds from which evidence for one of two hypotheses is positive (Kass and Raftery 1995, JASA 90, 773).
 constexpr double kPositive = 3.0;
 /// Candidates shown where nothing is found.
@@ -314,18 +315,22 @@ void blame_step(Found& found) {
   found.run_note.clear();
 }
 
-/// Without repeats an effect may hide in the noise that was estimated from it: where its share cannot be noise of any
-/// size, the noise is what it leaves. @return the noise has been replaced
+/// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it
+/// changed: where its share cannot be noise of any size, the noise is what it leaves. @return the noise has been
+/// replaced
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {
   const Space& space = found.solution.space;
   const auto kept = static_cast<double>(std::ranges::count(found.left_out, false));
   const double freedom = kept - static_cast<double>(space.q.cols());
-  if (found.noise.pure.from_repeats || freedom < kLeastFreedomBeside || space.chi2() > kMostSquareOfAll * freedom)
-    return false;
+  const bool known_little = found.noise.pure.dof < kManyDegrees;
+  if (freedom < kFewestSpare) return false;
+  if (!known_little && (found.noise.pure.from_repeats || space.chi2() > kMostSquareOfAll * freedom)) return false;
   const std::vector<Choice> best = search.expand(space, kClosest);
-  if (best.empty() || !explains_more_than_of_noise(search, space, replicates, best.front(), freedom, options))
-    return false;
+  if (best.empty()) return false;
+  const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, best.front(), freedom, options);
+  if (known_little) found.chance_of_closest = beside.chance;
+  if (!beside.is_more) return false;
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(best.front());
   const Solution with = search.solution(chosen, found.solution.own);

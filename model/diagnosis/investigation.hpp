@@ -24,6 +24,9 @@ inline constexpr double kLeastCrossValidatedAlone = 0.5;
 /// A cause is proved by this e-value (docs/model.md, verdicts).
 inline constexpr double kProved = 100.0;
 
+/// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
+inline constexpr double kFewestSpare = 6.0;
+
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {
   Eigen::MatrixXd columns;               ///< of the fitted sizes and nonlinear parameters, without those of `own`
@@ -48,6 +51,8 @@ struct Found {
   double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
                                        ///< fitted to, the lesser
   std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
+  std::optional<double> chance_of_closest;  ///< that noise of any size looks like the best of them, where the readings
+                                            ///< tell little of the noise
   std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
   std::optional<NoisyRun> noisy;       ///< scatters more than the others
   std::optional<OddPass> odd_pass;     ///< where nothing is found: stands off the others

@@ -68,8 +68,8 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
   found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
 }
 
-bool explains_more_than_of_noise(const Search& search, const Space& space, Replicates& replicates, const Choice& best,
-                                 double freedom, const DiagnoseOptions& options) {
+BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
+                                     const Choice& best, double freedom, const DiagnoseOptions& options) {
   const auto ratio = [&](double share) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); };
   const double here = ratio(best.gain / space.chi2()) - best.cost;
   std::vector<double> of_noise;
@@ -80,9 +80,10 @@ bool explains_more_than_of_noise(const Search& search, const Space& space, Repli
       of_noise.push_back(ratio((score + best.cost) / freedom) - best.cost);
   };
   look_at(std::min(kFirstReplicates, options.noise_replicates));
-  if (loses_to_noise(here, of_noise)) return false;
+  if (loses_to_noise(here, of_noise)) return {};
   look_at(options.noise_replicates);
-  return here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
+  return {tail_probability(of_noise, here),
+          here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit))};
 }
 
 }  // namespace ecs::model

@@ -38,6 +38,9 @@ constexpr double kSpeaksFor = 1.0;
 /// rms of those fitted: two, for four times the squares are no chance.
 constexpr double kMostHeldOut = 2.0;
 constexpr std::size_t kPartsLeftOut = 5;
+/// Readings that tell little of the noise do not show that nothing is missing where noise explains as much as the
+/// closest candidate does in fewer cases than this: the usual level of a test.
+constexpr double kRareOfNoise = 0.05;
 /// What is left below this is rounding: no instrument reads a nanometre [um].
 constexpr double kNothingLeft_um = 1e-3;
 
@@ -290,6 +293,12 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure more places",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+  if (!in.found.closest.empty() && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
+    return fmt::format(
+        "these readings tell too little of the noise: {} would explain what is left, and noise alone looks like it in "
+        "{:.1g} % of cases: measure the same lines again",
+        place_text(in.found.families[in.found.closest.front().family].effect),
+        kPercent * *in.found.chance_of_closest);
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
   Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
   for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;
