@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -189,6 +190,8 @@ void state_p_values(const Regressors& regressors, const Base& base, const Search
 }
 
 /// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them.
+/// Repeats between which an effect changes give the noise a memory: with the effects it may be white too, as beside a
+/// wander.
 double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
                           const std::vector<std::size_t>& set) {
   std::vector<Choice> without = found.solution.chosen;
@@ -201,18 +204,24 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
     if (columns.fixed.size() > 0) null.target -= columns.fixed;
     effects = beside(std::move(effects), columns.of);
   }
-  return wander - deviance_of(data, {found.noise, 0.0}, found.left_out,
-                              independent_columns(null.columns, found.left_out), effects, null.target);
+  const MatrixXd independent = independent_columns(null.columns, found.left_out);
+  const auto with = [&](const NoiseModel& noise) {
+    return deviance_of(data, {noise, 0.0}, found.left_out, independent, effects, null.target);
+  };
+  return wander - std::min(with(found.noise), with(without_memory(found.noise)));
 }
 
 /// Effects are proved only if they are better than a wander, each and all together, by evidence that is positive for
-/// having been chosen among all candidates. A wander has no price: whichever it is, it is no effect. That an effect of
-/// approach coincides with passes was planned, not chosen: it pays for its coefficients only. What people set by hand
-/// may coincide with runs; it pays nothing. Of the others those that a wander only rivals because nothing repeats are
-/// in doubt; those that change as a wander does, or than which it is likelier whatever the choice, are denied.
+/// having been chosen among all candidates that a wander may be taken for. A wander has no price: whichever it is, it
+/// is no effect. That an effect of approach coincides with passes was planned, not chosen: it pays for its coefficients
+/// only. What people set by hand may coincide with runs; it pays nothing. Of the others those that a wander only rivals
+/// because nothing repeats are in doubt; those that change as a wander does, or than which it is likelier whatever the
+/// choice, are denied.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
-  const double evidence = 2.0 * std::log(kPositive * static_cast<double>(found.candidates_tried));
+  const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
+                                           [&](const Family& f) { return may_be_wander(found.noise, f.effect); });
+  const double evidence = 2.0 * std::log(kPositive * static_cast<double>(among));
   struct Doubtful {
     std::vector<std::size_t> effects;
     double coefficients = 0.0, price = 0.0;

@@ -182,6 +182,8 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
+NoiseModel without_memory(NoiseModel noise) { return wandering(std::move(noise), 0.0, kForever); }
+
 std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                          const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
                                          const Eigen::VectorXd& target) {

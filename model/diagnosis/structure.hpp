@@ -71,6 +71,8 @@ struct Wander {
 /// Those of the columns that do not follow from the others on the readings that are not left out.
 [[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
 
+/// White noise of the same size.
+[[nodiscard]] NoiseModel without_memory(NoiseModel noise);
 /// A wander tried, and how well the readings agree with it.
 struct LikelyWander {
   Wander law;

@@ -48,8 +48,9 @@ constexpr double kLeastInformation = 0.05;
 /// Part of the freedom of repeats that the size of replicates is drawn with: correlated repeats tell less than their
 /// number. A choice: a smaller part names less and later.
 constexpr double kFreedomOfReplicates = 0.7;
-/// Turbulence is correlated over up to a minute [s]; noise is at most three times what neighbours scatter
-/// (docs/model.md, "Fit"); variance of a second difference of independent readings: 1 + 4 + 1.
+/// Turbulence is correlated over up to a minute [s], the longest time tried: there it may be any longer one; noise is
+/// at most three times what neighbours scatter (docs/model.md, "Fit"); variance of a second difference of independent
+/// readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
@@ -369,7 +370,7 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
              const std::vector<bool>& left_out) {
   const std::vector<std::size_t> pass = passes_of(data);
   for (const NoiseGroup& group : noise.groups) {
-    if (noise.has_time && group.correlated > group.white && group.time <= kTurbulence_s) continue;
+    if (noise.has_time && group.correlated > group.white && group.time < kTurbulence_s) continue;
     std::map<std::size_t, std::vector<std::size_t>> passes;
     for (const std::size_t k : group.rows)
       if (!left_out[k]) passes[pass[k]].push_back(k);
