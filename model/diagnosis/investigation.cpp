@@ -189,9 +189,8 @@ void state_p_values(const Regressors& regressors, const Base& base, const Search
   }
 }
 
-/// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them.
-/// Repeats between which an effect changes give the noise a memory: with the effects it may be white too, as beside a
-/// wander.
+/// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them under
+/// the likeliest noise: either has the law that suits it, for repeats between which an effect changes look correlated.
 double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
                           const std::vector<std::size_t>& set) {
   std::vector<Choice> without = found.solution.chosen;
@@ -204,11 +203,8 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
     if (columns.fixed.size() > 0) null.target -= columns.fixed;
     effects = beside(std::move(effects), columns.of);
   }
-  const MatrixXd independent = independent_columns(null.columns, found.left_out);
-  const auto with = [&](const NoiseModel& noise) {
-    return deviance_of(data, {noise, 0.0}, found.left_out, independent, effects, null.target);
-  };
-  return wander - std::min(with(found.noise), with(without_memory(found.noise)));
+  return wander - deviance_of_noise(data, found.noise, found.left_out,
+                                    independent_columns(null.columns, found.left_out), effects, null.target);
 }
 
 /// Effects are proved only if they are better than a wander, each and all together, by evidence that is positive for

@@ -92,9 +92,9 @@ bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other)
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
-/// explain anything, and so do three drifts of the same sense; a size outside its physical range is another cause.
+/// explain anything, and so do four drifts of the same sense; a size outside its physical range is another cause.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
-  constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
+  constexpr std::size_t kMostShapes = 2, kMostDrifts = 3;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;

@@ -97,6 +97,8 @@ namespace {
 constexpr std::array kMemories{3.0, 1.0, 0.3, 0.1, 0.03, 0.01};
 /// Shares of the wander in the variance tried: closer to 1, where most is wander.
 constexpr std::array kShares{0.3, 0.7, 0.9, 0.97, 0.99, 0.997};
+/// Memories of turbulence tried, up to a minute [s]: steps of three, as of wanders.
+constexpr std::array kTurbulences_s{60.0, 20.0, 6.0, 2.0};
 /// Standard deviations of the level of a run tried, in those of a reading.
 constexpr std::array kLevels{0.3, 1.0, 3.0, 10.0};
 /// A level that is kept over a pass: longer than any.
@@ -182,7 +184,15 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
-NoiseModel without_memory(NoiseModel noise) { return wandering(std::move(noise), 0.0, kForever); }
+double deviance_of_noise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                         const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  const auto under = [&](const NoiseModel& law) { return deviance_of(data, {law}, left_out, columns, effect, target); };
+  double least = std::min(under(noise), under(wandering(noise, 0.0, kForever)));
+  if (!noise.has_time) return least;
+  for (const double share : kShares)
+    for (const double memory_s : kTurbulences_s) least = std::min(least, under(wandering(noise, share, memory_s)));
+  return least;
+}
 
 std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                          const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
