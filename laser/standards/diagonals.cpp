@@ -44,10 +44,9 @@ DiagonalDirection turned(DiagonalDirection direction) {
   return direction;
 }
 
-/// The first of the two ends' directions that runs with its first axis.
+/// Of the two ends' directions the one that runs with its first axis: it comes after (0, 0, 0) in the order of arrays.
 DiagonalDirection as_line(const DiagonalDirection& direction) {
-  const auto first = std::ranges::find_if(direction, [](int sign) { return sign != 0; });
-  return *first > 0 ? direction : turned(direction);
+  return direction < DiagonalDirection{} ? turned(direction) : direction;
 }
 
 std::string diagonal_name(const DiagonalDirection& direction) {
