@@ -54,6 +54,7 @@ void advise(std::string_view matter, std::string_view words);
 /// Empty: no module is there that does anything.
 [[nodiscard]] std::string advice_on(std::string_view matter);
 inline constexpr std::string_view kTableOfControl = "compensation table of a control";  ///< a matter
+inline constexpr std::string_view kReversalOnCircle = "reversal on a circle";           ///< a matter
 
 /// By the beginning of its content; `measurements` is the measurement CSV alone, `other` whatever this does not know.
 [[nodiscard]] FileKind kind_of_content(std::string_view beginning);

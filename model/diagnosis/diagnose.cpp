@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/file_kind.hpp"
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/shape.hpp"
@@ -382,10 +383,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
-  if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; }))
-    diagnosis.notes.emplace_back(
-        "friction at a reversal leaves another spike than the library's: ecs test circle shows how much of the circle "
-        "is left there");
+  if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
+    const std::string advice = advice_on(kReversalOnCircle);
+    diagnosis.notes.push_back(fmt::format("friction at a reversal leaves another spike than the library's{}{}",
+                                          advice.empty() ? "" : ": ", advice));
+  }
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   diagnosis.reservation = reservation_for(data);
   diagnosis.cannot_tell = cannot_tell;
