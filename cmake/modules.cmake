@@ -30,7 +30,7 @@ macro(ecs_module_tests)
 endmacro()
 
 # ecs_module_fuzzers([READERS ids... READ_WITH sources...] [TEXTS ids... WITH sources...]): what of it is fuzzed, and the sources
-# of its folder, without .cpp, with tests/*_fuzz that adds it (tests/fuzz/parsers.hpp).
+# of its folder, without .cpp (a written one by its whole path), with tests/*_fuzz that adds it (tests/fuzz/parsers.hpp).
 macro(ecs_module_fuzzers)
   list(GET ecs_modules -1 ecs_last)
   set(ecs_fuzzers_of_${ecs_last} ${ARGN})

@@ -1,7 +1,6 @@
 #include "modules/controllers/format.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 
@@ -45,12 +44,14 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
   return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));
 }
 
-extern const ControllerFormat kLinuxCnc, kSiemens, kEtalon, kTwinCat, kHeidenhain, kAerotech;
+std::vector<const ControllerFormat*> formats_there();  // written by registry.cmake
 
 std::span<const ControllerFormat* const> controller_formats() {
-  static constexpr std::array<const ControllerFormat*, 6> kFormats{
-      &kLinuxCnc, &kSiemens, &kEtalon, &kTwinCat, &kHeidenhain, &kAerotech,
-  };
+  static const std::vector<const ControllerFormat*> kFormats = [] {
+    auto formats = formats_there();
+    std::ranges::sort(formats, {}, &ControllerFormat::place);
+    return formats;
+  }();
   return kFormats;
 }
 

@@ -75,6 +75,7 @@ struct ControllerFormat {
   std::string_view example = {};      ///< a whole command line
   std::string_view output_help = {};  ///< of -o
   std::string_view marks;             ///< by what a file is recognised, in words
+  int place = 0;                      ///< menus, documentation and detection go in rising order
   Holds holds;
   double resolution_um = 0.0;  ///< of the values in a file
   bool tables_add_up = false;  ///< the controller adds several tables of one component
@@ -93,7 +94,7 @@ struct ControllerFormat {
                                           bool levers_from_lines) = nullptr;
 };
 
-/// In the order of menus and documentation.
+/// Each `<id>_format` of a source `<id>_format.cpp` (registry.cmake), in the order of their places.
 [[nodiscard]] std::span<const ControllerFormat* const> controller_formats();
 
 /// Nothing if no format has this id.

@@ -336,11 +336,12 @@ Result<ControllerTables> read_aerotech(const ReadRequest& request) {
 
 }  // namespace
 
-extern const ControllerFormat kAerotech{
+extern const ControllerFormat aerotech_format{
     .id = "aerotech",
     .title = "Aerotech calibration file",
     .name = "Aerotech",
     .marks = ":START or :START2D",
+    .place = 60,
     .holds = {"read", "–", "read", "–", "–", "any, even steps"},
     .tables_add_up = true,
     .read_options = {{.name = "axes", .help = "axis numbers; default X=1,Y=2,Z=3"}},

@@ -143,7 +143,7 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   return made;
 }
 
-extern const ControllerFormat kLinuxCnc{
+extern const ControllerFormat linuxcnc_format{
     .id = "linuxcnc",
     .title = "LinuxCNC",
     .name = "LinuxCNC",
@@ -151,6 +151,7 @@ extern const ControllerFormat kLinuxCnc{
     .example = "ecs export linuxcnc map.csv --params mill.toml -o linuxcnc/",
     .output_help = "folder for x.comp, y.comp, z.comp",
     .marks = "rows of three numbers",
+    .place = 10,
     .holds = {"yes", "yes, by position", "–", "–", "–", "256 a joint, anywhere"},
     .resolution_um = 0.001,
     .write_options = {{.name = "type",

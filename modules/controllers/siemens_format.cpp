@@ -506,7 +506,7 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   return made;
 }
 
-extern const ControllerFormat kSiemens{
+extern const ControllerFormat siemens_format{
     .id = "siemens",
     .title = "SINUMERIK 840D",
     .name = "SINUMERIK",
@@ -514,6 +514,7 @@ extern const ControllerFormat kSiemens{
     .example = "ecs export siemens map.csv --params mill.toml --points 200 --tables 8 -o sinumerik/",
     .output_help = "folder for AX_EEC.INI and NC_CEC.INI",
     .marks = "$AA_ENC_COMP or $AN_CEC",
+    .place = 20,
     .holds = {"yes", "yes, two tables an axis", "yes, two tables each", "yes, a line each", "–",
               "even; MD38000, MD18342 (828D: 200 points, 8 tables)"},
     .resolution_um = 0.001,

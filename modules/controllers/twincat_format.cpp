@@ -188,7 +188,7 @@ bool is_twincat_file(std::string_view name) {
   return number && *number > 0 && *number <= kMostAxes && name == file_of(static_cast<int>(*number));
 }
 
-extern const ControllerFormat kTwinCat{
+extern const ControllerFormat twincat_format{
     .id = "twincat",
     .title = "TwinCAT CNC, leadscrew compensation",
     .name = "TwinCAT",
@@ -196,6 +196,7 @@ extern const ControllerFormat kTwinCat{
     .example = "ecs export twincat map.csv --params mill.toml -o twincat/",
     .output_help = "folder for achskw1.lis, achskw2.lis, achskw3.lis",
     .marks = "kw.ssfk",
+    .place = 40,
     .holds = {"yes", "yes, by position", "–", "–", "–", "1,499 an axis, anywhere"},
     .resolution_um = 0.1,
     .write_options = {kSign,

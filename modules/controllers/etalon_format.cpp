@@ -219,7 +219,7 @@ laser::ErrorMap at_measurement_lines(const laser::ErrorMap& read, const UnitPara
   return out;
 }
 
-extern const ControllerFormat kEtalon{
+extern const ControllerFormat etalon_format{
     .id = "etalon",
     .title = "Etalon exchange format",
     .name = "Etalon",
@@ -227,6 +227,7 @@ extern const ControllerFormat kEtalon{
     .example = "ecs export etalon map.csv --params mill.toml -o mill_errors.txt",
     .output_help = "file to write",
     .marks = "sections such as [EXX]",
+    .place = 30,
     .holds = {"yes", "mean only", "yes", "yes", "yes", "as many as the control takes"},
     .resolution_um = 0.00001,
     .write_options = {{.name = "levers",

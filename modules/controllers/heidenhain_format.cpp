@@ -303,7 +303,7 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
   return made;
 }
 
-extern const ControllerFormat kHeidenhain{
+extern const ControllerFormat heidenhain_format{
     .id = "heidenhain",
     .title = "HEIDENHAIN compensation tables",
     .name = "HEIDENHAIN",
@@ -311,6 +311,7 @@ extern const ControllerFormat kHeidenhain{
     .example = "ecs export heidenhain map.csv --params mill.toml -o heidenhain/",
     .output_help = "folder for x.com, y.com, z.com and config.cma",
     .marks = "a first line BEGIN NAME.COM",
+    .place = 50,
     .holds = {"yes", "yes, by position", "yes, the mean", "yes, as a slope", "yes (KinematicsComp)",
               "256 a table, anywhere"},
     .resolution_um = 0.1,
