@@ -186,7 +186,12 @@ VerbEntry verb_named(const std::string& name) {
 }  // namespace
 
 std::vector<FormEntry> form_entries() {
-  std::vector<FormEntry> entries{volume_entry(), run_entry(), arm_entry(), table_entry()};
+  std::vector<FormEntry> entries{
+      volume_entry(),
+      run_entry(),
+      arm_entry(),
+      table_entry(),
+  };
   for (const Module* module : modules())
     if (module->forms != nullptr)
       for (FormEntry& entry : module->forms()) entries.push_back(std::move(entry));
