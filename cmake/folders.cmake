@@ -53,7 +53,8 @@ ecs_folder(ecs_emulator/unit base core ecs_emulator/machine protocol/server Thre
 ecs_folder(ecs_emulator/verbs base base/cli ecs_emulator/instruments ecs_emulator/part_programs ecs_emulator/unit
            ecs_emulator/workshop fmt::fmt nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/workshop base ecs_emulator/instruments ecs_emulator/machine ecs_emulator/part_programs
-           ecs_emulator/unit laser laser/writers protocol/line protocol/server fmt::fmt nlohmann_json::nlohmann_json)
+           ecs_emulator/unit laser laser/writers protocol/line protocol/server PkgConfig::Eigen3 fmt::fmt
+           nlohmann_json::nlohmann_json)
 
 ecs_folder(commissioning/files base commissioning/laser_session commissioning/memory model/fit fmt::fmt)
 ecs_folder(commissioning/laser_session base base/cli commissioning/link commissioning/maps commissioning/measurements

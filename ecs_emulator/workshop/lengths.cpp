@@ -1,11 +1,11 @@
 #include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <tuple>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -16,29 +16,25 @@
 namespace ecs::emulator {
 namespace {
 
+using Eigen::Vector3d;
+
 /// What stands in the workshop: where it really is.
 struct TrueSetUp {
   bool along_line = false;
   bool ball_bar = false;
-  Vector3 nominal{};  ///< direction, or station [mm]
-  Vector3 actual{};
+  Vector3d nominal = Vector3d::Zero();  ///< direction, or station [mm]
+  Vector3d actual = nominal;
   double scale_um_per_m = 0.0;
   bool has_first = false;
-  Vector3 first_mm{};
+  Vector3d first_mm = Vector3d::Zero();
 };
 
 struct TrueTool {
-  Vector3 nominal_mm{};
-  Vector3 actual_mm{};
+  Vector3d nominal_mm = Vector3d::Zero();
+  Vector3d actual_mm = nominal_mm;
 };
 
-Vector3 plus(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vector3 minus(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double size_of(const Vector3& a) { return std::sqrt(dot(a, a)); }
-Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Eigen::Map<const Vector3d> eigen(const Vector3& v) { return Eigen::Map<const Vector3d>(v.data()); }
 
 class LengthPlanReader {
  public:
@@ -76,7 +72,7 @@ class LengthPlanReader {
     if (entry.key != "tool" && entry.key != "set_up") return;
     std::istringstream words(entry.value);
     std::string name, kind;
-    Vector3 v{};
+    Vector3d v = Vector3d::Zero();
     words >> name;
     if (entry.key == "set_up") words >> kind;
     if (!(words >> v[0] >> v[1] >> v[2])) {
@@ -97,10 +93,9 @@ class LengthPlanReader {
                                 laser::in_quotes(kind)));
       return;
     }
-    TrueSetUp set_up{kind == "interferometer", kind == "ball_bar", v, v, drawn(settings_.scale_um_per_m), false, {}};
+    TrueSetUp set_up{kind == "interferometer", kind == "ball_bar", v, v, drawn(settings_.scale_um_per_m)};
     if (set_up.along_line) {
-      const double length = size_of(v);
-      for (std::size_t a = 0; a < kAxes; ++a) set_up.nominal[a] = set_up.actual[a] = length > 0.0 ? v[a] / length : 0.0;
+      set_up.nominal = set_up.actual = v.normalized();
     } else {
       for (double& mm : set_up.actual) mm += drawn(settings_.station_mm);
     }
@@ -148,21 +143,19 @@ class LengthPlanReader {
   double deviation(const MachineState& state, TrueSetUp& set_up, const std::string& set_up_name, const std::string& run,
                    const TrueTool& tool, const std::string& tool_name) {
     const ToolPose pose = simulation_.tool_at(state, state.position_mm, settings_.scatter);
-    const Vector3 from_spindle = minus(tool.actual_mm, simulation_.description().settings.tool_offset_mm);
-    const Vector3 turned = cross(pose.rotation_um_per_m, from_spindle);  // um/m · mm
-    Vector3 error_um = pose.error_um;
-    for (std::size_t a = 0; a < kAxes; ++a) error_um[a] += turned[a] / kMmPerM;
-    const Vector3 nominal_mm = plus(state.position_mm, tool.nominal_mm);
+    const Vector3d from_spindle = tool.actual_mm - eigen(simulation_.description().settings.tool_offset_mm);
+    const Vector3d error_um =
+        eigen(pose.error_um) + eigen(pose.rotation_um_per_m).cross(from_spindle) / kMmPerM;  // um/m · mm
+    const auto position_mm = eigen(state.position_mm);
     double deviation_um = 0.0, length_mm = 0.0;
     if (set_up.along_line) {
-      if (!std::exchange(set_up.has_first, true)) set_up.first_mm = state.position_mm;
-      length_mm = dot(minus(state.position_mm, set_up.first_mm), set_up.nominal);
-      deviation_um = dot(error_um, set_up.actual);
+      if (!std::exchange(set_up.has_first, true)) set_up.first_mm = position_mm;
+      length_mm = (position_mm - set_up.first_mm).dot(set_up.nominal);
+      deviation_um = error_um.dot(set_up.actual);
     } else {
-      const Vector3 is_mm = plus(plus(state.position_mm, tool.actual_mm),
-                                 {error_um[0] / kUmPerMm, error_um[1] / kUmPerMm, error_um[2] / kUmPerMm});
-      length_mm = size_of(minus(nominal_mm, set_up.nominal));
-      deviation_um = (size_of(minus(is_mm, set_up.actual)) - length_mm) * kUmPerMm;
+      const Vector3d is_mm = position_mm + tool.actual_mm + error_um / kUmPerMm;
+      length_mm = (position_mm + tool.nominal_mm - set_up.nominal).norm();
+      deviation_um = ((is_mm - set_up.actual).norm() - length_mm) * kUmPerMm;
     }
     const double zero_um = set_up.ball_bar && bar_um_ ? *bar_um_ : zero_of({set_up_name, run, tool_name});
     return deviation_um + zero_um + set_up.scale_um_per_m * length_mm / kMmPerM + drawn(settings_.noise_um);
