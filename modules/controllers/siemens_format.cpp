@@ -465,7 +465,7 @@ bool has_siemens_tables(std::string_view text) {
   return plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos;
 }
 
-const FormatOption kAxes{.name = "axes", .help = "axes of the control; default X=AX1,Y=AX2,Z=AX3"};
+const FormatOption kAxesOption{.name = "axes", .help = "axes of the control; default X=AX1,Y=AX2,Z=AX3"};
 const FormatOption kEncoder{.name = "encoder",
                             .help = "measuring system 0 or 1 of $AA_ENC_COMP; default 0",
                             .fallback = "0",
@@ -519,7 +519,7 @@ extern const ControllerFormat siemens_format{
               "even; MD38000, MD18342 (828D: 200 points, 8 tables)"},
     .resolution_um = 0.001,
     .tables_add_up = true,
-    .write_options = {kAxes,
+    .write_options = {kAxesOption,
                       kEncoder,
                       kCecSign,
                       {.name = "points",
@@ -530,7 +530,7 @@ extern const ControllerFormat siemens_format{
                        .help = "most cross tables; default 62, 828D has 8",
                        .fallback = "62",
                        .range = IntegerRange{0, 200}}},
-    .read_options = {kAxes, kEncoder, kCecSign},
+    .read_options = {kAxesOption, kEncoder, kCecSign},
     .is_file = [](std::string_view name) { return name == kEncoderFile || name == kCrossFile; },
     .recognises = has_siemens_tables,
     .write = write_siemens,
