@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -46,9 +47,8 @@ inline std::vector<Parser>& parsers() {
   return all;
 }
 struct AddedParsers {
-  explicit AddedParsers(const std::vector<Parser>& more) {
-    parsers().insert(parsers().end(), more.begin(), more.end());
-  }
+  AddedParsers(std::initializer_list<Parser> more) { parsers().insert(parsers().end(), more); }
+  AddedParsers(std::string_view id, void (*run)(std::string_view text)) : AddedParsers{Parser{id, run}} {}
 };
 
 /// Of files behind one byte that chooses options (import_fuzz.cpp). False: the id is none of its own.

@@ -247,7 +247,7 @@ void plan(std::string_view text) {
   }
 }
 
-const AddedParsers kTexts{{
+const AddedParsers kTexts{
     {"circle_test", circle_test},
     {"diagonals", diagonals},
     {"map_recipe", map_recipe},
@@ -263,7 +263,7 @@ const AddedParsers kTexts{{
     {"snapshot", snapshot},
     {"recording", recording},
     {"plan", plan},
-}};
+};
 
 /// Numbers, words and texts in quotes.
 std::vector<std::pair<std::size_t, std::size_t>> words_of(const std::string& text) {

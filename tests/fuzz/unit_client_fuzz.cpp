@@ -18,7 +18,7 @@ void judge(const Result<T>& result) {
   if (!result) check(!result.error().message.empty());
 }
 
-/// Answers from the input, mostly with the right echo, and ends the host's patience after so many requests.
+/// Answers from the input, mostly with the right echo, and ends the host's patience after this many requests.
 class Liar : public RegisterHandler {
  public:
   static constexpr int kPatience = 40;

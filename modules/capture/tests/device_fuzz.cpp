@@ -5,12 +5,9 @@
 #include "modules/capture/description.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
+namespace ecs::fuzz {
 
-using namespace ecs;
-using namespace ecs::fuzz;
-
-void device(std::string_view text) {
+const AddedParsers kCapture("device", [](std::string_view text) {
   const auto read = devices::parse_device(text, kFile);
   if (!was_read(read)) return;
   for (const devices::ReportField& field : read->fields) all_finite(std::array{field.scale, field.offset});
@@ -20,8 +17,6 @@ void device(std::string_view text) {
   const devices::Bytes report(read->report.bytes == 0 ? 8 : read->report.bytes, std::uint8_t{0x81});
   for (const auto& [quantity, value] : devices::values_in(*read, {report})) check_finite(value);
   static_cast<void>(devices::held_in(*read, report));
-}
+});
 
-const AddedParsers kCapture{{{"device", device}}};
-
-}  // namespace
+}  // namespace ecs::fuzz

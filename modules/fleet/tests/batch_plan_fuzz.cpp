@@ -2,18 +2,13 @@
 #include "modules/fleet/batch.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
+namespace ecs::fuzz {
 
-using namespace ecs;
-using namespace ecs::fuzz;
-
-void batch_plan(std::string_view text) {
+const AddedParsers kFleet("batch_plan", [](std::string_view text) {
   const auto read = commissioning::parse_batch_plan(text, kFile, "/nowhere");
   if (!was_read(read)) return;
   check(!read->empty());
   for (const commissioning::PlannedUnit& unit : *read) check(!to_text(unit.link).empty());
-}
+});
 
-const AddedParsers kFleet{{{"batch_plan", batch_plan}}};
-
-}  // namespace
+}  // namespace ecs::fuzz

@@ -2,10 +2,7 @@
 #include "modules/lengths/length_test.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
-
-using namespace ecs;
-using namespace ecs::fuzz;
+namespace ecs::fuzz {
 
 /// What was read is finite and, written, is as many lengths again or refused. Every other file is a plan.
 const AddedReader kLengths{[](std::string_view id, std::uint8_t choice, std::string_view bytes) {
@@ -24,4 +21,4 @@ const AddedReader kLengths{[](std::string_view id, std::uint8_t choice, std::str
   return true;
 }};
 
-}  // namespace
+}  // namespace ecs::fuzz

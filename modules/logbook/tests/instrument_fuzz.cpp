@@ -2,19 +2,14 @@
 #include "modules/logbook/place.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
+namespace ecs::fuzz {
 
-using namespace ecs;
-using namespace ecs::fuzz;
-
-void instrument(std::string_view text) {
+const AddedParsers kInstrument("instrument", [](std::string_view text) {
   const auto read = commissioning::parse_instrument(text, kFile);
   if (!was_read(read)) return;
   const auto again = commissioning::parse_instrument(commissioning::to_toml(*read), kFile);
   check(again && *again == *read);
   static_cast<void>(commissioning::calibrated_on(*read, "2026-01-31"));
-}
+});
 
-const AddedParsers kInstrument{{{"instrument", instrument}}};
-
-}  // namespace
+}  // namespace ecs::fuzz

@@ -4,12 +4,9 @@
 #include "modules/report/diagnosis.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
+namespace ecs::fuzz {
 
-using namespace ecs;
-using namespace ecs::fuzz;
-
-void diagnosis(std::string_view text) {
+const AddedParsers kReport("diagnosis", [](std::string_view text) {
   const auto read = app::parse_diagnosis(text, kFile);
   if (!was_read(read)) return;
   check(!read->headline.empty());
@@ -18,8 +15,6 @@ void diagnosis(std::string_view text) {
   for (const app::ReportedEffect& one : read->effects)
     all_finite(std::array{one.rms_after_um, one.explained, one.held_out_before_um, one.held_out_after_um});
   for (const app::ReportedDependence& one : read->where) check_finite(one.strength);
-}
+});
 
-const AddedParsers kReport{{{"diagnosis", diagnosis}}};
-
-}  // namespace
+}  // namespace ecs::fuzz

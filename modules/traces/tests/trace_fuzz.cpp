@@ -6,10 +6,7 @@
 #include "modules/traces/trace.hpp"
 #include "tests/fuzz/parsers.hpp"
 
-namespace {
-
-using namespace ecs;
-using namespace ecs::fuzz;
+namespace ecs::fuzz {
 
 void drive(std::string_view text) {
   const auto read = model::parse_drive(text, kFile);
@@ -32,6 +29,6 @@ void trace(std::string_view text) {
   }
 }
 
-const AddedParsers kTraces{{{"drive", drive}, {"trace", trace}}};
+const AddedParsers kTraces{{"drive", drive}, {"trace", trace}};
 
-}  // namespace
+}  // namespace ecs::fuzz
