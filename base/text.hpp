@@ -86,7 +86,7 @@ inline constexpr std::size_t kTerminalColumns = 80;
 /// JSON with the same characters as escapes (\u009b) in place of bytes; what it means stays. @param json  valid, UTF-8
 [[nodiscard]] std::string shown_json(std::string_view json);
 
-/// A line of at most so many bytes; of a longer one the beginning and how long it is.
+/// A line of at most this many bytes; of a longer one the beginning and how long it is.
 [[nodiscard]] std::string cut_line(std::string_view line, std::size_t most);
 
 }  // namespace ecs

@@ -1,4 +1,4 @@
-// Where the time of the virtual workshop goes: so many simulated seconds of three axes moving under compensation.
+// Where the time of the virtual workshop goes: this many simulated seconds of three axes moving under compensation.
 // Run: valgrind --tool=callgrind --instr-atstart=no machine_callgrind [seconds], then callgrind_annotate
 #include <cstdio>
 #include <cstdlib>

@@ -121,7 +121,7 @@ Image mill_map() {
   return image.value_or(Image{});
 }
 
-/// A map of so many bytes whose every value is noise.
+/// A map of this many bytes whose every value is noise.
 Image noise_map(std::uint32_t bytes) {
   const std::uint32_t values = (bytes - 1024) / 2;
   const ImagePlan plan{1, values, bytes - directory_offset() - kEntryBytes - 2 * values};

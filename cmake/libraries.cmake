@@ -11,7 +11,7 @@ target_compile_options(ecs_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 target_include_directories(ecs_flags INTERFACE ${CMAKE_SOURCE_DIR})
 
-set(ECS_SOURCES_A_UNIT 10 CACHE STRING "Sources of a folder that are compiled as one unit; 1 compiles each by itself")
+set(ECS_SOURCES_A_UNIT 10 CACHE STRING "Sources of a folder that are compiled as one unit; 1 compiles each on its own")
 
 # ecs_folder(folder links...): every .cpp of the folder but main.cpp, as a library named after its path (model/fit is
 # model_fit). The links are what the folder may include: folders by their path, packages by their target.

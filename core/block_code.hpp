@@ -22,7 +22,7 @@ namespace block_code {
 inline constexpr unsigned kModeBits = 2;
 inline constexpr unsigned kParameterBits = 4;   ///< of a Rice code: low bits of a number that follow its unary part
 inline constexpr unsigned kMostParameter = 14;  ///< larger ones are not used
-inline constexpr unsigned kMostUnary = 20;      ///< so many ones: the number follows in 16 bits
+inline constexpr unsigned kMostUnary = 20;      ///< this many ones: the number follows in 16 bits
 inline constexpr unsigned kDistanceBits = 10;
 inline constexpr std::size_t kHistoryBytes = std::size_t{1} << kDistanceBits;
 inline constexpr std::size_t kLeastRepeat = 3;

@@ -25,7 +25,7 @@ class JointVolume {
   /// @pre machine.rotary, and its errors are components
   [[nodiscard]] static Result<JointVolume> over(const CompensatedMachine& machine, const Grid& grid);
 
-  /// Errors by themselves, without a map: `components` made for this grid.
+  /// Errors on their own, without a map: `components` made for this grid.
   [[nodiscard]] static JointVolume of(const CompensatedMachine& machine, const Grid& grid, Components components,
                                       RotaryErrors rotary);
 

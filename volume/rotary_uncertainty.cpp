@@ -78,7 +78,7 @@ Vector3 gain_of(const kinematics::MachinePose& pose, std::size_t component, cons
   return gain_at(pose.squareness[component - kCurves], position_mm);
 }
 
-/// A grid with the settings of the rotary axes, at most so many together.
+/// A grid with the settings of the rotary axes, at most this many together.
 struct Settings {
   Grid grid;
   std::vector<Angles> angles;

@@ -12,7 +12,7 @@
 
 namespace ecs::app {
 
-/// Runs `ecs words…`; says all by itself. @return exit code
+/// Runs `ecs words…`; says all on its own. @return exit code
 using RunWords = std::function<int(const std::vector<std::string>& words)>;
 
 /// Asks and answers line by line until `q` at the first menu or the end of `in`. Each question names what it takes and

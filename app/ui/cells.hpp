@@ -58,7 +58,7 @@ struct Area {
   int column = 0;
   int rows = 0;
   int columns = 0;
-  /// So many cells less on each side; never negative.
+  /// This many cells less on each side; never negative.
   [[nodiscard]] Area inside(int by = 1) const;
   /// One column less at the left and at the right.
   [[nodiscard]] Area between_margins() const { return {row, column + 1, rows, columns - 2}; }

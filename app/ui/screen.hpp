@@ -120,7 +120,7 @@ void draw_key_line(Canvas& canvas, const Area& line, const KeyLine& keys);
 struct KeyRow {
   std::string keys;              ///< "v", "up/down", "+ -": each does the same
   std::string does;              ///< empty: the key line does not name it
-  std::function<void()> act{};   ///< empty: the screen takes the key by itself
+  std::function<void()> act{};   ///< empty: the screen takes the key on its own
   std::function<bool()> when{};  ///< empty: always
   bool always = false;           ///< it acts, though it is not named, when that does not hold
 };

@@ -95,7 +95,7 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
   parts_.push_back({"F3", "finds any screen or command by its name, here too"});
   parts_.push_back({"F4", "copies the selected row, or the screen, to your clipboard (OSC 52)"});
   parts_.push_back({"F6", "COMMANDS: what was done here, as commands of ecs; a script of them"});
-  parts_.push_back({"Ctrl-L, Ctrl-C", "draw everything anew; leave the program"});
+  parts_.push_back({"Ctrl-L, Ctrl-C", "redraw everything; leave the program"});
   const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
   if (!words.empty()) parts_.push_back({"", ""});
   for (const ExplainedWord& word : words) parts_.push_back({word.word, word.meaning});

@@ -260,7 +260,7 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
 
 Canvas Terminal::canvas() const { return {LINES, COLS, screen_->glyphs, screen_->slow}; }
 
-/// When the line will have carried so many cells: a pseudo-terminal does not tell.
+/// When the line will have carried this many cells: a pseudo-terminal does not tell.
 void Terminal::Screen::reckon(int cells) {
   if (!slow) return;
   constexpr double kBytesPerCell = 2.0;  // with the moves between them
@@ -292,7 +292,7 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
     if (!agreed && columns_of(cell.glyph) == 2) mvaddch(r, c + 1, ' ');
     mvadd_wch(r, c, &letter);
     const int behind = c + columns_of(cell.glyph);
-    const bool halved = sent.at(r, behind).glyph == kSecondHalf;  // of a letter that was overwritten: to be sent anew
+    const bool halved = sent.at(r, behind).glyph == kSecondHalf;  // of a letter that was overwritten: to be sent again
     sent.put(r, c, cell.glyph, cell.tone);
     if (halved) sent.put(r, behind, kUnknown);
   }

@@ -125,7 +125,7 @@ void LaserController::offer_another() {
   offer(draft_of(edited_.draft()));
 }
 
-/// Single readings are known by their place in the file: a file written anew may hold others there.
+/// Single readings are known by their place in the file: a file written again may hold others there.
 void LaserController::warn_of_newer_files(const std::string& than) {
   for (const auto& [key, line] : choices().lines) {
     if (line.readings.empty()) continue;

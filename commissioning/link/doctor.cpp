@@ -259,7 +259,7 @@ bool found_elsewhere(const LinkAddress& address, const char* check, const std::s
   return true;
 }
 
-/// Of so many quick questions of which none is answered.
+/// Of this many quick questions of which none is answered.
 int most_seconds(const LinkAddress& address, std::size_t questions) {
   const protocol::LinkTiming timing = protocol::timing_of(address);
   const std::chrono::duration<double> one = timing.response_timeout + timing.quiet_time;

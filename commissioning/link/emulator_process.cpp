@@ -63,7 +63,7 @@ std::filesystem::path with_ending(const std::filesystem::path& memory, const cha
   return memory.string() + ending;
 }
 
-/// A file that only this user can read, written anew.
+/// A file that only this user can read, written again.
 Result<void> write_private(const std::filesystem::path& path, const std::string& text) {
   const std::filesystem::path draft = path.string() + ".new";
   ::unlink(draft.c_str());

@@ -206,7 +206,7 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
                                                 "done. Look what it is and holds, then ask again",
                                                 now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
-  close();  // whoever shows the unit takes it for a new link, and reads everything anew
+  close();  // whoever shows the unit takes it for a new link, and reads everything again
   next_try_ = {};
   const std::lock_guard lock(mutex_);
   state_.identity = *now;

@@ -99,7 +99,7 @@ class UnitConnection {
     return result;
   }
 
-  /// Closes the link and keeps hands off it as long as the token lives, so that a verb can open it by itself.
+  /// Closes the link and keeps hands off it as long as the token lives, so that a verb can open it on its own.
   class Lent {
    public:
     explicit Lent(UnitConnection& connection);

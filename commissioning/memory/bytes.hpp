@@ -24,7 +24,7 @@ namespace ecs::commissioning {
 /// @param modules  axis memory modules that the unit has
 [[nodiscard]] Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules = kMostModules);
 
-/// Bytes of a region in a unit with so many modules.
+/// Bytes of a region in a unit with this many modules.
 [[nodiscard]] std::uint32_t size_of(const Region& region, std::size_t modules);
 
 /// Nothing but digits.
@@ -55,7 +55,7 @@ struct Stretch {
 
 class MemoryBytes {
  public:
-  /// Nothing is known of a unit with so many axis memory modules.
+  /// Nothing is known of a unit with this many axis memory modules.
   [[nodiscard]] static MemoryBytes of_unit(std::size_t modules);
   /// All of a dump; what a damaged file has lost stays unknown.
   [[nodiscard]] static MemoryBytes of_dump(const MemoryDump& dump);
@@ -89,7 +89,7 @@ class MemoryBytes {
   std::vector<Held> held_;
 };
 
-/// `45 43 53` bytes, `"ECSI"` text, `16:-250` and `8:`, `32:`, `64:` whole numbers of so many bits, `f:0.01` a real
+/// `45 43 53` bytes, `"ECSI"` text, `16:-250` and `8:`, `32:`, `64:` whole numbers of this many bits, `f:0.01` a real
 /// number of 8 bytes; all as the unit stores them, high byte first. A usage problem for anything else.
 [[nodiscard]] Result<std::vector<std::uint8_t>> pattern_in(std::string_view typed);
 inline constexpr std::string_view kPatternHint = "bytes 45 43, text \"ECSI\", or numbers 8:255 16:-250 32:70000 f:0.01";
@@ -126,7 +126,7 @@ struct ByteWrite {
 [[nodiscard]] Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number,
                                          const ByteWrite& write);
 
-/// "45 43 53 49", cut after so many bytes with how many there are.
+/// "45 43 53 49", cut after this many bytes with how many there are.
 [[nodiscard]] std::string short_hex(ByteView bytes, std::size_t most = 16);
 
 }  // namespace ecs::commissioning

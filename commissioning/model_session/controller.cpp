@@ -84,7 +84,7 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
   (*controller)->commands_.begun();
   Message& message = (*controller)->message_;
   const std::string begun =
-      fmt::format("begun in {} with {}; d finds what else there is, a adds it",
+      fmt::format("new model {} with {}; d finds what else there is, a adds it",
                   std::filesystem::path(files.model).filename().string(), usual_in_words((*controller)->work_->data));
   if (message.text().empty())
     message.say(begun);

@@ -55,7 +55,7 @@ class ModelController {
   [[nodiscard]] const std::optional<params::Machine>& machine() const { return work_->machine; }
   [[nodiscard]] const std::shared_ptr<UnitConnection>& unit() const { return unit_; }  ///< null: none
   [[nodiscard]] bool changed() const { return edited_.unsaved(); }
-  /// Counts up with every fit: curves are made anew only then.
+  /// Counts up with every fit: curves are made again only then.
   [[nodiscard]] int generation() const { return generation_; }
 
   /// Unsaved work on this model that was kept when it was last open.

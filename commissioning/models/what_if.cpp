@@ -85,7 +85,7 @@ std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const Obse
 
 namespace {
 
-/// Sizes beyond so many standard deviations are no scatter; smaller shares of the squares are not worth a sentence.
+/// Sizes beyond this many standard deviations are no scatter; smaller shares of the squares are not worth a sentence.
 constexpr double kFarFromZero = 4.0, kWorthTelling = 0.05;
 
 /// One column taken out of what is left: its size, and what the squares fall by.

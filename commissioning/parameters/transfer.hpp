@@ -62,7 +62,7 @@ class ParametersTransfer {
   void send();
   /// @pre !task().running()
   void receive();
-  /// What the unit holds, for comparing; by itself it is done whenever the link was opened.
+  /// What the unit holds, for comparing; on its own it is done whenever the link was opened.
   void look() { looked_at_.reset(); }
   void cancel() { task_.cancel(); }
   [[nodiscard]] const TaskRunner& task() const { return task_; }  ///< receiving, sending
@@ -87,7 +87,7 @@ class ParametersTransfer {
   std::shared_ptr<UnitConnection> connection_;
   ParametersController* controller_;
   Message* message_;
-  TaskRunner looking_;                                              ///< by itself
+  TaskRunner looking_;                                              ///< on its own
   std::optional<std::chrono::steady_clock::time_point> looked_at_;  ///< the opening of the link that was looked at
   TaskRunner task_;
   ParameterSet to_send_;

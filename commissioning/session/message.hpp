@@ -106,7 +106,7 @@ void log_event(Tone tone, const std::string& text);
 /// What must still be read when the screens are gone: logged, and printed once the terminal is given back.
 void leave_word(const std::string& text);
 [[nodiscard]] std::vector<std::string> words_left();
-/// state_folder()/screens.log; begun afresh when it has grown beyond a megabyte. Empty: there is nowhere to write.
+/// state_folder()/screens.log; started again when it has grown beyond a megabyte. Empty: there is nowhere to write.
 [[nodiscard]] std::filesystem::path log_file();
 
 }  // namespace ecs::commissioning

@@ -73,7 +73,7 @@ class TaskRunner {
   [[nodiscard]] double part() const;          ///< done, 0 … 1
   [[nodiscard]] double seconds() const;       ///< since its start
   [[nodiscard]] double seconds_left() const;  ///< as the task says, else from the part done; negative: not known
-  /// The task begun last was cancelled.
+  /// The task started last was cancelled.
   [[nodiscard]] bool cancelled() const { return cancelled_; }
 
  private:

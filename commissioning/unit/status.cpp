@@ -78,7 +78,7 @@ void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
   }
 }
 
-/// Empty: it is no list of so many registers.
+/// Empty: it is no list of this many registers.
 Registers registers_in(const Json& list, const Block& block) {
   Registers registers;
   if (!list.is_array() || list.size() != block.count) return registers;

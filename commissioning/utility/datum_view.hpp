@@ -56,7 +56,7 @@ struct SeenTime {
   void show_all(const ShownRecord& first, const ShownRecord* second);
   /// The cursor there, in the middle of what is seen if it was outside.
   void go_to(double time_s);
-  /// By so many of the steps of which 70 are seen, but by whole samples; into the middle where there was no cursor.
+  /// By this many of the steps of which 70 are seen, but by whole samples; into the middle where there was no cursor.
   void move_cursor(int steps, double sample_s);
   /// Around the cursor, else around the middle. @param factor  of the time that is seen
   void zoom(double factor);

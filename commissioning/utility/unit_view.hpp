@@ -26,7 +26,7 @@ struct UnitView {
   std::optional<protocol::MonitorSample> sample;  ///< the last one that came, also when the link is lost
   bool fresh = false;                             ///< `sample` came from the link that is open
   double age_s = 0.0;                             ///< of `sample`
-  int restarts = 0;                               ///< how often the unit began anew while it was watched
+  int restarts = 0;                               ///< how often the unit restarted while it was watched
   std::uint64_t changes = 0;
 
   /// @return whether there is anything new to draw

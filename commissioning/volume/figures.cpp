@@ -95,7 +95,7 @@ std::vector<GridIndex> corners_of(const Grid& grid) {
 /// What the error at a place is below with 95 %, from either side.
 struct PlaceBound {
   double length_um = 0.0;
-  Vector3 along_um{};  ///< each axis by itself
+  Vector3 along_um{};  ///< each axis on its own
 };
 
 /// What is left of what is known may be nothing: what may be there is what the uncertainty of the map allows. Not where

@@ -45,7 +45,7 @@ using TablePoints = PerAxis<std::vector<double>>;
                                          const model::Fit& fit, const model::Observations& data,
                                          const TablePoints& tables_mm);
 
-/// The largest of so many equally likely results is exceeded by the next one with a chance of 1/20.
+/// The largest of this many equally likely results is exceeded by the next one with a chance of 1/20.
 inline constexpr std::size_t kRefits = 19;
 
 /// The neighbouring targets between which every place of the effect fits alike, such as that of a step, from the datum
@@ -53,7 +53,7 @@ inline constexpr std::size_t kRefits = 19;
 [[nodiscard]] std::optional<std::array<double, 2>> targets_about(const model::EffectInstance& effect,
                                                                  const model::Observations& data);
 
-/// Parametric bootstrap: readings of the fit with noise drawn anew (white and correlated, by sense), fitted again. A
+/// Parametric bootstrap: readings of the fit with noise drawn again (white and correlated, by sense), fitted again. A
 /// place between two targets (targets_about) is drawn from there, one draw from each of `count` equal parts: all are
 /// equally likely.
 /// @param fit  of `model` to `data`

@@ -127,7 +127,7 @@ struct TransducerSettings {
   double noise_um = 0.0;         ///< standard deviation
   double fastest_mm_min = 0.0;   ///< above it counts are lost; 0: never
   double dirt_mm = 0.0;          ///< a dirty place of the scale …
-  std::int64_t dirt_counts = 0;  ///< … loses up to so many counts whenever it is passed
+  std::int64_t dirt_counts = 0;  ///< … loses up to this many counts whenever it is passed
 };
 
 class PositionTransducer {
@@ -145,7 +145,7 @@ class PositionTransducer {
   [[nodiscard]] std::int64_t counts_at(double position_mm) const;
   /// Counts lost since the machine was last referenced.
   [[nodiscard]] std::int64_t lost() const { return lost_; }
-  /// The control counts anew from its reference position.
+  /// The control counts again from its reference position.
   void referenced() { lost_ = 0; }
   /// Where it says it is, before it is cut into counts: place and error of the subdivision [mm].
   [[nodiscard]] double shown_mm(double position_mm) const;

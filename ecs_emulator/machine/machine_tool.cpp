@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kUsualPitch_mm = 10.0;
 constexpr double kSpeedReserve = 1.2;    ///< of the drive above rapid
-constexpr double kStandingLags = 2.0;    ///< so many times 1/Kv near the place asked for: it stands
+constexpr double kStandingLags = 2.0;    ///< this many times 1/Kv near the place asked for: it stands
 constexpr double kNear_pulses = 1.0;     ///< from the place asked for
-constexpr double kStandingPulses = 3.0;  ///< speed that so many pulses in the counter ask for
+constexpr double kStandingPulses = 3.0;  ///< speed that this many pulses in the counter ask for
 
 }  // namespace
 

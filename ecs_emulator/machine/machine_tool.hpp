@@ -115,7 +115,7 @@ class AxisOfMachine {
   void hang_switch(std::optional<bool> shows) { switch_hangs_ = shows; }
   /// The wire of the marker is broken.
   void lose_marker(bool lost) { marker_lost_ = lost; }
-  /// A burst of noise on the transducer's wires: so many counts too many from now on.
+  /// A burst of noise on the transducer's wires: this many counts too many from now on.
   void miscount(std::int64_t counts) { miscounted_ += counts; }
 
   /// Machine coordinates of the marker that the controller's reference sequence ends at, and of the switch.

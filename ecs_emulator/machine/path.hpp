@@ -77,7 +77,7 @@ class Path {
 
   /// Forgets everything that is left and stands at `place_mm`.
   void stand(const Vector3& place_mm);
-  /// Appends pieces (those without length are left out) and plans the speeds anew.
+  /// Appends pieces (those without length are left out) and plans the speeds again.
   void add(std::span<const PathPiece> pieces);
   /// One period further.
   void step(double period_s);

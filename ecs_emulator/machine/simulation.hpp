@@ -19,7 +19,7 @@ namespace ecs::emulator {
 /// What became of the periods so far.
 struct RealTimeRecord {
   std::uint64_t periods = 0;
-  std::uint64_t missed = 0;    ///< begun a whole period or more after they were due
+  std::uint64_t missed = 0;    ///< started a whole period or more after they were due
   double worst_late_us = 0.0;  ///< of any period
   bool fifo = false;           ///< the system gave this process a real-time priority
 };
@@ -29,7 +29,7 @@ class RealTime {
   /// Asks the system for a real-time priority; goes on without where it is refused.
   RealTime();
 
-  /// Returns when the next period is due. After a stop of more than a quarter of a second, time starts anew: the
+  /// Returns when the next period is due. After a stop of more than a quarter of a second, time starts again: the
   /// periods left out count as missed.
   void wait(double period_s);
 

@@ -38,8 +38,8 @@ inline constexpr double kDatumGiveUp_s = 30.0;
 class DatumWatch {
  public:
   /// One period. The machine may first be brought back across its switch, against the approach direction: what fails
-  /// then is begun again when the axis comes back the right way. A switch reached too fast may be the same motion seen
-  /// with the wrong approach direction: the next time that it is reached, slowly and the other way, the failure is
+  /// then is started again when the axis comes back the right way. A switch reached too fast may be the same motion
+  /// seen with the wrong approach direction: the next time that it is reached, slowly and the other way, the failure is
   /// `wrong_direction`. Every other failure is final at once.
   void step(const DatumParameters& parameters, const AxisModule& module, double mm_per_count, double period_s);
 

@@ -47,7 +47,7 @@ class UnitMemory {
   /// Flips bits of one location, whatever the region.
   void corrupt(Address address, std::uint8_t bits) { *at(address) = static_cast<std::uint8_t>(read(address) ^ bits); }
   void repair() { stuck_.clear(); }
-  /// Power fails after so many further writes to battery-backed memory.
+  /// Power fails after this many further writes to battery-backed memory.
   void power_fails_after(std::uint64_t writes) { writes_left_ = writes; }
   void power_back() {
     writes_left_.reset();

@@ -26,7 +26,7 @@ enum class LinkSense : std::uint8_t {
 };
 
 inline constexpr double kLinkWait_s = 0.5;
-/// So many periods in a row that are not finished in time isolate the unit; fewer are counted.
+/// This many periods in a row that are not finished in time isolate the unit; fewer are counted.
 inline constexpr int kMostLatePeriods = 3;
 /// Longest time at the output limit before `compensation_output`.
 inline constexpr double kOutputLimit_s = 1.0;
@@ -71,7 +71,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] Fault fault() const { return fault_; }
 
   // what can be wrong with the processor
-  /// The work of a period takes longer. @param periods  so many; 0: from now on
+  /// The work of a period takes longer. @param periods  this many; 0: from now on
   void slow_down(double extra_us_per_period, std::uint64_t periods = 0) {
     extra_us_ = extra_us_per_period;
     slow_periods_ = periods;

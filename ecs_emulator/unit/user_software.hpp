@@ -47,7 +47,7 @@ class UserSoftware {
   UserSoftware(UnitMemory& memory, Address start, std::uint32_t argument);
   ~UserSoftware();
 
-  /// So many microseconds of its time; memory shows what it wrote.
+  /// This many microseconds of its time; memory shows what it wrote.
   void step(const MachineInputs& inputs, double period_s);
   /// The host has written into memory meanwhile.
   void host_wrote(Address first, std::uint32_t size);

@@ -80,7 +80,7 @@ struct MeasuredLengths {
 
 // What a ball on the table and the spindle show of a machine with rotary axes: the linear axes follow the ball while a
 // rotary axis turns (R-test, or a probe that measures a ball; ISO 10791-6, BK1 to BK4), and readings of an error motion
-// by itself. The poses are taken as reached: cold, unloaded, standing; no unit is there: it would know three axes.
+// on its own. The poses are taken as reached: cold, unloaded, standing; no unit is there: it would know three axes.
 // Does not live here: what the readings say of the machine (the host).
 
 /// One rotary axis moves, there and back; the others stand.
@@ -118,7 +118,7 @@ struct TurnPlan {
   double seconds = 5.0;
 };
 
-/// Readings of an error motion by itself, counted from the first target.
+/// Readings of an error motion on its own, counted from the first target.
 [[nodiscard]] Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPlan& plan);
 
 /// "C=0:330:30" the axis that moves, "/A=-60" where another stands. A `usage` problem says what is wrong.

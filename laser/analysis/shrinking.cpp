@@ -177,7 +177,7 @@ double shrink_off_line(std::vector<double>& values, const std::vector<double>& p
 
 using SideMember = std::optional<double> CurvePoint::*;
 
-/// One approach by itself.
+/// One approach on its own.
 double shrink_side(Curve& curve, SideMember side, double variance, double freedom) {
   std::vector<double> values, position_mm;
   for (const CurvePoint& point : curve.points) {

@@ -53,7 +53,7 @@ struct ColumnMapping {
   bool motion_run = false;       ///< `run=motion`: there and back is one run
   int skip_lines = 0;            ///< before the heading row, or the first row if there is no heading
   int most_rows = 0;             ///< 0: all
-  char delimiter = '\0';         ///< '\0': found by itself; ' ' stands for any blanks
+  char delimiter = '\0';         ///< '\0': found on its own; ' ' stands for any blanks
   char decimal = '\0';           ///< '\0': point or comma, as the delimiter allows
   TableValues values = TableValues::errors;
   std::vector<CellKind> row_begins;  ///< a row begins with such cells; other lines, and values that are no numbers, are

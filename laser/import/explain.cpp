@@ -29,7 +29,7 @@ namespace ecs::laser {
 namespace {
 
 constexpr std::size_t kLeastTargets = 3;
-constexpr std::size_t kRowsATurn = 4;  ///< positions turn back less often than every so many rows
+constexpr std::size_t kRowsATurn = 4;  ///< positions turn back less often than every this many rows
 /// Errors [um] vary by less than this part of the travel [mm]: 300 um/m. Coordinates beside a position vary by more.
 constexpr double kGreatestSlope_um_per_mm = 0.3;
 /// Errors lie round the 0 of a readout; coordinates that hardly change lie far from it.

@@ -80,9 +80,9 @@ struct Iso230Uncertainty {
 /// Nothing for rotary axes and rotations, and where fewer than two targets were measured.
 ///
 /// Rectangular distributions for ranges (U = 0.58 range). Instrument, cosine error offset²/2L, and temperature act in
-/// proportion to the length, so on M, E and A whole, on B and R not. The environment acts on every reading anew: with n
-/// runs from each side u(mean) = u/√n and u(s) = u/√(n − 1), so that U(R↑) = 2 U_EVE for n = 5. The factors follow from
-/// the definitions of ISO 230-2 clause 3 by the GUM; the tables of annex A were not at hand.
+/// proportion to the length, so on M, E and A whole, on B and R not. The environment acts on every reading
+/// independently: with n runs from each side u(mean) = u/√n and u(s) = u/√(n − 1), so that U(R↑) = 2 U_EVE for n = 5.
+/// The factors follow from the definitions of ISO 230-2 clause 3 by the GUM; the tables of annex A were not at hand.
 [[nodiscard]] std::optional<Iso230Uncertainty> iso230_uncertainty_of(const Iso230& iso,
                                                                      const Iso230Conditions& conditions);
 

@@ -31,7 +31,7 @@ std::vector<double> second_derivatives(const std::vector<double>& at, const std:
   return second;
 }
 
-/// Functions that so many different positions can hold; mean and slope take two.
+/// Functions that this many different positions can hold; mean and slope take two.
 std::size_t most_functions(double positions, bool apart) {
   if (positions < 3.0) return 0;
   if (positions <= kFewPositions || apart) return static_cast<std::size_t>(positions) - 2;

@@ -177,7 +177,7 @@ struct Observations {
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const KnownTables& tables,
                                            const std::optional<params::Machine>& machine);
 
-/// Places of about `wanted` of so many readings, at random one from each stretch: an even step could fall in with the
+/// Places of about `wanted` of this many readings, at random one from each stretch: an even step could fall in with the
 /// order of senses or targets. The same for the same numbers.
 [[nodiscard]] std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted);
 

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kFewestRuns = 3;
 /// 2 ln 100: an effect that explains a run better by this is more than the run (docs/model.md, "Diagnose").
 constexpr double kBetterByHundred = 9.21;
-/// A run scatters more than the others where its mean absolute residual is larger by this factor, and by so many
+/// A run scatters more than the others where its mean absolute residual is larger by this factor, and by this many
 /// standard deviations of the difference: 3e-6 of runs on one side. Fewer readings a run tell nothing of its scatter.
 constexpr double kNoisier = 1.5, kFarSigmas = 4.5, kFewestInRun = 8.0;
 /// Passes of a line and approach from which one can be odd, readings in each, and the chance at which it is: one in

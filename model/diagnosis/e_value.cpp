@@ -35,8 +35,8 @@ constexpr double kMostLn = 690.0;
 /// Readings weighed at the utmost.
 constexpr std::size_t kMostWeighed = 1200;
 
-/// Of the wanders, so many of the likeliest are held against an effect: a choice; those that are far from all readings
-/// are far from a half of them too.
+/// Of the wanders, this many of the likeliest are held against an effect: a choice; those that are far from all
+/// readings are far from a half of them too.
 constexpr std::size_t kWanders = 8;
 
 /// Deviances closer than this are equal: where the fitted half is one run, a level of its own for every run changes

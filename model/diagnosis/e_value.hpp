@@ -31,12 +31,12 @@ enum class NullHypothesis { noise, noise_or_wander };
 /// At most 1/α of data sets without the effect exceed α on average over them (Markov). Nothing where no split shows the
 /// effect on both sides.
 /// Beside a wander the readings that the effect was fitted to are given, for the others depend on them.
-/// @param columns,target  of the model without the effect  @param effect  its searched parameter is sought anew
+/// @param columns,target  of the model without the effect  @param effect  its searched parameter is searched again
 [[nodiscard]] std::optional<double> e_value_of(const Evidence& on, const Eigen::MatrixXd& columns,
                                                const Eigen::VectorXd& target, const EffectInstance& effect,
                                                NullHypothesis null);
 
-/// F test of the columns of an effect beside those of the model, for having been the best of so many tests: at most a
+/// F test of the columns of an effect beside those of the model, for having been the best of this many tests: at most a
 /// share p of data sets of noise alone has any test with a value of p or less (Bonferroni). Exact for Gaussian noise of
 /// any size and of the shape given; of all shapes that the readings leave possible the one that speaks least for the
 /// effect counts.

@@ -40,15 +40,15 @@ constexpr double kNoiseFell = 0.85, kNoiseRose = 1.15;
 /// choice.
 constexpr double kFreedomOfTests = 0.6;
 /// Structure that a named effect may leave: this share of what it explains, for the shapes of the library are not
-/// exact, and at most so many squares of the noise. Choices.
+/// exact, and at most this many squares of the noise. Choices.
 constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
 /// Below this e-value readings that an effect was not fitted to speak against it rather than for it.
 constexpr double kSpeaksAgainst = 1.0;
-/// Tests of structure are held against so many times the replicates that are searched: they are cheap, and their limit
-/// is further out.
+/// Tests of structure are held against this many times the replicates that are searched: they are cheap, and their
+/// limit is further out.
 constexpr std::size_t kStructureReplicates = 2;
 /// Without repeats the noise may have been taken for nearly all that the model leaves, and repeats of fewer degrees of
-/// freedom tell little of it (the thousandth of Student's t of 30 is a tenth beyond the normal one): for less than so
+/// freedom tell little of it (the thousandth of Student's t of 30 is a tenth beyond the normal one): for less than this
 /// many squares of it, or so few degrees, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0, kManyDegrees = 30.0;

@@ -80,9 +80,9 @@ struct LinearProblem {
 
 [[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
 
-/// The noise is looked at again, with what was found taken off, so many times at the utmost.
+/// The noise is looked at again, with what was found taken off, this many times at the utmost.
 inline constexpr int kMostRounds = 2;
-/// Noise and outliers anew from what is left; false: they are what they were.
+/// Noise and outliers again from what is left; false: they are what they were.
 [[nodiscard]] bool noise_changed(const Observations& data, const Eigen::VectorXd& residual, bool plain,
                                  NoiseModel& noise, std::vector<bool>& left_out);
 

@@ -35,7 +35,7 @@ double score_at(const std::vector<double>& replicate_scores, double chance) {
   return high;
 }
 
-/// Whether so many replicates of noise reach a value that it is not worth drawing more.
+/// Whether this many replicates of noise reach a value that it is not worth drawing more.
 bool loses_to_noise(double value, const std::vector<double>& replicates) {
   const auto reached =
       static_cast<std::size_t>(std::ranges::count_if(replicates, [&](double replicate) { return replicate >= value; }));

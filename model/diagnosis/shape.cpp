@@ -121,7 +121,7 @@ class ShapeSearch {
   static constexpr double kStepOfWaves = 0.25, kMostWavesOfChirp = 25.0;
   static constexpr int kFineSteps = 5;
   static double one(double) { return 1.0; }
-  /// Phase of a wave with so many waves over the range, `bend` more a range at its end than at its beginning.
+  /// Phase of a wave with this many waves over the range, `bend` more a range at its end than at its beginning.
   static double phase(double x, double waves, double bend) {
     return kWaveTurn * (waves * x + 0.5 * bend * x * (x - 1.0));
   }

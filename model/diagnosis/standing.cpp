@@ -34,7 +34,7 @@ constexpr double kNearlyAll = 0.95;
 constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
 /// Readings that an effect was not fitted to speak for it from this e-value on.
 constexpr double kSpeaksFor = 1.0;
-/// Without repeats what a model leaves is no noise where readings left out are missed by more than so many times the
+/// Without repeats what a model leaves is no noise where readings left out are missed by more than this many times the
 /// rms of those fitted: two, for four times the squares are no chance.
 constexpr double kMostHeldOut = 2.0;
 constexpr std::size_t kPartsLeftOut = 5;
@@ -168,7 +168,7 @@ bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
   return are_pitches_or_fractions(found.families, members);
 }
 
-/// The wave that explains nearly all by itself, although a weak one beside it beats with it or it changes a little: of
+/// The wave that explains nearly all on its own, although a weak one beside it beats with it or it changes a little: of
 /// a wave whose size grows from nothing the best steady one explains three quarters. Nothing where there is none.
 std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
   const Found& found = in.found;
@@ -344,7 +344,7 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
     return {fmt::format("readings that it was not fitted to do not settle it (e-value {:.2g}; {:g} proves)",
                         *ranked.e_value, kProved),
             again};
-  return {"no half of the readings shows it by itself", again};
+  return {"no half of the readings shows it on its own", again};
 }
 
 Result<Answer> answer_of(const ReportInput& in) {

@@ -31,7 +31,7 @@ constexpr double kSame = 0.05;
 constexpr std::size_t kFirstBranches = 24;
 constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
 constexpr std::size_t kLaterBranches = 5;
-constexpr std::size_t kBesideOwn = 8;  ///< of the first step, begun without a term of the model
+constexpr std::size_t kBesideOwn = 8;  ///< of the first step, started without a term of the model
 constexpr std::size_t kBeam = 12;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score

@@ -103,7 +103,7 @@ constexpr std::array kTurbulences_s{60.0, 20.0, 6.0, 2.0};
 constexpr std::array kLevels{0.3, 1.0, 3.0, 10.0};
 /// A level that is kept over a pass: longer than any.
 constexpr double kForever = 1e9;
-/// Something wanders where that is so many times likelier than the noise as it is.
+/// Something wanders where that is this many times likelier than the noise as it is.
 constexpr double kEvident = 100.0;
 /// Least size of a column beyond the others: no ln of 0.
 constexpr double kLeastSize = 1e-150;

@@ -47,7 +47,7 @@ struct FoundEffect {
   Choice choice;
 };
 /// All sizes of an effect are fitted, those that the search did without too: what is left out because it is small makes
-/// the others look surer than they are (Leeb and Poetscher 2005). Harmonics of a wave stand by themselves; where the
+/// the others look surer than they are (Leeb and Poetscher 2005). Harmonics of a wave stand on their own; where the
 /// data do not determine all sizes, those of the search are fitted.
 [[nodiscard]] Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
                                              const std::vector<FoundEffect>& effects, const Regressors& regressors,

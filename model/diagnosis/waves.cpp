@@ -24,7 +24,7 @@ namespace {
 constexpr double kSamePeriod = 0.01;
 /// A period is a part of another up to this number.
 constexpr double kMostParts = 12.5;
-/// Frequencies closer than so many turns over the travel beat: one wave whose amplitude or period changes looks so.
+/// Frequencies closer than this many turns over the travel beat: one wave whose amplitude or period changes looks so.
 constexpr double kBeating = 3.0;
 
 /// Mean of u² over −1 … 1, taken off so that the second pair differs from the wave itself.

@@ -244,7 +244,7 @@ std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosi
     const double share = std::max(0.0, share_alone(candidate));
     return fmt::format(
         "Alone it explains {} of the residual{}", percent(share),
-        share < kLeastShareSaid ? ", too little to be evidence by itself" : ", no more than noise would");
+        share < kLeastShareSaid ? ", too little to be evidence on its own" : ", no more than noise would");
   }
   std::string text =
       fmt::format("With it the residual{} falls from {:.3g} to {:.3g} {} rms ({} explained; noise {:.3g} {})",

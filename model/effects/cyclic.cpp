@@ -26,12 +26,12 @@ constexpr double kLeastStep = 0.02;
 /// Targets from which a period is looked for: a wave has three parameters, the model at least an offset and a slope.
 constexpr std::size_t kFewestTargets = 6;
 /// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice. A wave that the
-/// user knows of is sought further, as far as so many shapes over all targets go.
+/// user knows of is sought further, as far as this many shapes over all targets go.
 constexpr double kHighestTurns = 5.0, kHighestTurnsOfModel = 25.0;
 constexpr std::size_t kShapesOfModel = 400'000;
 /// Fewer turns over the travel are a slope or a curve, not a period.
 constexpr double kFewestTurns = 2.0;
-/// A fit moves a frequency by at most so many turns over the travel: further away is another peak, for the search to
+/// A fit moves a frequency by at most this many turns over the travel: further away is another peak, for the search to
 /// try.
 constexpr double kPeak = 0.5;
 /// Frequencies tried per 1/travel: three keep the nearest within a sixth of a turn over the travel (VanderPlas 2018:

@@ -213,7 +213,7 @@ struct EffectTraits {
   bool of_condition = false;       ///< its size depends on a condition that a run can set
   bool in_motion = false;          ///< shows only in readings taken on the fly
   bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
-  bool until_new_set_up = false;   ///< ends when the optics are aligned and reset anew (column `set_up`)
+  bool until_new_set_up = false;   ///< ends when the optics are aligned and reset again (column `set_up`)
   bool of_measurement = false;     ///< the readings show it, the machine does not have it
   bool from_origin = false;        ///< counts time or a temperature from Observations::origin
   // how often it can be there

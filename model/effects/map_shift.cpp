@@ -8,7 +8,7 @@
 namespace ecs::model::effects {
 namespace {
 
-/// Shifts: half an increment each, no finer than so many over the map's range, up to half of the range; below half
+/// Shifts: half an increment each, no finer than this many over the map's range, up to half of the range; below half
 /// an increment by a factor, from this part of the range on.
 constexpr double kMostShifts = 240.0, kLargestShift = 0.5, kFinestShifts = 2000.0, kShiftFactor = 1.3;
 

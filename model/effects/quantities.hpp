@@ -44,7 +44,7 @@ inline constexpr double kReference_degC = 20.0;
 [[nodiscard]] double side_of_artefact(const ReadingAt& at);
 
 /// Column `set_up`: 1 or absent where the optics are as in the first readings; another number after they were aligned
-/// and reset anew.
+/// and reset again.
 [[nodiscard]] bool first_set_up(const Observations& data, std::size_t k);
 
 /// `count` values from least to greatest, each by the same factor above the one before.

@@ -52,7 +52,7 @@ EffectDefinition set_up_rotation() {
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: align the artefact, or take the rotation out of its readings",
       .separated_by = {55,
-                       "Take the plate, artefact or straight edge off, set it up anew and repeat with column set_up = "
+                       "Take the plate, artefact or straight edge off, set it up again and repeat with column set_up = "
                        "2: a rotation of the set-up changes, an error of the machine stays."},
       .traits = {.until_new_set_up = true, .of_measurement = true},
       .place = Place::set_up,

@@ -53,7 +53,7 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
   return values;
 }
 
-/// An effect that varies by so many times what the table with it does is cancelled by others: the readings do not
+/// An effect that varies by this many times what the table with it does is cancelled by others: the readings do not
 /// determine it (docs/model.md, "Diagnose").
 constexpr double kMostOfTable = 100.0, kLeastRange_um = 0.1;  // below, it is no error of a machine
 

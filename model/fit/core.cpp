@@ -23,9 +23,9 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kFewValues = 2;  ///< of a searched parameter, where the first will do
 constexpr double kNoValue = 1.0;       ///< of a searched parameter that these data give no range
-/// A term varies by at most so many times the range of the readings it acts on, else other terms cancel it; directions
-/// of unit columns below 1 - 0.995, a correlation of 0.995 between two, are hardly seen (both: the convention of the
-/// effect library, docs/physics.md).
+/// A term varies by at most this many times the range of the readings it acts on, else other terms cancel it;
+/// directions of unit columns below 1 - 0.995, a correlation of 0.995 between two, are hardly seen (both: the
+/// convention of the effect library, docs/physics.md).
 constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
 /// A direction is determined where leaving it out raises χ² by this: five standard deviations, which noise does not do
 /// in a million fits. Share of the information along the best seen direction below which a direction is not seen at
@@ -35,7 +35,7 @@ constexpr double kDetermined = 25.0, kUnseen = 1e-12;
 constexpr double kPartOfDirection = 0.1;
 /// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
 constexpr double kSameFit = 0.05;
-/// Readings up to which a fitted value is sought anew: the search of one effect takes a few milliseconds there.
+/// Readings up to which a fitted value is searched again: the search of one effect takes a few milliseconds there.
 constexpr std::size_t kMostSoughtAnew = 4000;
 
 VectorXd readings_of(const Observations& data) {
@@ -393,7 +393,7 @@ MatrixXd smooth_columns(const Observations& data) {
       columns.push_back(std::move(column));
     };
     add([](std::size_t) { return 1.0; });
-    std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for so many only
+    std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for this many only
     std::stable_partition(axes.begin(), axes.end(), [&](Axis a) {
       return std::ranges::any_of(rows, [&](std::size_t k) { return data.axis[k] == a; });
     });

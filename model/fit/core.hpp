@@ -50,7 +50,7 @@ class Assembly {
 
   std::vector<Slot> slots;
 
-  /// Columns of one slot anew, at its nonlinear values.
+  /// Columns of one slot again, at its nonlinear values.
   void renew(std::size_t slot, const Regressors& regressors);
   [[nodiscard]] Eigen::MatrixXd columns() const;
   [[nodiscard]] Eigen::VectorXd fixed(std::size_t readings) const;

@@ -273,7 +273,7 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
   if (!functions.empty()) out.push_back({"run", functions.matrix()});
 }
 
-/// Without times the order of the rows serves as time: waves no faster than so many rows.
+/// Without times the order of the rows serves as time: waves no faster than this many rows.
 void add_rows(const Observations& data, std::vector<Variable>& out) {
   constexpr double kFastest_rows = 24.0;
   if (!data.time_s.empty() || data.row.empty()) return;

@@ -31,7 +31,7 @@ struct ProfileSigma {
 
 /// Rise of χ² at three standard deviations; a third of the way there is one.
 constexpr double kRise = 9.0, kSigmas = 3.0;
-/// Above so many readings the curvature is exact enough.
+/// Above this many readings the curvature is exact enough.
 constexpr std::size_t kMostProfiled = 4000;
 constexpr int kDoublings = 6, kProfileHalvings = 8;
 constexpr double kSlopeStep = 1e-5;
@@ -186,7 +186,7 @@ FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const Vecto
   return curve;
 }
 
-/// A period, length or time constant whose sigma is so many times its value is not determined.
+/// A period, length or time constant whose sigma is this many times its value is not determined.
 constexpr double kLost = 100.0;
 
 std::vector<ParameterEstimate> user_estimates(const Slot& slot, const VectorXd& sizes, const MatrixXd& covariance,

@@ -16,7 +16,7 @@ namespace ecs::model {
 
 struct FitOptions {
   bool plain = false;        ///< ordinary least squares: every reading counts the same, no outliers
-  bool from_values = false;  ///< nonlinear parameters that have a value are refined from it, not sought anew
+  bool from_values = false;  ///< nonlinear parameters that have a value are refined from it, not searched again
 };
 
 struct EffectFit {

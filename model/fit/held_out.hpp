@@ -19,7 +19,7 @@ struct Parts {
 
 /// Every fifth target of a line together, so that a prediction has to bridge places it has not seen.
 [[nodiscard]] Parts parts_by_target(const Observations& data);
-/// Whether every line has so many targets that a fifth of them can be left out and bridged.
+/// Whether every line has enough targets to leave a fifth of them out and bridge them.
 [[nodiscard]] bool has_targets_to_leave_out(const Observations& data);
 
 /// Share of what is above noise that columns predict in rows which they were not fitted to, each row weighed by how

@@ -32,7 +32,7 @@ struct LadderStep {
 struct Model {
   std::vector<EffectInstance> effects;
   std::vector<EffectInstance>
-      candidates;                      ///< `[[candidate]]`: user effects that a diagnosis shall try, not yet believed
+      candidates;                      ///< `[[candidate]]`: user effects that a diagnosis is to try, not yet believed
   std::string map_file;                ///< as written in the file; empty: no map was active
   std::optional<laser::ErrorMap> map;  ///< read from it
   std::vector<KnownComponent> known;

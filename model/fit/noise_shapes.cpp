@@ -24,14 +24,14 @@ constexpr double kReadings = 20.0, kSlow_s = 200.0;
 constexpr std::array kTimes_readings{1.0, 2.0, 4.0};
 constexpr std::array kTimes_s{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
 /// Shorter ones follow in steps of two down to the interval between readings, for filters and vibration correlate what
-/// is read faster, and in half such steps beside the likeliest where so many readings are within it; but not below
+/// is read faster, and in half such steps beside the likeliest where this many readings are within it; but not below
 /// this [s], which is faster than any display: finer steps of a file are rounding.
 constexpr double kResolved = 4.0, kShortest_s = 1e-3;
 /// Shares of the correlated part tried: an even grid, closer to 1, where the likelihood changes fastest.
 constexpr std::array kShares{0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97};
-/// A square counts as at most so many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
+/// A square counts as at most this many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
 constexpr double kMostSquareOfNoise = 20.0;
-/// Polynomial of a pass: at most of this degree, and at most one order for so many readings.
+/// Polynomial of a pass: at most of this degree, and at most one order for this many readings.
 constexpr Index kMostDegree = 5, kReadingsAnOrder = 6;
 /// Smallest time between ends and pivot of a polynomial: no division by 0, no ln of 0.
 constexpr double kLeastWidth = 1e-9, kLeastPivot = 1e-12;

@@ -18,13 +18,13 @@ constexpr std::size_t kReach = 3;
 constexpr std::size_t kFewestInPass = 4;
 /// Repeats below which the median of the others is one reading.
 constexpr std::size_t kFewestRepeats = 3;
-/// Readings below which no scale is known well enough; of so many at most one may be an outlier (5 %): isolated means
+/// Readings below which no scale is known well enough; of this many at most one may be an outlier (5 %): isolated means
 /// rare.
 constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 20;
 /// Where more look odd, only those that stand apart from the rest by this factor are outliers: what lies in between is
 /// shape. A choice.
 constexpr double kApart = 2.0;
-/// So many of four in a row of a pass are no accident: a burst crosses zero in between.
+/// This many of four in a row of a pass are no accident: a burst crosses zero in between.
 constexpr std::size_t kStreak = 3, kInARow = 4;
 /// Beyond the largest of n normal deviates by this much: the scale is estimated, and noise has longer tails. A choice.
 constexpr double kMargin = 2.5;

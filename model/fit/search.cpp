@@ -27,7 +27,7 @@ constexpr double kUnseenPeriod = 8.0;
 constexpr double kUserTrials = 12.0;
 /// A refinement goes so far beyond the neighbours on the grid, in distances to the nearer one.
 constexpr double kBeyondNeighbour = 1.2;
-/// Beyond so many standard deviations a sum of squares is no noise.
+/// Beyond this many standard deviations a sum of squares is no noise.
 constexpr double kMostOfNoise = 3.0;
 /// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
 constexpr double kAtLimit = 0.005;

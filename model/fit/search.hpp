@@ -78,7 +78,7 @@ class Search {
  public:
   /// @param base      columns that the model absorbs (not whitened), without those of `own`
   /// @param residual  readings less what the model holds fixed (not whitened)
-  /// @param own       terms of the model whose searched parameter is free: it is sought anew beside every set of
+  /// @param own       terms of the model whose searched parameter is free: it is searched again beside every set of
   /// effects
   /// @param cancelled  looked at from family to family; null: nobody stops it
   Search(const Regressors& regressors, const Whitener& whitener, const Eigen::MatrixXd& base,
@@ -176,7 +176,7 @@ class Search {
   void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, std::vector<double>& top) const;
   [[nodiscard]] Price price_of(const Family& family, double nonlinear) const;
   [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
-  /// Scores of all values of a family, best first, at most so many; those that gain nothing left out.
+  /// Scores of all values of a family, best first, at most this many; those that gain nothing left out.
   [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
                                               const Eigen::VectorXd& y, std::size_t most) const;
   /// At a limit of its range: it is another effect under its name.

@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 /// Functions of a curve beyond its leading ones, at least: fewer are a line and a bow, which have effects of their own.
 constexpr std::size_t kFewestCurveFunctions = 4;
 
-/// Sets of at most so many columns are worked on without an allocation: a wave with its harmonic has four.
+/// Sets of at most this many columns are worked on without an allocation: a wave with its harmonic has four.
 constexpr int kFewColumns = 6;
 
 /// One step of the factor: what the columns up to here gain together.

@@ -29,7 +29,7 @@ struct MeasurementProposal {
   Sense sense = Sense::EX;
   std::vector<double> targets_mm;  ///< ascending
   Vector3 parked_mm{};             ///< of the other axes; 0 for the moving one
-  /// A circle of a ball bar in place of a line (model/data/path.hpp), a reading every so many degrees: axis and sense
+  /// A circle of a ball bar in place of a line (model/data/path.hpp), a reading every this many degrees: axis and sense
   /// are of its first axis, there are no targets, and a run is a turn counter-clockwise and one clockwise.
   std::optional<Path> circle{};
   double circle_step_deg = 1.0;
@@ -44,7 +44,7 @@ struct MeasurementProposal {
   double dwell_s = 2.0;                                          ///< at a target before the reading; 0: on the fly
   double trigger_s = 1.0;                                        ///< between M08 and M09
   int set_up = 1;                                                ///< number of the optical set-up, column `set_up`
-  bool new_set_up = false;                                       ///< optics aligned and reset anew for this run
+  bool new_set_up = false;                                       ///< optics aligned and reset again for this run
   bool other_line = false;                                       ///< the other axes stand elsewhere than now
   bool own_zero = false;                                         ///< the readout is set to zero at its first target
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
@@ -56,7 +56,7 @@ struct MeasurementProposal {
   double set_up_minutes = 5.0;        ///< work before the first reading
   double minutes = 0.0;               ///< everything
   double separation_sigma = 0.0;      ///< that the group is sure to lose a member by, from the best mimicking
-  std::vector<PairSeparation> pairs;  ///< none where the run is a repetition, which separates nothing by itself
+  std::vector<PairSeparation> pairs;  ///< none where the run is a repetition, which separates nothing on its own
   std::string tells;                  ///< what it separates and how surely, and how long it takes
   std::string sentence;               ///< what to do
 };
@@ -71,7 +71,7 @@ struct MeasuringTimes {
   double rapid_mm_min = 6000.0;
   double start_minutes = 5.0;              ///< same line again
   double line_minutes = 25.0;              ///< optics moved to another line
-  double align_minutes = 15.0;             ///< beam aligned and reset anew
+  double align_minutes = 15.0;             ///< beam aligned and reset again
   double load_minutes = 20.0;              ///< load put on or taken off
   double map_minutes = 2.0;                ///< compensation switched
   double warm_minutes_per_degC = 15.0;     ///< by moving the axes

@@ -44,7 +44,7 @@ double off_equal_steps_mm(const std::vector<double>& targets_mm) {
   return most_mm;
 }
 
-/// A pair that a run separates by so many sigmas, whichever of the two is true.
+/// A pair that a run separates by this many sigmas, whichever of the two is true.
 struct Apart {
   std::string first, second;
   double sigma = 0.0;
@@ -235,7 +235,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
     if (free_shape || believed) continue;
     const MatrixXd columns = regressors.columns(effect, 0.0).of;
     // of an angle its slope: the mean is lost where the readout is zeroed on another line; of a shift and a change of
-    // slope with a condition each by itself
+    // slope with a condition each on its own
     const Index first = traits.keeps_mean ? 1 : 0;
     const Index last = traits.of_condition ? columns.cols() - 1 : first;
     for (Index shown = first; shown <= last; ++shown) {

@@ -35,7 +35,7 @@ bool acts_on_ball(const EffectInstance& effect) {
 }
 
 /// An effect of which the columns of others do all but this share is not told from them: what is known of it is fifty
-/// times less than by itself.
+/// times less than on its own.
 constexpr double kLeastOwnShare = 0.02;
 
 /// Which part of an effect's column the columns of others do not do, 0 to 1.

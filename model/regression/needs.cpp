@@ -18,7 +18,7 @@ constexpr std::string_view kMaterial = "t_material_degC";
 /// A condition varies inside runs where it does so by this share of its range over all; levels of runs closer than this
 /// share, or than this number of its unit (degC, ppm of the index of air), are one: sensors tell no more. Choices.
 constexpr double kInsideRuns = 0.05, kOneLevel = 0.05, kOneLevelOfUnit = 0.05;
-/// So many levels follow a line by more than chance even where they coincide with runs (docs/physics.md).
+/// This many levels follow a line by more than chance even where they coincide with runs (docs/physics.md).
 constexpr std::size_t kFewestLevels = 4;
 
 struct NeedFacts {

@@ -25,7 +25,7 @@ inline constexpr std::size_t kMostCurveFunctions = 14;
 struct Columns {
   Eigen::MatrixXd of;       ///< (readings × linear coefficients), 0 where the effect does not act
   Eigen::VectorXd fixed;    ///< part that no coefficient scales (size 0: none)
-  std::size_t leading = 0;  ///< curves: the first so many are mean and slope, then functions of rising roughness
+  std::size_t leading = 0;  ///< curves: the first this many are mean and slope, then functions of rising roughness
 };
 
 class Regressors {

@@ -1,6 +1,6 @@
 // A measurement taken target by target: what is captured and where its readings come from; its devices, named on a
 // command line (a description's file, or one that comes with the program, and which of several alike) or learnt while
-// the user presses them; begun or resumed, guided to its end, written. Under way it is triggers, displays and sensors
+// the user presses them; started or resumed, guided to its end, written. Under way it is triggers, displays and sensors
 // around the record, one short step after the other; whoever shows it (a terminal, a screen) takes its news. Its part
 // file is written by std::async and not by a TaskRunner, whose owner must call advance(): the file is waited for before
 // the next is begun, and at the end.
@@ -71,7 +71,7 @@ class ReadingSource {
   /// A trigger came: the next answers belong to it.
   virtual void ask(double now_s) = 0;
   [[nodiscard]] virtual Shown shown(double now_s) = 0;
-  /// Keeps up with what comes by itself; returns at once.
+  /// Keeps up with what comes on its own; returns at once.
   virtual void attend(double) {}
   [[nodiscard]] virtual devices::PortChange look(double) { return devices::PortChange::none; }
   /// Why a lost device cannot be had back yet; empty: it is simply not there.

@@ -52,7 +52,7 @@ struct CaptureRules {
   Shows shows = Shows::error;
   double scale = 1.0;           ///< of a shown error; of a shown position to mm
   double min_interval_s = 0.5;  ///< a trigger sooner after the last reading is none
-  double missed_factor = 1.8;   ///< a reading that took so many times the usual is asked about
+  double missed_factor = 1.8;   ///< a reading that took this many times the usual is asked about
 };
 
 /// What became of a trigger.

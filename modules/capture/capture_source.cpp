@@ -155,7 +155,7 @@ cli::Fields<CaptureTargets> CaptureTargets::fields() {
           {"--to", &A::to_mm, "last target [mm]"},
           {"--step", &A::step_mm, "from target to target [mm]"},
           {"--moved", &A::moved, "targets off equal steps, as ISO 230-2 asks: no period hides behind the step"},
-          {"--runs", &A::runs, "forward and back so many times (3)", cli::Range{0, kMostRuns}},
+          {"--runs", &A::runs, "passes forward and back (3)", cli::Range{0, kMostRuns}},
           {"--one-way", &A::one_way, "no readings on the way back"},
           {"--parked", &A::parked, "positions of the other axes, as in y=-1400,z=0 [mm]"},
           {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], for the record"},

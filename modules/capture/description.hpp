@@ -111,7 +111,7 @@ struct ReportLayout {
   bool feature = false;          ///< a feature report that is asked for; else input reports
   std::uint8_t number = 0;       ///< 0: not numbered. Other input reports are passed over
   std::size_t bytes = 0;         ///< number included; 0: as the device's report descriptor says
-  Bytes poll;                    ///< sent before each reading; empty: the device sends by itself
+  Bytes poll;                    ///< sent before each reading; empty: the device sends on its own
   std::uint8_t poll_number = 0;  ///< number of that output report
   int replies = 1;               ///< most reports that answer one poll
   int timeout_ms = 500;          ///< for the first reply; later ones follow within a quarter of it

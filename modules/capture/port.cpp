@@ -146,7 +146,7 @@ void Sensor::take(const std::vector<Bytes>& replies, double now_s) {
   ++answers_;
 }
 
-/// A device that sends by itself: its last report counts.
+/// A device that sends on its own: its last report counts.
 void Sensor::listen(double now_s) {
   for (int k = 0; k < kMostAtOnce; ++k) {
     const auto report = port_.read(kAtOnce);

@@ -100,7 +100,7 @@ class PressFilter {
   explicit PressFilter(int debounce_ms) : debounce_s_(debounce_ms * 1e-3) {}
   /// @param now_s  when the level was reported; @return true: the button was pressed
   [[nodiscard]] bool pressed(bool held, double now_s);
-  /// The device was away: the next report begins anew.
+  /// The device was away: the next report starts again.
   void forget() { level_.reset(); }
 
  private:

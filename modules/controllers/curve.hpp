@@ -76,7 +76,7 @@ template <class Place, class Value>
   return out;
 }
 
-/// With so many digits; no sign before a zero.
+/// With this many digits; no sign before a zero.
 [[nodiscard]] std::string fixed_text(double value, int digits);
 
 /// Largest and root mean square of |residual| along X, Y, Z and of the vector, um.

@@ -54,7 +54,7 @@ bool is_linuxcnc_file(std::string_view name) {
   return std::ranges::any_of(kAllAxes, [&](Axis axis) { return name == file_of(axis); });
 }
 
-/// What is to be written into the INI file for the joint that moves the axis, each line by itself.
+/// What is to be written into the INI file for the joint that moves the axis, each line on its own.
 std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type) {
   return {fmt::format("[JOINT_{}]", joint), fmt::format("COMP_FILE = {}", file_name),
           fmt::format("COMP_FILE_TYPE = {}", type)};

@@ -83,7 +83,7 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   return write_together(files);
 }
 
-/// Directions that a model does not predict: the values there are what the compensation adds by itself.
+/// Directions that a model does not predict: the values there are what the compensation adds on its own.
 void note_silent_directions(ExportWork& work, const std::vector<controllers::ResidualRow>& residuals) {
   for (const Axis axis : kAllAxes) {
     const std::size_t d = index_of(axis);

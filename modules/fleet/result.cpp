@@ -196,7 +196,7 @@ Result<void> ResultsFile::sync() {
 
 namespace {
 
-/// A place holds "W 2 id": under way, twice before; or "K 2 id": known from before, not yet begun again.
+/// A place holds "W 2 id": under way, twice before; or "K 2 id": known from before, not yet started again.
 constexpr std::size_t kPlace = Manifest::kLongestId + 24;
 
 /// A file of another program that happens to have the name is not overwritten.

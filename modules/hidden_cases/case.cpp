@@ -12,7 +12,7 @@ namespace ecs::emulator {
 namespace {
 
 constexpr int kTries = 2000;
-constexpr int kTriesOfOne = 40;  ///< before a companion, or a foreign structure, is drawn anew
+constexpr int kTriesOfOne = 40;  ///< before a companion, or a foreign structure, is drawn again
 constexpr std::size_t kLeastReadings = 100;
 constexpr std::size_t kMostReadings = 20'000;
 
@@ -87,7 +87,7 @@ Wanted begin(Random& random, const HiddenCaseRequest& request) {
   return wanted;
 }
 
-/// What is drawn anew where the design cannot show it.
+/// What is drawn again where the design cannot show it.
 void vary(Random& random, const HiddenCaseRequest& request, Wanted& wanted) {
   wanted.structure = &one(random, structures());
   if (request.free_base) wanted.in_base = draw_base_kind(random);

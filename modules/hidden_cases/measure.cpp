@@ -75,7 +75,7 @@ double unit_compensation(const Scene& scene, const std::vector<DrawnEffect>& eff
 
 constexpr double kThermometer_degC = 0.004;
 
-/// From one run to the next a zero keeps this part of itself, and a walk makes the size of its share in so many rows.
+/// From one run to the next a zero keeps this part of itself, and a walk makes the size of its share in this many rows.
 constexpr double kMemoryOfRuns = 0.6, kRowsOfWalk = 30.0;
 
 double seen(const ToolPose& pose, Sense sense) {

@@ -171,7 +171,7 @@ struct Needs {
 /// n − n at 20 °C, 1013.25 hPa, 50 %RH. Air temperature of the stop's sensor t_air_degC.
 [[nodiscard]] double missing_refraction(const Scene& scene, const Stop& stop);
 
-/// @param readings  about so many
+/// @param readings  about this many
 [[nodiscard]] Scene draw_scene(Random& random, const Needs& needs, std::size_t readings);
 
 /// The geometry that follows from the machine.

@@ -291,7 +291,7 @@ Structure settling(StructureDrawing& d) {
     to = s.time_s;
   }
   const double part = between(d.random, 0.1, 0.2);
-  return d.with({"time_s", d.position(), "run"}, "a drift that begins anew with every run: optics that settle",
+  return d.with({"time_s", d.position(), "run"}, "a drift that starts again with every run: optics that settle",
                 [&](const Stop& s) {
                   const auto& [from, to] = run_s.at(s.run);
                   return std::exp(-(s.time_s - from) / (part * std::max(to - from, 1.0)));

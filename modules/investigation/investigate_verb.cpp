@@ -24,7 +24,7 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
             {"--params", &R::params,
              "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it"},
             {"--workshop", &R::socket,
-             "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well"},
+             "socket of a running `ecs-emulator serve`, which measures on its own; it names the link as well"},
             {"--watch", &R::folder,
              "folder into which a person puts the readings; what was given is kept in its ledger.json"},
             {"--minutes", &R::minutes, "that the runs may take, set-up and waiting included", Need::required,
@@ -33,7 +33,7 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
   }
 };
 
-/// Lines of the ledger as they come; on a terminal the whole ledger, drawn anew with every change.
+/// Lines of the ledger as they come; on a terminal the whole ledger, drawn again with every change.
 class ShownLedger {
  public:
   explicit ShownLedger(Console& console) : console_(console) {}

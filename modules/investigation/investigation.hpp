@@ -2,7 +2,7 @@
 // one cause is left; then the cause is added to the model, the machine compensated by its map and measured again.
 // The runs that it begins with, and the full programme of ISO 230-2 on the same lines, against which its minutes are
 // held. The readings of all runs as one set, and the model with the zeros of the runs: every run begins with an
-// instrument set to zero anew, so that what shifts a whole run says nothing. Its ledger: a step for each run, the
+// instrument set to zero again, so that what shifts a whole run says nothing. Its ledger: a step for each run, the
 // causes that a diagnosis leaves possible, minutes and errors; as text and JSON. Where it measures (two workshops are
 // there, workshops.hpp). An investigation as somebody watches it: its steps, the run under way, what was said, as rows
 // of a screen too (a falling staircase of the causes that are still possible); and the readings it was given, so that
@@ -92,7 +92,7 @@ class InvestigationReadings {
   explicit InvestigationReadings(model::Model base) : base_(std::move(base)) {}
 
   /// Rows and runs are numbered on; times before the end of the last run are moved behind it.
-  /// @param pause_minutes  between the last run and this one, where its times begin anew
+  /// @param pause_minutes  between the last run and this one, where its times start again
   /// @param against_square  its slope is that of the machine, not of a straight edge
   void add(laser::MeasurementSet run, double pause_minutes, bool against_square = false);
 

@@ -40,7 +40,7 @@ class InvestigationController {
   /// Where it works: as typed, the socket of a workshop or a folder for readings; empty: the emulated machine of the
   /// link. Nothing: there is none, or it is another machine than the model's; the message says so.
   [[nodiscard]] std::optional<std::string> place_of(const std::string& typed);
-  /// Asks a workshop for one run after the other; goes on where one at that place was stopped, else begins anew. The
+  /// Asks a workshop for one run after the other; goes on where one at that place was stopped, else starts again. The
   /// link of the screens serves where it is to the unit of the workshop.
   /// @param minutes  that the runs may take
   void start(const std::string& place, const std::string& minutes);
@@ -48,7 +48,7 @@ class InvestigationController {
   void write_model(const std::string& file);
 
   [[nodiscard]] bool was_begun() const { return followed_ != nullptr; }
-  [[nodiscard]] const std::string& place() const { return place_; }  ///< of the last one; empty: none was begun
+  [[nodiscard]] const std::string& place() const { return place_; }  ///< of the last one; empty: none was started
   [[nodiscard]] double minutes() const { return minutes_; }          ///< of the last one, else the usual
   [[nodiscard]] LedgerView view() const;
   /// Of the last one that came to its end.

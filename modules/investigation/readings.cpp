@@ -190,7 +190,7 @@ bool causes_are_single(const model::Diagnosis& diagnosis) {
 
 namespace {
 
-/// One bar a member, up to so many: a falling staircase.
+/// One bar a member, up to this many: a falling staircase.
 std::string bar_of(std::size_t members) {
   constexpr std::size_t kMost = 8;
   return std::string(std::min(members, kMost), '#') + (members > kMost ? "+" : "");

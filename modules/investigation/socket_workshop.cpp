@@ -57,7 +57,7 @@ void add_artefact(Json& request, const MeasurementProposal& proposal) {
   if (proposal.reversed) request["reversed"] = *proposal.reversed ? 1 : 0;
 }
 
-/// What the instrument is asked for, for readings without a stop and for optics that were aligned anew.
+/// What the instrument is asked for, for readings without a stop and for optics that were aligned again.
 Json measuring_request(const MeasurementProposal& proposal, const params::Machine& machine, double feed_mm_min) {
   std::vector<double> targets = proposal.targets_mm;
   if (proposal.approach < 0) std::reverse(targets.begin(), targets.end());

@@ -10,7 +10,7 @@
 
 namespace ecs::model {
 
-/// A zero that was taken anew within a run: the readings from a line on are a run of their own.
+/// A zero that was taken again within a run: the readings from a line on are a run of their own.
 struct ZeroJump {
   std::size_t set_up = 0, tool = 0;
   int run = 1;        ///< as the file has it

@@ -320,7 +320,7 @@ class LengthReport {
     }
   }
 
-  /// Zeros that were taken anew within a run, with the change of the zero.
+  /// Zeros that were taken again within a run, with the change of the zero.
   void report_jumps(Identification& out) const {
     for (const ZeroJump& jump : fitted_.jumps) {
       const auto zero = [&](int run) { return fitted_.nuisance.zero.find({jump.set_up, run, jump.tool}); };
@@ -332,8 +332,8 @@ class LengthReport {
           std::max(0.0, covariance_(after, after) + covariance_(before, before) - 2.0 * covariance_(after, before)));
       out.notes.push_back(fmt::format(
           "set-up {}, tool {}: the lengths jump by {:+.1f} um (U = {:.1f}) at line {} and stay there: a beam that was "
-          "lost, or an instrument that was touched. The zero is taken anew from that line on. Give these rows a run of "
-          "their own, or measure the set-up again",
+          "lost, or an instrument that was touched. The zero is taken again from that line on. Give these rows a run "
+          "of their own, or measure the set-up again",
           fitted_.test.set_ups[jump.set_up].name, fitted_.test.tools[jump.tool].name, um, 2.0 * u_um, jump.line));
     }
   }

@@ -32,7 +32,7 @@ struct IdentifiedCurve {
   std::vector<double> u_forward, u_reverse;  ///< standard uncertainties (k = 1)
   std::vector<double> U_forward, U_reverse;  ///< 95 %: Student's t with the degrees of freedom of each value
   double degrees_of_freedom = 0.0;           ///< of the mean of their squares
-  double value = 0.0;                        ///< as the header of a map states it: of each value by itself
+  double value = 0.0;                        ///< as the header of a map states it: of each value on its own
   double pass = 0.0;                         ///< and common to the table
 };
 
@@ -68,7 +68,7 @@ struct Identification {
   int unknowns = 0;                     ///< determined
   int degrees_of_freedom = 0;
   double residual_um = 0.0;           ///< standard deviation of a single reading: instrument and what does not repeat
-  double white_um = 0.0;              ///< of it, of each reading by itself
+  double white_um = 0.0;              ///< of it, of each reading on its own
   double stop_um = 0.0;               ///< of it, of a stop, kept while the axis is parked: of each translation
   double stop_um_per_m = 0.0;         ///< the same of each angle
   double pass_um = 0.0;               ///< of it, common to a pass of an axis: of each translation

@@ -399,7 +399,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
-      "  single reading {residual_um} um (by itself {white_um}, a stop {stop_um} um and {stop_um_per_m} um/m, a pass "
+      "  single reading {residual_um} um (alone {white_um}, a stop {stop_um} um and {stop_um_per_m} um/m, a pass "
       "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",

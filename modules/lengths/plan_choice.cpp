@@ -263,7 +263,7 @@ class PathChooser {
     forget_losses();
   }
 
-  /// Paths worth least are taken out and chosen anew, as long as that saves minutes.
+  /// Paths worth least are taken out and chosen again, as long as that saves minutes.
   void exchange() {
     if (mean_square_ > task_.mean_square_um2) return;
     for (int round = 0; round < kMostExchanges; ++round) {

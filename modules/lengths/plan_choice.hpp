@@ -79,7 +79,7 @@ inline constexpr Eigen::Index kStandColumns = 5;  ///< of a stand: three of the 
 class StandInformation {
  public:
   StandInformation(const PlanTask& task, const PlanStand& stand);
-  /// Of so many runs; what belongs to the stand eliminated.
+  /// Of this many runs; what belongs to the stand eliminated.
   [[nodiscard]] Eigen::MatrixXd of_runs(int runs) const;
   [[nodiscard]] double minutes() const { return minutes_; }  ///< of a run, without the set-up
 

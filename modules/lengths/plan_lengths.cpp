@@ -298,7 +298,7 @@ SingleComponent single_component(const MachineCurves& curves, const LengthPlanSe
   return out;
 }
 
-/// With so many targets a line, and as many runs as it takes.
+/// With this many targets a line, and as many runs as it takes.
 SingleSetUps with_targets(const MachineCurves& curves, const LengthPlanSettings& settings,
                           const std::vector<Component>& components, const Eigen::MatrixXd& weight, double volume_U_um,
                           int targets) {

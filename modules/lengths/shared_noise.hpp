@@ -49,7 +49,7 @@ struct LengthSolution {
 [[nodiscard]] bool is_free(const LengthSolution& solution, const Eigen::VectorXd& row, Eigen::Index first);
 
 enum class Scatter : std::uint8_t {
-  reading,     ///< of each reading by itself [um]
+  reading,     ///< of each reading on its own [um]
   stop,        ///< of each translation of each axis at a stop [um]
   stop_angle,  ///< of each angle of each axis at a stop [um/m]
   pass,        ///< shape of each translation of each axis in a pass [um]

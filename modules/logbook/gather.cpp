@@ -160,7 +160,7 @@ std::optional<LogFile> set_of(const Logbook& book, const LogbookEntry& entry) {
   return std::nullopt;
 }
 
-/// `laser stats` of one line by itself.
+/// `laser stats` of one line on its own.
 Result<Json> stats_of(const std::string& name, const laser::MeasurementSet& set, const CertificateWishes& wishes,
                       const RunVerb& run) {
   KeptFiles kept("/");

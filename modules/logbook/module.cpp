@@ -49,7 +49,7 @@ class LogbookScreen final : public ListScreen {
 
   [[nodiscard]] std::string title() const override { return "LOGBOOK"; }
   [[nodiscard]] std::string help() const override {
-    return "What verbs and screens did at a machine, written by themselves: measurements, maps, parameters, transfers, "
+    return "What verbs and screens did at a machine, written automatically: measurements, maps, parameters, transfers, "
            "diagnoses, reports, each with its files and tied by its hash to the entry before. v checks every entry: a "
            "change is found and the first one named. r derives the active map again from the raw readings and compares "
            "it bit for bit. `ecs log` does the same, compares two years and writes a calibration certificate "

@@ -217,7 +217,7 @@ Result<std::optional<std::filesystem::path>> place_to_write(const LogRecord& rec
   return place;
 }
 
-/// Opened anew where somebody has removed or replaced the file meanwhile.
+/// Opened again where somebody has removed or replaced the file meanwhile.
 Result<Logbook*> book_at(const std::filesystem::path& path) {
   std::map<std::filesystem::path, OpenBooks::Open>& books = open_books().books;
   auto found = books.find(path);
@@ -255,8 +255,9 @@ Result<void> write(const std::filesystem::path& path, std::vector<LogRecord> wan
   }
   if (book->is_new()) say_what_cannot_be_read();
   if (book->is_new())
-    say_once(false, fmt::format("a logbook of {} was begun: {} (modules/logbook/README.md; ECS_LOGBOOK=off keeps none)",
-                                in_words({records.back().machine, records.back().serial_number}), path.string()));
+    say_once(false,
+             fmt::format("a logbook of {} was started: {} (modules/logbook/README.md; ECS_LOGBOOK=off keeps none)",
+                         in_words({records.back().machine, records.back().serial_number}), path.string()));
   return {};
 }
 

@@ -44,7 +44,7 @@ class Markup {
 
 // --- numbers
 
-/// "−12.30": so many decimals, a real minus sign, never "−0.0".
+/// "−12.30": this many decimals, a real minus sign, never "−0.0".
 [[nodiscard]] std::string number_text(double value, int decimals);
 /// The same with thin unbreakable blank and unit: "12.3 µm".
 [[nodiscard]] std::string quantity_text(double value, int decimals, std::string_view unit);

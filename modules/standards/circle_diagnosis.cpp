@@ -175,7 +175,7 @@ class CircleSearch {
     return columns;
   }
 
-  /// ln of the chance that noise takes so much off with so many columns, times the number of faults tried.
+  /// ln of the chance that noise takes so much off with this many columns, times the number of faults tried.
   [[nodiscard]] double ln_chance(double taken, Index columns) const {
     if (columns <= 0) return 0.0;
     const double k = static_cast<double>(columns);

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<double, 5> kDecays_of_radius{0.0003, 0.001, 0.003, 0.01, 0.03};
 /// The decay itself may be down to the travel of 0.8 degrees, and up to that of 26; beyond, it is a backlash.
 constexpr double kLeastDecay_of_radius = 0.0001, kGreatestDecay_of_radius = 0.1;
-/// A wave needs so many readings a period where the axis moves fastest.
+/// A wave needs this many readings a period where the axis moves fastest.
 constexpr double kReadingsAPeriod = 2.5;
 
 double sign_of(double value) { return value < 0.0 ? -1.0 : 1.0; }

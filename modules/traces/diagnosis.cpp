@@ -23,7 +23,7 @@ constexpr double kAlike = 0.06;
 constexpr double kModelError = 0.004;
 /// A change that leaves more than this share of the loss is no candidate. A choice, to keep the list short.
 constexpr double kLeastFall = 0.95;
-/// A pair has one of so many of the best single directions in it: a choice of processor time.
+/// A pair has one of this many of the best single directions in it: a choice of processor time.
 constexpr std::size_t kMostFirsts = 4;
 /// Sensitivities below this share of the largest are no sensitivities.
 constexpr double kSilent = 1e-3;

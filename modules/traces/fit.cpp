@@ -11,8 +11,8 @@
 namespace ecs::model {
 namespace {
 
-/// Residuals beyond so many scales count by their size, not their square: a choice, far enough out to cost normal noise
-/// nothing (Huber's 1.345 costs 5 %).
+/// Residuals beyond this many scales count by their size, not their square: a choice, far enough out to cost normal
+/// noise nothing (Huber's 1.345 costs 5 %).
 constexpr double kHuber = 4.0;
 /// Factors looked at: 1/100 to 100; a constant further off is another machine.
 constexpr double kFarthest = 4.60517;  // ln 100
@@ -32,7 +32,7 @@ constexpr double kSettled = 1e-5, kNearlySettled = 1e-3, kCoarseScale = 3.0;
 /// Zero of the recorder: its prior in steps of its converter; farthest in priors; change for derivatives in priors.
 constexpr double kZeroQuanta = 1.5, kFarthestZero = 3.0, kZeroStep = 1e-3;
 /// Step of the simulation: a tenth of a millisecond, a third of the current regulator's time constant as printed (0.3
-/// ms); coarser where that would be more than so many steps.
+/// ms); coarser where that would be more than this many steps.
 constexpr double kStep_s = 1e-4, kMostSteps = 40'000.0;
 /// The move began within this many sample intervals, and this share of the rise (or of 0.1 s), of where it shows.
 constexpr double kStartIntervals = 3.0, kStartOfRise = 0.1, kUsualRise_s = 0.1;
@@ -42,7 +42,7 @@ constexpr int kMostScales = 3;
 /// Factors tried from: e^-4 to e^4 (about 1/55 to 55) in steps of e^0.4 = 1.5; valleys of the loss are wider.
 constexpr int kTries = 10;  // to either side
 constexpr double kTrySpacing = 0.4;
-/// Samples beyond so many noises are glitches where at most one in a hundred is.
+/// Samples beyond this many noises are glitches where at most one in a hundred is.
 constexpr double kGlitch = 8.0;
 constexpr std::size_t kSamplesAGlitch = 100;
 

@@ -33,7 +33,7 @@ constexpr double kKeptShare = 0.8, kShareOfVariance = 0.4377;
 constexpr double kVarianceOfStep = 12.0;
 /// No recorder is better than this share of the span.
 constexpr double kLeastNoise = 1e-5;
-/// A flat end is one sample in so many, at least, and so many noises high; rest is the median of one in so many
+/// A flat end is one sample in this many, at least, and this many noises high; rest is the median of one in this many
 /// samples. Choices.
 constexpr std::size_t kSamplesAFlat = 20, kSamplesATraceRest = 50;
 constexpr double kFlatHeight = 20.0;
@@ -299,8 +299,8 @@ constexpr double kQuiet = 0.002, kNoisy = 0.01;
 constexpr double kTopQuantile = 0.98;
 /// 10 % and 90 % of the level, and where the straight parts of rise and fall are carried back from.
 constexpr double kLow = 0.1, kHigh = 0.9, kLowFurther = 0.3, kHighFurther = 0.7;
-/// Samples without which there is no curve; rest is the median of one in so many at either end; a curve is at least so
-/// many noises high.
+/// Samples without which there is no curve; rest is the median of one in this many at either end; a curve is at least
+/// so many noises high.
 constexpr std::size_t kFewestSamples = 3, kSamplesARest = 100;
 constexpr double kLeastHeight = 5.0;
 

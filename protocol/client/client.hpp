@@ -187,7 +187,7 @@ class UnitClient {
   UnitError window_refusal_ = UnitError::none;  ///< of the window that was asked for last
   std::uint16_t sequence_ = 0;                  ///< of the last command
   std::uint16_t window_tag_ = 0;
-  std::uint32_t token_ = 0;  ///< of the staging that was begun last
+  std::uint32_t token_ = 0;  ///< of the staging that was started last
 };
 
 }  // namespace ecs::protocol

@@ -72,7 +72,7 @@ struct Trouble {
   bool foreign = false;  ///< with `stale`: its echo is none that this link has sent lately
 };
 
-/// Echoes count up; a reply later than so many requests is no longer on its way.
+/// Echoes count up; a reply later than this many requests is no longer on its way.
 constexpr std::uint16_t kLatestReply = 64;
 
 /// Of the reply to this request, if it is no exception.

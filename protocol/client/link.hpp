@@ -59,7 +59,7 @@ class Link {
   /// Opens the same address again after `disconnected`.
   [[nodiscard]] Result<void> reconnect();
 
-  /// False: the cancel flag is not looked at, so that what was begun can be taken back after a cancel.
+  /// False: the cancel flag is not looked at, so that what was started can be taken back after a cancel.
   void heed_cancel(bool heed);
   /// True once the cancel flag is set, if it is heeded.
   [[nodiscard]] bool cancelled() const;

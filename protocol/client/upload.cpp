@@ -48,7 +48,7 @@ Registers registers_of(const WindowOpen& window, const BlockFrame& frame) {
 
 using Image = std::span<const std::uint8_t>;
 
-/// The image is compared with what the unit holds in pieces of so many bytes.
+/// The image is compared with what the unit holds in pieces of this many bytes.
 constexpr std::size_t kPieceBytes = 480;
 /// A share of the pieces from which on the rest is sent without looking for more: asking costs as much as a piece.
 constexpr double kNearlyAll = 0.8;
@@ -122,7 +122,7 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
 }
 
 /// Opens the window, or finds it open: the same one again changes nothing, and one that a late frame has replaced is
-/// opened anew.
+/// opened again.
 Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
   auto ack = link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck).and_then(value_in<WindowAck>);
   if (!ack) return ack;
@@ -161,7 +161,8 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
   return {};
 }
 
-/// Where the time of the arming ends meanwhile and the code is known, the host is armed again and the window sent anew.
+/// Where the time of the arming ends meanwhile and the code is known, the host is armed again and the window sent
+/// again.
 Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCallback& sent) {
   window_refusal_ = UnitError::none;
   auto done = fill_window(frames, sent);

@@ -228,7 +228,7 @@ ModbusLink::Wait ModbusLink::wait_readable(Clock::time_point until, const std::f
   }
 }
 
-/// Until so many bytes have come, or none within the byte time-out. The library's own wait for them cannot be
+/// Until this many bytes have come, or none within the byte time-out. The library's own wait for them cannot be
 /// cancelled, and lasts as long as somebody drips bytes.
 ModbusLink::Wait ModbusLink::wait_whole(std::size_t bytes, const std::function<bool()>& cancelled) const {
   const auto give_up = Clock::now() + kPatience * (static_cast<int>(bytes) * timing_.byte_time + timing_.byte_timeout);

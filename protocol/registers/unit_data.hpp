@@ -279,7 +279,7 @@ struct CommandResult {
   std::uint16_t per_mille = 0;  ///< how far a busy command is, if the unit knows
   std::uint32_t value = 0;      ///< see CommandCode
   std::string text;             ///< up to 80 characters, shown to the user
-  std::uint32_t token = 0;      ///< of the staging that was begun
+  std::uint32_t token = 0;      ///< of the staging that was started
   std::uint32_t session = 0;
   friend bool operator==(const CommandResult&, const CommandResult&) = default;
 };

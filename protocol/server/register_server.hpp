@@ -1,5 +1,5 @@
 // The unit's side of the register map: what a read or a write of registers means, and of a bulk write: numbered blocks
-// of one stretch of memory, in any order, each checked by itself. The unit plugs in as a UnitPort. Does not live here:
+// of one stretch of memory, in any order, each checked on its own. The unit plugs in as a UnitPort. Does not live here:
 // the link (server.hpp), the order of the fields (protocol/registers/unit_registers.hpp).
 #pragma once
 

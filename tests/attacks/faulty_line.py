@@ -251,7 +251,7 @@ class SecondMaster:
 class DrawnFaults(Faults):
     """A plan drawn by chance: one fault, a stretch of one kind, a mixture, a cut for some time, a closed line, an echo.
 
-    @param frames  about so many pass in a clean transfer
+    @param frames  about this many pass in a clean transfer
     """
 
     def __init__(self, rng, tcp, frames, master, kinds=None, shape=None, likelihood=None):

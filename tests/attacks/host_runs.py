@@ -9,12 +9,12 @@ from faulty_line import OTHER, UNIT, Delivery, DrawnFaults, Ending, Faults, thro
 from upload_runs import FRAMES, UploadRun
 from workplace import SAYS_DOUBT, SAYS_NEW, Place, judged
 
-IDENTITY_READ = 4  # so many frames have passed when the host knows the unit's serial number
+IDENTITY_READ = 4  # this many frames have passed when the host knows the unit's serial number
 CONTROL_CHARACTERS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
 
 class AtBegin(Faults):
-    """Passes everything; tells when so many frames have passed since begin staging."""
+    """Passes everything; tells when this many frames have passed since begin staging."""
 
     def __init__(self, frames):
         self.left, self.reached = frames, False

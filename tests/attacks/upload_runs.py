@@ -7,7 +7,7 @@ import modbus_host as modbus
 from faulty_line import HOST, OTHER, UNIT, Delivery, DrawnFaults, Faults, SecondMaster, interrupt, through_line
 from workplace import CODE, Place, is_wrong, judged
 
-FRAMES = {"small": 44, "smooth": 54, "rough": 66}  # about so many pass in a clean upload
+FRAMES = {"small": 44, "smooth": 54, "rough": 66}  # about this many pass in a clean upload
 SECONDS = {"small": 0.1, "smooth": 0.2, "rough": 0.5}
 FRAMES_AFTER = 8  # of the commit's request, it included, and one more
 SILENCE_S = 0.06  # an unanswered request: the unit has no supply
@@ -144,7 +144,7 @@ class Restarts(UploadRun):
 
 
 class AtFrame(Faults):
-    """Acts once, at a frame: before it passes, or so many seconds after."""
+    """Acts once, at a frame: before it passes, or this many seconds after."""
 
     def __init__(self, frame, after, action):
         self.frame, self.after, self.action = frame, after, action
@@ -161,7 +161,7 @@ class AtFrame(Faults):
 
 
 class AtByte(Faults):
-    """Acts once, within a frame, after so many bytes have passed both ways."""
+    """Acts once, within a frame, after this many bytes have passed both ways."""
 
     def __init__(self, at, action):
         self.at, self.action = at, action
@@ -216,7 +216,7 @@ class SupplyFails(UploadRun):
         return json.loads(self.place.workshop("state")[1])["unit"]["powered"]
 
     def trial(self, rng):
-        """A map that is over before so many bytes, or whose host gave up before, is followed by another one."""
+        """A map that is over before this many bytes, or whose host gave up before, is followed by another one."""
         for attempt in range(self.attempts):
             name, verdict, ending = self.attempt(rng)
             if name != "supply lasted" or is_wrong(verdict) or attempt == self.attempts - 1:

@@ -134,7 +134,7 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
       finish(form, "\n\n");
       CHECK(form.opens_by_itself() != nullptr);
     }
-    SUBCASE("the first letter begins anew") {
+    SUBCASE("the first letter starts again") {
       type(form, "n");
       CHECK_FALSE(contains(picture(form, 24, 200), "data.csv"));
     }
@@ -263,7 +263,7 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
   CHECK(form.opens_by_itself() == nullptr);
 }
 
-TEST_CASE("a model file that does not exist yet is begun after a question, and the error falls without any verb") {
+TEST_CASE("a model file that does not exist yet is created after a question, and the error falls without any verb") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
   const auto form_made = model_form(no_link());

@@ -1,5 +1,5 @@
 # Driving `ecs` in a real terminal (tmux). Sourced by the tests that do; they set $ecs and $ECS_EMULATOR first.
-# Says nothing by itself; the first thing that is not as it should be ends the test with the screen as it was.
+# Says nothing on its own; the first thing that is not as it should be ends the test with the screen as it was.
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 export ECS_SAMPLES=$source/samples
 work=${ECS_TEST_FOLDER:-$(mktemp -d)}

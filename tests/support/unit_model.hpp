@@ -30,7 +30,7 @@ class UnitModel : public UnitPort {
   std::uint32_t commits = 0;
   std::uint32_t image_length = 0;
   int commands_begun = 0;
-  int busy_polls_left = 0;  ///< test_datum stays busy for so many questions
+  int busy_polls_left = 0;  ///< test_datum stays busy for this many questions
   bool busy = false;
   std::vector<CommandCode> log;
   std::string serial_number = "ECS-0042";
@@ -41,15 +41,15 @@ class UnitModel : public UnitPort {
   bool takes_commits = true;         ///< false: a commit fails
   bool spoils_commits = false;       ///< another host changes the map as soon as it is active
   int replies_to_lose = 0;           ///< carried out, but not answered
-  int replies_left = -1;             ///< after so many the unit is silent; -1: never
+  int replies_left = -1;             ///< after this many the unit is silent; -1: never
   bool names_active_bank = false;    ///< as the one to write
   std::function<void()> after_commit;
   UnitClock unit_clock{1, 5'000};
   int starts_on_arming = 0;     ///< so often it starts as soon as it has answered that a host is armed
   bool starts_on_look = false;  ///< it starts as soon as it has answered to an armed host how long it is armed
   std::optional<std::uint64_t> outputs_ended_ms;
-  int wrong_blocks_to_come = 0;  ///< so many blocks of another program come before the next one of the host
-  int foreign_replies = 0;       ///< so many of the next identity and monitor blocks are as if another host had asked
+  int wrong_blocks_to_come = 0;  ///< this many blocks of another program come before the next one of the host
+  int foreign_replies = 0;       ///< this many of the next identity and monitor blocks are as if another host had asked
 
   Identity identity() override {
     return {protocol_version, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};

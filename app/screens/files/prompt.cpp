@@ -180,7 +180,7 @@ std::vector<FileChooser::Row> FileChooser::rows() const {
   return rows;
 }
 
-/// What the names of the files used last need, at most so many.
+/// What the names of the files used last need, at most this many.
 int FileChooser::recent_columns(int most) const {
   int columns = 12;
   for (const auto& [path, look] : recent_) columns = std::max(columns, width_of(short_name(path)) + 1);

@@ -240,7 +240,7 @@ void draw_means_at(Canvas& canvas, const Area& area, const PlotPanel& panel, con
   canvas.text(last, 0, 0, means_at(panel, left_out, *view.cursor_x), Tone::strong);
 }
 
-/// Over a curve a crowd of marks stands only every so many columns, so that the curve stays seen; beside it all do.
+/// Over a curve a crowd of marks stands only every this many columns, so that the curve stays seen; beside it all do.
 void draw_inside(Canvas& canvas, const Area& plot, const std::vector<PlotPoint>& points, const PlotRange& x,
                  const PlotRange& y) {
   constexpr int kApart = 6;

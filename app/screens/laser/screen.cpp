@@ -199,7 +199,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
                    "The files, what was left out, slopes, smoothing and header chosen then. b begins new work: this is "
                    "kept and offered again later." +
                        (aside == 0 ? "" : fmt::format(" o offers another one: {} more.", aside)),
-                   "take it up (or Enter)", "not now    b begin anew    d drop it"});
+                   "take it up (or Enter)", "not now    b start again    d drop it"});
   }
   if (host_->form_) host_->form_->draw(canvas, area);
   draw_question(canvas, area, host_->asking_);
@@ -220,7 +220,7 @@ std::vector<KeyRow> LaserScreen::offered_table() {
   };
   return {{"Enter", "take it up", take_up},
           {"y Y", "", take_up},
-          {"b", "begin anew, keep it", [&controller] { controller.set_offered_aside(); }},
+          {"b", "start again, keep it", [&controller] { controller.set_offered_aside(); }},
           {"o", "another", [&controller] { controller.offer_another(); }},
           {"d", "drop it", drop},
           {"Esc", "back"}};

@@ -98,7 +98,7 @@ class MemoryScreen final : public KeyedScreen {
   [[nodiscard]] bool is_file() const { return !file_.empty(); }
   /// To the nearest address that exists.
   void go(Address address);
-  /// So many bytes on; from the end of a region into the next.
+  /// This many bytes on; from the end of a region into the next.
   void move(long long bytes);
 
   // --- reading

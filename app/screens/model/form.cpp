@@ -25,7 +25,7 @@ namespace {
 constexpr std::array<const char*, 3> kNames{"model", "data", "machine"};
 constexpr std::array<const char*, 3> kHelp{
     "Model file (.toml): the effects that are believed so far. A name that does not exist yet, or none: a new model is "
-    "begun from the measurements.",
+    "created from the measurements.",
     "Measured files, separated by blanks: any that PROCESS LASER DATA reads.",
     "Machine file (.toml): datum, travels, lever arms, pitches. May be left empty."};
 constexpr int kColumn = 12;
@@ -79,9 +79,9 @@ class ModelForm final : public Screen {
   [[nodiscard]] std::string help() const override {
     return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
            "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
-           "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
-           "lever arms and pitches; without it fewer causes can be distinguished. Measurements and machine file that "
-           "lie in the folder of the model are filled in; typing replaces them.";
+           "created there, and the screen finds from the measurements what else belongs into it. The machine file "
+           "tells lever arms and pitches; without it fewer causes can be distinguished. Measurements and machine file "
+           "that lie in the folder of the model are filled in; typing replaces them.";
   }
 
   [[nodiscard]] bool advance() override {

@@ -16,7 +16,7 @@ struct ModelFormFiles {
   std::string model, machine;
   std::vector<std::string> data;
 };
-/// @param files  what is known already; with data the screen opens by itself where the model is there
+/// @param files  what is known already; with data the screen opens on its own where the model is there
 [[nodiscard]] std::unique_ptr<Screen> model_form(std::shared_ptr<UnitConnection> unit,
                                                  const ModelFormFiles& files = {});
 

@@ -44,7 +44,7 @@ class ModelScreen final : public Screen {
  private:
   enum class Page { curves, fails, causes, ladder, next, after };
   static constexpr int kPages = 6;
-  /// The curves of one line as they are shown, made anew only when something else is to be seen.
+  /// The curves of one line as they are shown, made again only when something else is to be seen.
   struct Curves {
     int generation = -1;
     int line = -1;

@@ -161,9 +161,9 @@ class CommandsScreen final : public ListScreen {
               },
               some},
              {"F4", "copy the command", {}, some},
-             {"x", "begin anew",
+             {"x", "start again",
               [this] {
-                asking_.ask({"Begin anew?", "The actions so far leave this list; nothing else changes.", "begin anew",
+                asking_.ask({"Start again?", "The actions so far leave this list; nothing else changes.", "start again",
                              "keep them"},
                             [this] {
                               forget_commands();

@@ -442,7 +442,7 @@ class OutputScreen final : public AxesScreen {
     rest_mm_.reset();
   }
 
-  /// What another host, or this one before, left switched on; what the unit has ended by itself.
+  /// What another host, or this one before, left switched on; what the unit has ended on its own.
   void follow_unit() {
     if (busy() || !unit_.fresh || unit_.watched.newest_at < sent_at_ + kSettling) return;
     if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {

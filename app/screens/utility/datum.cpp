@@ -229,7 +229,7 @@ class DatumRecordScreen final : public DatumScreen {
   std::optional<DatumRecording> recorded_;
 };
 
-constexpr std::chrono::milliseconds kTestLimit{620'000};  ///< the unit gives up by itself after 600 s
+constexpr std::chrono::milliseconds kTestLimit{620'000};  ///< the unit gives up on its own after 600 s
 constexpr const char* kTestExplained =
     "The unit goes through its datum routine, axis after axis, while the machine is referenced by its own control: it "
     "waits for the motion, looks for the switch, then for the marker. An axis that does not fit its datuming "

@@ -46,7 +46,7 @@ class AxesScreen : public KeyedScreen {
   }
 
   [[nodiscard]] bool look() override;
-  /// The unit began anew, or its link was lost since the last look.
+  /// The unit restarted, or its link was lost since the last look.
   virtual void restarted() {}
   virtual void lost() {}
   [[nodiscard]] Step leave() override;

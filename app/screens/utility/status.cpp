@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenReadings = 1s;
-constexpr int kRestPerReading = 3;  ///< a slow link is left to others for so many times as long as a reading took
+constexpr int kRestPerReading = 3;  ///< a slow link is left to others for this many times as long as a reading took
 constexpr const char* kTitles[] = {"State", "Address pointers", "Axes", "Memory of the dump"};
 constexpr int kNameColumns = 13;
 

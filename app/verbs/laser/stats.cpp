@@ -40,7 +40,7 @@ struct LineStatistics {
   double largest = 0.0;  ///< the reading farthest from 0, um or um/m
 };
 
-/// Up to so many lines are shown whole.
+/// Up to this many lines are shown whole.
 inline constexpr std::size_t kMostWholeLines = 6;
 
 namespace {
@@ -415,7 +415,7 @@ struct JoinedFiles {
   }
 };
 
-/// Files of one machine belong together; those of another begin anew.
+/// Files of one machine belong together; those of another start again.
 std::vector<JoinedFiles> joined_by_machine(const std::vector<laser::MeasurementSet>& sets) {
   std::vector<JoinedFiles> machines;
   for (const laser::MeasurementSet& set : sets) {

@@ -107,7 +107,7 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   Json pairs = Json::array();
   for (const model::PairSeparation& pair : one.pairs)
     pairs.push_back(object_of("truth"_is(pair.truth), "rival"_is(text_cell(pair.rival)), "sigma"_is(pair.sigma)));
-  Json separation;  // null: a repetition separates nothing by itself
+  Json separation;  // null: a repetition separates nothing on its own
   if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
   AnswerFields fields = described(
       "tells"_is(one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)), "axis"_is(axis_json(one.axis)),

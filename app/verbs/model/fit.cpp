@@ -164,9 +164,10 @@ struct CompareRequest {
     using R = CompareRequest;
     return {&R::common,
             {"--refit", &R::refit, "fit the model to these data first; otherwise its values are kept"},
-            {"--worst", &R::worst, "so many of the worst places", Range{0, 10'000}},
+            {"--worst", &R::worst, "number of worst places", Range{0, 10'000}},
             {"--at", &R::at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1"},
-            {"--volume", &R::volume, "predicted error over the volume, so many places along each axis", Range{2, 60}},
+            {"--volume", &R::volume, "predicted error over the volume, with this number of places along each axis",
+             Range{2, 60}},
             {"-o,--output", &R::output, "CSV of the volume to write", Is::output},
             {"--plot", &R::plot, "measured against model, as .svg or .png", Is::output}};
   }

@@ -210,7 +210,7 @@ TEST_CASE("a sensor that answers nothing is silent, and its old values age") {
   CHECK(sensor.values(steady_s(), 10.0).empty());
 }
 
-TEST_CASE("a gauge that sends by itself keeps the value it sent last") {
+TEST_CASE("a gauge that sends on its own keeps the value it sent last") {
   fake::Bus bus;
   const auto device = bus.plug(fake::gauge_spec());
   auto port = must(DevicePort::open(*read_device("samples/devices/gauge.toml")));

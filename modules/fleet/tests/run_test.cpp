@@ -112,7 +112,7 @@ TEST_CASE("a signal stops a fleet in good order") {
   CHECK(fleet.answers().size() == 4);
 }
 
-TEST_CASE("changed content is diagnosed anew, a changed batch is not") {
+TEST_CASE("changed content is diagnosed again, a changed batch is not") {
   const FleetFolder fleet;
   REQUIRE(run_of(fleet, four_rows()));
   static_cast<void>(fleet.folder.with("1.csv", app::measured_x(app::cyclic_x, {.seed = 99})));

@@ -36,7 +36,7 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
   options.socket = seen.workshop;
   options.sources.machine = machine_file;
   options.machine = machine.machine;
-  SUBCASE("opened by itself it is refused") {
+  SUBCASE("opened on its own it is refused") {
     const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
     CHECK(contains(must_fail(workshop->activate(model)).message, "in use by"));
   }

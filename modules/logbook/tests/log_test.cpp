@@ -57,7 +57,7 @@ TEST_CASE("without a logbook the screen says how one begins") {
   CHECK(reads(picture(*screen), "No logbook yet. Verbs and screens begin one when they work on a machine."));
 }
 
-TEST_CASE("entries are listed, opened, checked, and new ones come by themselves") {
+TEST_CASE("entries are listed, opened, checked, and new ones come on their own") {
   const LogbookFolder folder;
   const std::string params = folder.with("p.toml", short_lathe("MCM-0107"));
   const std::string data = folder.with("exx.csv", lathe_readings("# machine: short lathe\n"));

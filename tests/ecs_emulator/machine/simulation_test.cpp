@@ -70,7 +70,7 @@ TEST_CASE("a parked axis adds no scatter between the readings of another one") {
   CHECK(std::abs(error_x_um(simulation) - parked_um) > 1e-6);
 }
 
-TEST_CASE("a repeated stop draws anew, with the standard deviation of the errors file") {
+TEST_CASE("a repeated stop draws again, with the standard deviation of the errors file") {
   auto simulation = simulation_of("[scatter]\nEXX = { reading = 2.0 }\n", ideal_machine());
   constexpr int kStops = 400;
   double sum_um = 0.0;

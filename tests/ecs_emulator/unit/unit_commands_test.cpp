@@ -224,7 +224,7 @@ TEST_CASE_FIXTURE(Bench, "an output with its relay closed ends when no command h
   REQUIRE(tell(command).state == CommandState::done);
   REQUIRE(simulation.run_for(59.0));
   CHECK(unit.monitor().axes[0].relay_closed);
-  SUBCASE("the same command again begins the minute anew") {
+  SUBCASE("the same command again restarts the minute") {
     REQUIRE(tell(command).state == CommandState::done);
     REQUIRE(simulation.run_for(59.0));
     CHECK(unit.monitor().axes[0].output_counts == 400);

@@ -156,7 +156,7 @@ TEST_CASE("errors of rotary axes come from the errors file: place, direction, mo
   CHECK(components.location[2][0] == 8.0);
 }
 
-TEST_CASE("an error motion by itself counts from its first target, there and back") {
+TEST_CASE("an error motion on its own counts from its first target, there and back") {
   Simulation simulation = trunnion(kErrors);
   TurnPlan plan{.sweep = *sweep_in("C=0:270:90"), .runs = 1, .noise = 0.0};
   const auto set = must(turn_readings(simulation, plan));

@@ -224,7 +224,7 @@ TEST_CASE("squareness is not found along the axis run along, nor from a rotation
   CHECK_FALSE(squareness_of(single_line(Axis::Y, Sense::EA, {{0.0, 0.0}, {1.0, 1.0}})).has_value());
 }
 
-TEST_CASE("a curve is put on a grid by linear interpolation, each approach by itself") {
+TEST_CASE("a curve is put on a grid by linear interpolation, each approach on its own") {
   const Curve curve = curve_of({{0.0, {0.0, 0.0, 0.0}, {4.0}}, {50.0, {10.0, 12.0}, {}}, {100.0, {20.0}, {8.0}}});
   const auto result = must(resampled(curve, {0.0, 25.0, 5}));
   CHECK(*result.points[1].forward == Approx(5.5));

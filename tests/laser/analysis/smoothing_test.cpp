@@ -105,7 +105,7 @@ TEST_CASE("the 99 percent point of F agrees with the tables") {
   CHECK(*must(smoothed(noisy_sine(0.0), how)).F_99 == Approx(1.355).epsilon(0.015));
 }
 
-TEST_CASE("mean and reversal smoothed together with one window equal each approach by itself") {
+TEST_CASE("mean and reversal smoothed together with one window equal each approach on its own") {
   const Curve curve = noisy_sine(5.0);
   Smoothing apart;
   apart.window_mm = 150.0;

@@ -70,7 +70,7 @@ TEST_CASE("dates on both sides meet") {
   CHECK(says(set.notes, "joined by date and time"));
 }
 
-TEST_CASE("a log without times is spread over the readings, or has a row every so many seconds") {
+TEST_CASE("a log without times is spread over the readings, or has a row every this many seconds") {
   const auto log = must(read_any("samples/laser/environment.pos"));
   MeasurementSet set = four_readings();
   REQUIRE(join_environment(set, log.environment, std::nullopt));

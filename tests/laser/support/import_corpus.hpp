@@ -9,9 +9,9 @@
 
 namespace ecs::laser {
 
-/// What is to become of a file: read with so many readings (or records), or refused with these words.
+/// What is to become of a file: read with this many readings (or records), or refused with these words.
 struct Expected {
-  const char* file;  ///< below the folder; a folder stands for all files in it not named by themselves
+  const char* file;  ///< below the folder; a folder stands for all files in it not named on their own
   std::string_view format;
   std::size_t count = 0;  ///< 0: not counted
   const char* words = "";

@@ -18,7 +18,7 @@ laser::MeasurementSet circle_of(const MachineErrors& errors, const CircleMade& m
   return set;
 }
 
-/// By the model that is begun with.
+/// By the model that is started with.
 Diagnosis of_new_model(const laser::MeasurementSet& set) {
   Model model;
   const Observations data = observations_of(set, model, mill());

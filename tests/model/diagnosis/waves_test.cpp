@@ -197,7 +197,7 @@ namespace {
 
 constexpr double kTravel_mm = 1000.0;  // nearly: the targets are a little uneven
 
-/// A wave of one size whose phase is drawn anew for every run and approach.
+/// A wave of one size whose phase is drawn again for every run and approach.
 laser::MeasurementSet with_free_wave(double period_mm, double amplitude_um, unsigned seed, const Plan& plan = {}) {
   std::mt19937_64 random(seed + 7000);
   UniformDraws any(0.0, 2.0 * std::numbers::pi);

@@ -254,7 +254,7 @@ TEST_CASE("the length of a spike that all readings see at one distance is not de
   }
 }
 
-TEST_CASE("a fit from values refines them; without that it seeks the whole range anew") {
+TEST_CASE("a fit from values refines them; without that it searches the whole range again") {
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
   const auto set = measured({}, 0.05, [](const Reading& r) {

@@ -223,7 +223,7 @@ TEST_CASE("whitened noise has size one and no memory") {
 
 namespace {
 
-/// One pass of 200 readings that sums up steps of 0.3 um, by itself or returning to 0 within `memory` readings.
+/// One pass of 200 readings that sums up steps of 0.3 um, on its own or returning to 0 within `memory` readings.
 Measured walk(unsigned seed, double memory = 1e9) {
   std::mt19937_64 random(seed + 300);
   NormalDraws normal;

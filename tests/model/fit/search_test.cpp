@@ -181,7 +181,7 @@ TEST_CASE("an effect pays for the choice of which of its sizes it uses") {
   CHECK(cube.cost == Approx(std::log(246.0) + 2.0 * std::log(3.0)));  // one of: square, cube, both
 }
 
-TEST_CASE("a wave begun at twice its period, as a second harmonic, is refined to its own period") {
+TEST_CASE("a wave started at twice its period, as a second harmonic, is refined to its own period") {
   const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   Choice twice = of.search.choice_at(of.search.base(), 0, 2.0 * 87.3);
   REQUIRE(twice.columns.size() == 4);
@@ -202,7 +202,7 @@ TEST_CASE("all sizes of an effect are free again for its final fit") {
   CHECK_FALSE(with_all_sizes(held, cube).parameters.contains("k2"));
 }
 
-TEST_CASE("a time constant far off is sought anew beside the effects found with it") {
+TEST_CASE("a time constant far off is searched again beside the effects found with it") {
   const auto set = measured_line(
       [](const Reading& r) { return 12.0 * -std::expm1(-*r.time_s / 150.0) + 10.0 * *r.time_s / 3600.0; });
   const Searching of(set, kSigma_um, candidates_named({"warm_up:X:EX", "time_drift:X:EX"}));

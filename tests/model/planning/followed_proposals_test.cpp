@@ -56,7 +56,7 @@ Case case_of(const std::string& truth_name, const Model& model, const Plan& plan
   return {truth_name, model, session(plan, truth, conditions), truth};
 }
 
-/// Proved, or likely where the few readings of a proposal do not prove it by themselves.
+/// Proved, or likely where the few readings of a proposal do not prove it on their own.
 bool says_a_cause(const Diagnosis& found) {
   return found.verdict == Verdict::missing_effect || found.verdict == Verdict::likely_effect;
 }

@@ -11,7 +11,7 @@ namespace {
 
 const std::vector<std::uint8_t> kOldImage = noise_image(3000, 1);
 
-/// A sound image with a smooth table of so many values.
+/// A sound image with a smooth table of this many values.
 std::vector<std::uint8_t> sealed_image(std::uint32_t values) {
   const ImagePlan plan{1, values, 0};
   std::vector<std::uint8_t> image(image_bytes(plan));
@@ -42,7 +42,7 @@ struct UnitWithMap : Workshop {
   }
 };
 
-/// What becomes of an upload when `then` happens as soon as so many bytes of it have travelled.
+/// What becomes of an upload when `then` happens as soon as this many bytes of it have travelled.
 Result<UploadReport> sent_while(UnitClient& unit, const std::vector<std::uint8_t>& image, std::size_t after,
                                 const std::function<void()>& then) {
   bool happened = false;
@@ -59,7 +59,7 @@ Result<UploadReport> sent_while(Workshop& shop, const std::function<void(UnitMod
 
 #define CHECK_SENT(sent) CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message))
 
-/// An upload whose line has three faults after so many bytes; it arrives whole. @return bytes that the host has sent
+/// An upload whose line has three faults after this many bytes; it arrives whole. @return bytes that the host has sent
 std::size_t bytes_sent_under(LinkFault fault, const std::vector<std::uint8_t>& image, std::size_t after) {
   CAPTURE(name_of(fault));
   UnitWithMap shop(Over::pty);
@@ -176,7 +176,7 @@ TEST_CASE("a unit that compensates refuses a map and keeps its own") {
 
 namespace {
 
-/// From the moment the unit carries out the commit, so many of its replies are lost.
+/// From the moment the unit carries out the commit, this many of its replies are lost.
 void lose_replies_at_commit(Workshop& shop, int replies, std::atomic<bool>* then_cancel = nullptr) {
   shop.in_model([=](UnitModel& model) {
     model.on_commit = [=, &model] {

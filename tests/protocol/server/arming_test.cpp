@@ -198,7 +198,7 @@ TEST_CASE("a command that takes time ends in the list of events as it ended, and
   CHECK(events_of(server)[0].number == 102 - 64 + 1);
 }
 
-TEST_CASE_FIXTURE(GuardedUnit, "an arming that ends by itself and an output that ends without its host are events") {
+TEST_CASE_FIXTURE(GuardedUnit, "an arming that ends on its own and an output that ends without its host are events") {
   RegisterHost silent(server, 7), other(server, 8);
   (void)silent.give(arming(silent, kShownCode, 2));
   (void)other.give(arming(other, kShownCode, 30));

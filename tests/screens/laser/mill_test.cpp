@@ -132,7 +132,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   }
   {
     LaserScreenDriver again;
-    again.type("b");  // new work is begun beside it
+    again.type("b");  // new work is started beside it
     CHECK_FALSE(again.controller().offered());
   }
   {

@@ -135,7 +135,7 @@ TEST_CASE("a run left out changes every later step at once, and undo restores th
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 36);
 }
 
-TEST_CASE("a reading far from its repeats is suggested, never left out by itself") {
+TEST_CASE("a reading far from its repeats is suggested, never left out on its own") {
   const StateFolder folder;
   std::string csv = measured_csv(kPositioning, [](double p) { return 0.01 * p; });
   const std::size_t at = csv.find("X,-200,-1400,0,EX,", csv.find(",2,20.2,") - 40);

@@ -170,7 +170,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     return map_sent_over(link, (ready.folder.path / "other.csv").string(),
                          (ready.folder.path / "other-parameters.toml").string());
   });
-  SUBCASE("by itself within seconds while the step is open") {
+  SUBCASE("on its own within seconds while the step is open") {
     CHECK(driver.until([&] { return contains(driver.seen(), kStale); }, 10));
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::doubtful);
     CHECK(contains(driver.seen(), "another host"));

@@ -251,7 +251,7 @@ TEST_CASE("u takes back the work of a draft that was taken up") {
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
 }
 
-TEST_CASE("a draft stays while other parameters are begun and edited, and each is offered again") {
+TEST_CASE("a draft stays while other parameters are started and edited, and each is offered again") {
   const ParametersCase one;
   for (const char* value : {"7.5", "8.5"}) {
     ParametersScreen screen(no_link());
@@ -270,7 +270,7 @@ TEST_CASE("a draft stays while other parameters are begun and edited, and each i
   CHECK(last.controller().set().parameters.axes[0].deadband_um == 8.5);
 }
 
-TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
+TEST_CASE("leaving, opening and starting again ask where edits would be lost") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
   edit(screen, "deadband", "7.5");

@@ -116,7 +116,7 @@ class LaserScreenDriver {
     for (int k = 0; k < times; ++k) kind = screen->on_key({name}).kind;
     return kind;
   }
-  /// Until `is` holds; @return whether it did within so many seconds
+  /// Until `is` holds; @return whether it did within this many seconds
   bool until(const std::function<bool()>& is, int seconds = 20) {
     for (int k = 0; k < seconds * 200; ++k) {
       (void)screen->advance();

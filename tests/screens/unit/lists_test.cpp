@@ -137,7 +137,7 @@ TEST_CASE("a script is written and may be run; a file that is there is asked for
 TEST_CASE("a new script begins after a question; what is done meanwhile is shown") {
   const TwoActions two;
   const auto screen = commands_screen();
-  CHECK(contains(after(*screen, "x"), "Begin anew?"));
+  CHECK(contains(after(*screen, "x"), "Start again?"));
   CHECK(contains(after(*screen, "y"), "Nothing was done yet"));
   CHECK(screen->copied().empty());
   note_command({"utility", "ramtest"});

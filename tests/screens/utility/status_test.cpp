@@ -15,7 +15,7 @@ using namespace ecs::app::screen_test;
 
 constexpr auto opened_status = [](std::shared_ptr<UnitConnection> unit) { return status_screen(std::move(unit)); };
 
-TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
+TEST_CASE("the state is read on its own, the memory is tested, the pages turn") {
   const BenchOf bench(opened_status);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "unit MCM-0107"));

@@ -96,7 +96,7 @@ TEST_CASE("parameters changed and saved: one command with what differs, also in 
   session.check_replay({"out.toml", "copy.toml"});
 }
 
-TEST_CASE("parameters begun from a machine file") {
+TEST_CASE("parameters started from a machine file") {
   Session session(mill_parameters);
   ParametersController controller;
   REQUIRE(controller.start_from_machine("machine.toml"));

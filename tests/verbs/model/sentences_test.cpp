@@ -1,5 +1,5 @@
 // Sentences about what to measure next and what compensation would leave: none contradicts its own numbers. In CTest as
-// many cases as twenty seconds allow; ECS_SENTENCES=400 in the environment takes so many, however long.
+// many cases as twenty seconds allow; ECS_SENTENCES=400 in the environment takes this many, however long.
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
