@@ -56,7 +56,7 @@ class LaserController {
   [[nodiscard]] const std::string& offered_of() const { return offered_of_; }
   void take_up_offered();
   void drop_offered();
-  /// New work is begun; what was offered is kept and offered again when there is no other.
+  /// New work is started; what was offered is kept and offered again when there is no other.
   void set_offered_aside();
   [[nodiscard]] std::size_t drafts_aside() const { return commissioning::drafts_aside(edited_.draft()); }
   /// The next of several.

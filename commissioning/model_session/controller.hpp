@@ -35,7 +35,7 @@ class ModelController {
   /// Reads and fits; takes up to seconds for large sets. @param unit  for maps to be sent; null: none
   [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(const ModelArguments& files,
                                                                      std::shared_ptr<UnitConnection> unit = {});
-  /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
+  /// The same with a model that is started in a new file (begun_model()). The file is there only if this succeeds.
   [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files,
                                                                           std::shared_ptr<UnitConnection> unit = {});
 

@@ -39,7 +39,7 @@ constexpr double kPeak = 0.5;
 constexpr double kOversampling = 3.0;
 /// Rounding of the highest frequency.
 constexpr double kRounding = 1.0001;
-/// A period is also chosen among so many: three approaches, or one or two harmonics.
+/// A period is also chosen among this many: three approaches, or one or two harmonics.
 constexpr double kWays = 3.0;
 /// Parts and multiples of a pitch: gears, belts, poles of a motor and starts of a thread, in the order of trust.
 constexpr std::array kPartsOfPitch{1.0, 0.5, 2.0, 1.0 / 3.0, 0.25, 0.2, 3.0, 4.0, 5.0, 0.1};

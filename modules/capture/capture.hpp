@@ -3,7 +3,7 @@
 // the user presses them; started or resumed, guided to its end, written. Under way it is triggers, displays and sensors
 // around the record, one short step after the other; whoever shows it (a terminal, a screen) takes its news. Its part
 // file is written by std::async and not by a TaskRunner, whose owner must call advance(): the file is waited for before
-// the next is begun, and at the end.
+// the next is started, and at the end.
 // Does not live here: the stops and the readings (capture_record.hpp).
 #pragma once
 

@@ -1,5 +1,5 @@
-// The investigation on the page Next of the MODEL screen: begun, watched, stopped, gone on with, its model written; its
-// keys, and its ledger in place of the next measurement. What the module brings.
+// The investigation on the page Next of the MODEL screen: started, watched, stopped, gone on with, its model written;
+// its keys, and its ledger in place of the next measurement. What the module brings.
 
 #include <algorithm>
 #include <cstddef>

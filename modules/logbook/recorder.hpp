@@ -51,7 +51,7 @@ class ObservedFiles final : public FileWatch {
 /// A measurement set in our CSV form, by its header row.
 [[nodiscard]] bool is_measurement_set(std::string_view content);
 
-/// What is to be said of the logbook since this was last asked: that one was begun, that one cannot be written.
+/// What is to be said of the logbook since this was last asked: that one was started, that one cannot be written.
 struct LogbookWord {
   bool warning = false;
   std::string text;

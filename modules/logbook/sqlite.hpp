@@ -90,7 +90,7 @@ class StopsReading {
 /// The value of a pragma that is a number; -1: it cannot be asked.
 [[nodiscard]] std::int64_t pragma(sqlite3* file, const char* name);
 
-/// Takes back what was begun, unless it is committed.
+/// Takes back what was started, unless it is committed.
 class Transaction {
  public:
   explicit Transaction(sqlite3* file)

@@ -300,7 +300,7 @@ constexpr double kTopQuantile = 0.98;
 /// 10 % and 90 % of the level, and where the straight parts of rise and fall are carried back from.
 constexpr double kLow = 0.1, kHigh = 0.9, kLowFurther = 0.3, kHighFurther = 0.7;
 /// Samples without which there is no curve; rest is the median of one in this many at either end; a curve is at least
-/// so many noises high.
+/// this many noises high.
 constexpr std::size_t kFewestSamples = 3, kSamplesARest = 100;
 constexpr double kLeastHeight = 5.0;
 
