@@ -46,4 +46,9 @@ std::optional<RecordsEnd> records_end() {
   return keeper == nullptr ? std::nullopt : keeper->end();
 }
 
+std::optional<std::vector<RecordedUse>> recorded_uses(const std::vector<std::string>& sha256) {
+  const RecordKeeper* keeper = keeper_of_records;
+  return keeper == nullptr ? std::nullopt : keeper->uses(sha256);
+}
+
 }  // namespace ecs::commissioning

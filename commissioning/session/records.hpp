@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -44,12 +45,23 @@ struct RecordsEnd {
   std::string last_hash;
 };
 
+/// An entry in which a file took part.
+struct RecordedUse {
+  std::int64_t number = 0;  ///< of the entry
+  std::string time;         ///< "2026-05-04T09:30:00Z"
+  std::string kind;         ///< of the entry
+  std::string verb;         ///< empty: no verb wrote it
+  std::string role;         ///< of the file
+  std::string sha256;
+};
+
 /// Whoever keeps them; each function does what the one below says that calls it, from any thread.
 struct RecordKeeper {
   void (*record)(LogRecord one);
   std::unique_ptr<FileWatch> (*watch)();
   void (*rest)(std::chrono::milliseconds idle);
   std::optional<RecordsEnd> (*end)();
+  std::optional<std::vector<RecordedUse>> (*uses)(const std::vector<std::string>& sha256);
 };
 /// From now on this one. @param keeper  lives as long as the program; null: nobody
 void let_keep_records(const RecordKeeper* keeper);
@@ -63,5 +75,8 @@ void record(LogRecord one);
 void let_records_rest(std::chrono::milliseconds idle = std::chrono::milliseconds(0));
 /// Of the machine that the files of the verb under way name; nothing: no records are kept, or there is none yet.
 [[nodiscard]] std::optional<RecordsEnd> records_end();
+/// Where files with these hashes took part, in the records of that machine, in their order. Nothing: none are kept of
+/// it, or they cannot be read.
+[[nodiscard]] std::optional<std::vector<RecordedUse>> recorded_uses(const std::vector<std::string>& sha256);
 
 }  // namespace ecs::commissioning

@@ -292,18 +292,44 @@ std::vector<LogbookWord> logbook_words() {
 
 namespace {
 
-std::optional<RecordsEnd> logbook_end() {
+/// That of the machine that the files of the verb under way name; nothing: they name none.
+std::optional<std::filesystem::path> observed_logbook() {
   const ObservedFiles* seen = observed_by_thread;
   if (seen == nullptr) return std::nullopt;
-  const LogOwner owner = owner_by(seen->files());
   const Unwatched own_files;
-  const auto path = place_of(owner);
-  if (!path || !*path) return std::nullopt;
-  const auto book = Logbook::open_to_read(**path);
+  return place_of(owner_by(seen->files())).value_or(std::nullopt);
+}
+
+std::optional<std::vector<RecordedUse>> logbook_uses(const std::vector<std::string>& sha256) {
+  const auto path = observed_logbook();
+  if (!path) return std::nullopt;
+  const Unwatched own_files;
+  std::error_code error;
+  if (!std::filesystem::exists(*path, error)) return std::vector<RecordedUse>();
+  const auto book = Logbook::open_to_read(*path);
+  const auto entries = book ? book->entries() : tl::unexpected(book.error());
+  if (!entries) {
+    say_once(true, fmt::format("the logbook cannot be asked: {}", to_text(entries.error())));
+    return std::nullopt;
+  }
+  std::vector<RecordedUse> uses;
+  for (const LogbookEntry& entry : *entries)
+    for (const LogFile& file : files_of(entry))
+      if (std::find(sha256.begin(), sha256.end(), file.sha256) != sha256.end())
+        uses.push_back({entry.number, entry.time, entry.kind,
+                        text_at(Json::parse(entry.content, nullptr, false), "verb"), file.role, file.sha256});
+  return uses;
+}
+
+std::optional<RecordsEnd> logbook_end() {
+  const auto path = observed_logbook();
+  if (!path) return std::nullopt;
+  const Unwatched own_files;
+  const auto book = Logbook::open_to_read(*path);
   const auto count = book ? book->count() : tl::unexpected(book.error());
   auto hash = book ? book->last_hash() : tl::unexpected(book.error());
   if (!count || !hash || *count == 0) return std::nullopt;
-  return RecordsEnd{**path, *count, std::move(*hash)};
+  return RecordsEnd{*path, *count, std::move(*hash)};
 }
 
 constexpr const char* kImage = "image_sha256";
@@ -370,6 +396,7 @@ constexpr RecordKeeper kLogbookKeeper{
     .watch = []() -> std::unique_ptr<FileWatch> { return std::make_unique<ObservedFiles>(); },
     .rest = close_logbooks,
     .end = logbook_end,
+    .uses = logbook_uses,
 };
 
 }  // namespace

@@ -225,7 +225,7 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
 extern const std::vector<Action> kModelLadder{
     action("model add", "an effect more, in the place that fits best; shows how far the error falls",
            "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml", add,
-           {.logged = Logged::when_written, .kind = "model"}),
+           {.logged = Logged::always, .kind = "model"}),
     action("model undo", "a model without the effect that was added last", "ecs model undo model.toml", undo,
            {.logged = Logged::when_written, .kind = "model"}),
     action("model remove", "a model without one of its effects, fitted to the data again",

@@ -270,10 +270,10 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
 extern const std::vector<Action> kModelFitting{
     action("model fit", "the parameters of a model from measured data, with sigmas and correlations",
            "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml", fit,
-           {.logged = Logged::when_written, .kind = "model"}),
+           {.logged = Logged::always, .kind = "model"}),
     action("model compare", "where a model fails: residuals by direction and by every variable",
            "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
            "ecs model compare drive_as_printed.toml step_recorded.csv",
-           compare)};
+           compare, {.logged = Logged::always, .kind = "diagnosis"})};
 
 }  // namespace ecs::app
