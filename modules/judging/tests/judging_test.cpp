@@ -262,7 +262,7 @@ TEST_CASE("an effect that is not there does not hold, however wide the limits, u
   CHECK(bench.judge().json()["effects"][0]["better"] == false);
   REQUIRE(bench.freeze("known = [\"cyclic:X:EX\"]\n[[group]]\nby = \"all\"\ninside = { rms_um = 99 }\n").code == 0);
   CHECK(bench.judge().code == 0);
-  const Ran r = bench.freeze("# one\nknown = [\"sag:X:EX\"]\n" + by("all"));
+  const Ran r = bench.freeze(std::string("\n") + "known = [\"sag:X:EX\"]\n" + by("all"));
   CHECK(r.code == 3);
   CHECK(contains(r.messages, "l.toml:2: known"));
 }
