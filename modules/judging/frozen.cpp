@@ -13,6 +13,7 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "model/fit/compare.hpp"
+#include "model/regression/candidates.hpp"
 #include "modules/judging/judging.hpp"
 
 namespace ecs::commissioning {
@@ -84,7 +85,7 @@ std::vector<FittedRange> ranges_of(const model::Model& model, const model::Obser
   return ranges;
 }
 
-/// The model without each effect that not every measured line has and that is not known from elsewhere.
+/// The model without each effect with which no model of such readings begins and that is not known from elsewhere.
 Result<std::vector<ModelWithout>> models_without(const ModelWork& work, const JudgingLimits& limits,
                                                  const std::string& limits_file) {
   const std::vector<model::EffectInstance>& effects = work.model.effects;
@@ -94,10 +95,14 @@ Result<std::vector<ModelWithout>> models_without(const ModelWork& work, const Ju
   for (const JudgingLimits::Known& known : limits.known)
     if (std::none_of(effects.begin(), effects.end(), [&](const auto& effect) { return is(known, effect); }))
       return problem_at(limits_file, known.line, 0, fmt::format("known: the model has no effect {}", known.effect));
+  const std::vector<model::EffectInstance> usual = model::usual_effects(work.data);
   std::vector<ModelWithout> all;
   for (std::size_t k = 0; k < effects.size(); ++k) {
-    const auto is_this = [&](const JudgingLimits::Known& known) { return is(known, effects[k]); };
-    if (effects[k].traits().is_usual || std::any_of(limits.known.begin(), limits.known.end(), is_this)) continue;
+    const auto is_known = [&](const JudgingLimits::Known& known) { return is(known, effects[k]); };
+    const auto is_begun = [&](const model::EffectInstance& one) { return same_place(one, effects[k]); };
+    if (effects[k].traits().is_usual || std::any_of(usual.begin(), usual.end(), is_begun) ||
+        std::any_of(limits.known.begin(), limits.known.end(), is_known))
+      continue;
     model::Model without = work.model;
     without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(k));
     without.history.clear();
