@@ -1,6 +1,7 @@
 // A frozen model judged: what is refused before a residual is looked at, groups inside and beyond the conditions to
 // which it was fitted, and whether the effects that were added predict better than the model without them.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -189,11 +191,14 @@ struct GroupRows {
   Rows rows;
 };
 
-/// Values in the order of numbers, then of texts.
+/// By the number with which the last word begins, then by text: "C 60..120" before "C 120..180".
 struct InOrder {
   bool operator()(const std::string& a, const std::string& b) const {
     const auto key = [](const std::string& text) {
-      return std::pair(number_in(text).value_or(std::numeric_limits<double>::infinity()), text);
+      const std::size_t at = text.rfind(' ') + 1;
+      double number = std::numeric_limits<double>::infinity();
+      std::from_chars(text.data() + at, text.data() + text.size(), number);
+      return std::tuple(text.substr(0, at), std::isnan(number) ? 0.0 : number, text);
     };
     return key(a) < key(b);
   }

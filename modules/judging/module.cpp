@@ -1,6 +1,8 @@
 // What the module brings: `ecs model freeze` and `ecs model judge`.
 #include "app/cli/module.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -67,14 +69,15 @@ struct JudgeRequest {
   }
 };
 
-Cell group_cell(const JudgedGroup& one) {
+std::string group_name(const JudgedGroup& one) { return one.by == one.value ? one.by : one.by + " " + one.value; }
+
+Cell group_cell(const JudgedGroup& one, std::size_t width) {
   std::string why;
   for (const std::string& condition : one.conditions) why += paragraph(condition, 4, 6);
   return record_cell(
       "{group}{kind:<8}{readings:>8}{rms_um:>10.3f}{limit_um:>10.3f}{max_um:>10.3f}{max_limit_um:>10.3f}  "
       "{holds}\n{why}",
-      "by"_is(one.by), "value"_is(one.value),
-      "group"_shown(padded(one.by == one.value ? one.by : one.by + " " + one.value, 22)),
+      "by"_is(one.by), "value"_is(one.value), "group"_shown(padded(group_name(one), width)),
       "kind"_is(one.beyond ? "beyond" : "inside"), "rms_um"_is(one.rms_um), "limit_um"_is(one.limit.rms_um),
       "holds"_is(one.holds(), "holds", "FAILS"), "readings"_is(one.readings), "max_um"_is(one.max_um),
       "max_limit_um"_is(one.limit.max_um), "beyond"_is(one.conditions, ""), "why"_shown(why));
@@ -130,9 +133,12 @@ Json uses_json(const std::optional<std::vector<RecordedUse>>& uses, const Judgem
 
 Cell judgement_cell(const Judgement& judgement) {
   const std::string unit = judgement.unit;
-  const Cell groups = list_cell(judgement.groups, group_cell,
-                                fmt::format("{:<22}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group", "kind", "readings",
-                                            "rms", "limit", "largest", "limit"));
+  std::size_t width = 20;
+  for (const JudgedGroup& one : judgement.groups) width = std::max(width, columns_of(group_name(one)) + 2);
+  const Cell groups = list_cell(
+      judgement.groups, [width](const JudgedGroup& one) { return group_cell(one, width); },
+      fmt::format("{:<{}}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group", width, "kind", "readings", "rms", "limit",
+                  "largest", "limit"));
   const Cell effects = judgement.effects.empty() ? Cell{Json::array(), ""}
                                                  : list_cell(judgement.effects, judged_effect_cell,
                                                              fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect",
