@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 /// As the file holds it; around it nothing may change.
 std::string seal_line(const std::string& sha256) { return fmt::format("\"seal\": \"{}\"", sha256); }
-const std::string kNoSeal(64, '0');
+std::string open_seal_line() { return seal_line(std::string(64, '0')); }
 
 /// The name by which a file is found from the folder of another.
 std::string seen_from(const std::string& output, const std::string& file) {
@@ -177,9 +177,9 @@ Result<std::string> running_program_sha256() {
 
 std::string to_json(const FrozenModel& frozen) {
   nlohmann::json top = frozen;
-  top["seal"] = kNoSeal;
+  top["seal"] = std::string(64, '0');
   std::string text = top.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  const std::string line = seal_line(kNoSeal);
+  const std::string line = open_seal_line();
   return text.replace(text.find(line), line.size(), seal_line(sha256_hex(text)));
 }
 
@@ -189,7 +189,7 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
     const std::string line = seal_line(top.at("seal").get<std::string>());
     std::string unsealed(text);
     const std::size_t at = unsealed.find(line);
-    if (at == std::string::npos || seal_line(sha256_hex(unsealed.replace(at, line.size(), seal_line(kNoSeal)))) != line)
+    if (at == std::string::npos || seal_line(sha256_hex(unsealed.replace(at, line.size(), open_seal_line()))) != line)
       return problem_at(file, 0, 0, "this freeze was changed after it was written: its SHA-256 is another one");
     FrozenModel frozen = top.get<FrozenModel>();
     if (frozen.freeze == FrozenModel{}.freeze) return frozen;

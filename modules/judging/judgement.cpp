@@ -315,7 +315,7 @@ double rms_of(const std::vector<double>& values, const Rows& rows) {
 /// Runs of lines that are taken as independent; with fewer a t-test could hardly tell anything.
 constexpr std::size_t kEnoughRuns = 4;
 /// Into how many stretches fewer runs are cut together, and how many readings each has at least.
-constexpr std::size_t kStretches = 8;
+constexpr double kStretches = 8.0;
 constexpr std::size_t kFewestInStretch = 4;
 /// Shorter ones are not independent: twice the minute over which turbulence correlates readings (docs/model.md).
 constexpr double kShortestStretch_s = 120.0;
@@ -325,7 +325,7 @@ constexpr double kShortestStretch_s = 120.0;
 std::vector<Rows> stretches_of(const Observations& data, const std::vector<Rows>& runs,
                                const std::vector<double>& difference) {
   std::vector<Rows> all;
-  const auto count = static_cast<double>((kStretches + runs.size() - 1) / runs.size());
+  const double count = std::ceil(kStretches / static_cast<double>(runs.size()));
   for (const Rows& run : runs) {
     const std::size_t first = all.size();
     const double share = std::pow(rms_of(difference, run), 2) * static_cast<double>(run.size()) / count;
