@@ -356,6 +356,28 @@ std::vector<Rows> runs_on_which_it_acts(const Observations& data, const std::vec
   return runs;
 }
 
+/// What the logbook knows of the held-out files, in `judgement.file_of`, and of the freeze.
+void take_uses(Judgement& judgement, const FrozenModel& frozen, const std::string& freeze_sha256) {
+  std::vector<std::string> hashes{freeze_sha256};
+  for (const auto& [sha256, file] : judgement.file_of) hashes.push_back(sha256);
+  const auto uses = recorded_uses(hashes);
+  if (!uses) return;
+  std::vector<RecordedUse>&openings = judgement.openings.emplace(), &seen = judgement.seen.emplace();
+  bool knows_freeze = false;
+  for (const RecordedUse& use : *uses) {
+    knows_freeze = knows_freeze || (use.role == "output" && use.sha256 == freeze_sha256);
+    if (use.role != "input") continue;
+    const bool brought = use.kind == "measurement" || use.kind == "processing";
+    if (use.verb != kJudgeVerb) {
+      if (!brought && use.sha256 != freeze_sha256 && use.time <= frozen.time) seen.push_back(use);
+    } else if (openings.empty() || openings.back().number != use.number) {
+      openings.push_back(use);
+    }
+  }
+  if (!knows_freeze)
+    judgement.notes.emplace_back("the logbook does not know this freeze: it was written elsewhere, or changed");
+}
+
 /// The chance that values of mean 0 have this mean or more, by Student's t.
 std::optional<double> one_sided(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
@@ -444,29 +466,15 @@ Result<Judgement> judge(MessageSink& messages, const std::string& freeze_file, c
     judgement.effects.back().effect = one.effect;
   }
 
-  std::vector<std::string> hashes{sha256_hex(text)};
-  for (const auto& [sha256, file] : file_of) hashes.push_back(sha256);
-  if (const auto uses = recorded_uses(hashes)) {
-    judgement.openings.emplace();
-    judgement.seen.emplace();
-    for (const RecordedUse& use : *uses) {
-      if (use.role != "input") continue;
-      const bool is_opening = use.verb == kJudgeVerb;
-      auto& list = is_opening ? *judgement.openings : *judgement.seen;
-      const bool brought = use.kind == "measurement" || use.kind == "processing";
-      if (is_opening ? list.empty() || list.back().number != use.number
-                     : !brought && file_of.contains(use.sha256) && use.time <= frozen.time)
-        list.push_back(use);
-    }
-  }
+  judgement.file_of = std::move(file_of);
+  take_uses(judgement, frozen, sha256_hex(text));
   for (const std::string& column : Conditions(frozen, limits).unknown(work.data))
     judgement.notes.push_back(
         fmt::format("{}: the fitted readings do not say it, so it does not decide what is inside", column));
   judgement.notes.insert(judgement.notes.end(), fit.notes.begin(), fit.notes.end());
   judgement.zero_of_each_run = limits.zero_of_each_run;
   judgement.unit = work.data.reading_unit();
-  judgement.file_of = std::move(file_of);
-  judgement.file_of.emplace(hashes.front(), freeze_file);
+  judgement.file_of.emplace(sha256_hex(text), freeze_file);
   judgement.frozen = std::move(frozen);
   return judgement;
 }

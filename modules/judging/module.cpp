@@ -85,14 +85,16 @@ Cell group_cell(const JudgedGroup& one, std::size_t width) {
 
 Cell judged_effect_cell(const JudgedEffect& one) {
   const bool acts = one.readings > 0;
+  const char* const shown = !acts          ? "does not act here"
+                            : !one.p_value ? "TOO FEW RUNS"
+                            : one.better() ? "better"
+                                           : "NOT BETTER";
   return record_cell("{name}{rms_without_um:>10.3f}{rms_um:>10.3f}{stretches:>11}{p_value:>10.2g}  {better}\n",
                      "effect"_is(one.effect), "name"_shown(padded(one.effect, 30)),
                      "rms_without_um"_is(acts ? std::optional(one.rms_without_um) : std::nullopt),
                      "rms_um"_is(acts ? std::optional(one.rms_um) : std::nullopt), "readings"_is(one.readings),
                      "stretches"_is(one.stretches), "p_value"_is(one.p_value),
-                     "better"_is(acts ? Json(one.better()) : Json(), !acts          ? "does not act here"
-                                                                     : one.better() ? "better"
-                                                                                    : "NOT BETTER"));
+                     "better"_is(acts ? Json(one.better()) : Json(), shown));
 }
 
 Cell use_cell(const RecordedUse& one, const Judgement& judgement) {

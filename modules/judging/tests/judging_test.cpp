@@ -178,6 +178,11 @@ TEST_CASE("what acts at one place of a single run is seen there: readings are cu
   CHECK_FALSE(judged_effect(data, without, with).better());
 }
 
+TEST_CASE("a run that is too short shows nothing") {
+  const JudgedEffect judged = judged_effect(runs_of(1, 6), {0, 0, 0, 0, 0, 0}, {1, -1, 1, -1, 1, -1});
+  CHECK((judged.readings == 6 && judged.stretches == 1 && !judged.p_value && !judged.better()));
+}
+
 TEST_CASE("an effect that changes no prediction is not judged") {
   const std::vector<double> same(8, 1.0);
   const JudgedEffect judged = judged_effect(runs_of(4), same, same);
@@ -450,6 +455,7 @@ TEST_CASE("openings are counted, and looks before the freeze are told") {
     return must(judgement);
   };
   CHECK(judged({}).openings->empty());
+  CHECK(contains(only(judged({}).notes), "does not know this freeze"));
   const std::string before = "2000-01-01T00:00:00Z", after = "2999-01-01T00:00:00Z";
   const Judgement one = judged({{1, before, "measurement", "", "input", held},
                                 {2, before, "diagnosis", "model compare", "input", held},
@@ -460,6 +466,7 @@ TEST_CASE("openings are counted, and looks before the freeze are told") {
                                 {6, after, "diagnosis", "model compare", "input", held}});
   REQUIRE(one.openings->size() == 2);
   CHECK(one.openings->back().number == 5);
+  CHECK(one.notes.empty());
   CHECK(only(*one.seen).number == 2);
 }
 
