@@ -337,6 +337,7 @@ TEST_CASE("angles are divided by sector and sign") {
   const std::string wide = "[[group]]\nby = \"{}\"\ninside = {{ rms_um = 9 }}\n{}";
   REQUIRE(bench.freeze(fmt::format(fmt::runtime(wide), "sign", "")).code == 0);
   CHECK(kinds_in(bench.judge()) == std::map<std::string, std::string>{{"C +", "inside"}, {"C -", "inside"}});
+  CHECK(bench.judge().json()["groups"][0]["readings"] == 36);  // 0 is +
   REQUIRE(bench.freeze(fmt::format(fmt::runtime(wide), "sector", "sector_deg = 60\n")).code == 0);
   const Ran sectors = bench.judge();
   CHECK(kinds_in(sectors).size() == 6);
@@ -460,6 +461,7 @@ TEST_CASE("openings are counted, and looks before the freeze are told") {
   const Judgement one = judged({{1, before, "measurement", "", "input", held},
                                 {2, before, "diagnosis", "model compare", "input", held},
                                 {3, before, "model", "model freeze", "output", frozen},
+                                {3, before, "export", "export", "output", held},
                                 {4, after, "test", "model judge", "input", frozen},
                                 {4, after, "test", "model judge", "input", held},
                                 {5, after, "test", "model judge", "input", held},
