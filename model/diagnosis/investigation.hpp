@@ -53,16 +53,16 @@ struct Found {
   std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
   std::optional<double> chance_of_closest;  ///< that noise of any size looks like the best of them, where the readings
                                             ///< tell little of the noise
-  std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
-  std::optional<NoisyRun> noisy;       ///< scatters more than the others
-  std::optional<OddPass> odd_pass;     ///< where nothing is found: stands off the others
-  std::optional<StepOfRuns> step;      ///< explains more than any one run does: no run is bad then
-  bool wanders = false;                ///< what was taken for noise does
-  bool wander_is_evident = false;      ///< in what the effects found leave: is_wandering()
-  std::optional<FreeWave> wave;        ///< in what is left, with another phase in every pass
-  std::string run_note;                ///< a run that explains nearly as much as an effect found, "" for none
-  std::string objection;               ///< why the effects found are no causes although they explain, "" for none
-  std::string doubt;                   ///< why they are not proved although nothing speaks against them, "" for none
+  std::optional<RunOffset> bad_run;         ///< explains the residual as well as the effects do
+  std::optional<NoisyRun> noisy;            ///< scatters more than the others
+  std::optional<OddPass> odd_pass;          ///< where nothing is found: stands off the others
+  std::optional<StepOfRuns> step;           ///< explains more than any one run does: no run is bad then
+  bool wanders = false;                     ///< what was taken for noise does
+  bool wander_is_evident = false;           ///< in what the effects found leave: is_wandering()
+  std::optional<FreeWave> wave;             ///< in what is left, with another phase in every pass
+  std::string run_note;                     ///< a run that explains nearly as much as an effect found, "" for none
+  std::string objection;                    ///< why the effects found are no causes although they explain, "" for none
+  std::string doubt;  ///< why they are not proved although nothing speaks against them, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;
 };

@@ -297,8 +297,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
     return fmt::format(
         "these readings tell too little of the noise: {} would explain what is left, and noise alone looks like it in "
         "{:.1g} % of cases: measure the same lines again",
-        place_text(in.found.families[in.found.closest.front().family].effect),
-        kPercent * *in.found.chance_of_closest);
+        place_text(in.found.families[in.found.closest.front().family].effect), kPercent * *in.found.chance_of_closest);
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
   Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
   for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;

@@ -102,7 +102,7 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   if (!request.machine.empty()) next.insert(next.end(), {"--machine", request.machine});
   const std::vector<std::string> import = commissioning::import_words(request.import);
   next.insert(next.end(), import.begin(), import.end());
-  return outcome_of(record_cell("new model {model}: {usual}{of_paths}\n{effects}next: {next}\n",
+  return outcome_of(record_cell("{model}: a new model with {usual}{of_paths}\n{effects}next: {next}\n",
                                 "model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
                                 "of_paths"_shown(work.data.paths.empty() ? "" : "; of circles and diagonals nothing"),
                                 "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))));
