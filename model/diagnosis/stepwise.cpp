@@ -178,7 +178,8 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (after != targets.end()) high.nonlinear = *after;
     return {low, high};
   }
-  std::ranges::stable_partition(values, [&](const Choice& value) { return is_fact(family, value.nonlinear); });
+  std::stable_partition(values.begin(), values.end(),
+                        [&](const Choice& value) { return is_fact(family, value.nonlinear); });
   return values;
 }
 
