@@ -51,11 +51,16 @@ std::string all_fuzzers() {
   return text;
 }
 
-/// What is fuzzed, of modules too.
+/// What is fuzzed, of modules too: of controls whichever have a source (modules/controllers/registry.cmake).
 std::string all_lists() {
   std::string text = read_file("tests/fuzz/CMakeLists.txt").value();
-  for (const auto& module : fs::directory_iterator("modules"))
+  constexpr std::string_view kControl = "_format.cpp";
+  for (const auto& module : fs::directory_iterator("modules")) {
     text += read_file(module.path() / "CMakeLists.txt").value();
+    for (const auto& file : fs::directory_iterator(module))
+      if (const std::string name = file.path().filename().string(); name.ends_with(kControl))
+        text += " " + name.substr(0, name.size() - kControl.size());
+  }
   return text;
 }
 
