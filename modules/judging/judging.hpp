@@ -129,6 +129,8 @@ struct JudgedEffect {
   std::size_t stretches = 0;
   std::optional<double> p_value;  ///< nothing: fewer than two stretches
   [[nodiscard]] bool better() const;
+  /// It predicts better, by chance or not.
+  [[nodiscard]] bool helps() const { return rms_um < rms_without_um; }
 };
 
 /// Level of that test: the largest round one up to which a t-test of independent normal values of any variances keeps

@@ -69,6 +69,10 @@ struct JudgeRequest {
   }
 };
 
+constexpr const char* kNotShown =
+    "These readings do not show that every effect predicts better than the model without it: hold out four runs or "
+    "more.";
+
 std::string group_name(const JudgedGroup& one) { return one.by == one.value ? one.by : one.by + " " + one.value; }
 
 Cell group_cell(const JudgedGroup& one, std::size_t width) {
@@ -88,6 +92,7 @@ Cell judged_effect_cell(const JudgedEffect& one) {
   const char* const shown = !acts          ? "does not act here"
                             : !one.p_value ? "TOO FEW RUNS"
                             : one.better() ? "better"
+                            : one.helps()  ? "NOT SHOWN"
                                            : "NOT BETTER";
   return record_cell("{name}{rms_without_um:>10.3f}{rms_um:>10.3f}{stretches:>11}{p_value:>10.2g}  {better}\n",
                      "effect"_is(one.effect), "name"_shown(padded(one.effect, 30)),
@@ -145,16 +150,22 @@ Cell judgement_cell(const Judgement& judgement) {
                                                  : list_cell(judgement.effects, judged_effect_cell,
                                                              fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect",
                                                                          "without", "with", "stretches", "chance"));
+  const bool undecided =
+      !judgement.holds() && std::ranges::all_of(judgement.groups, [](const JudgedGroup& one) { return one.holds(); }) &&
+      std::ranges::all_of(judgement.effects,
+                          [](const JudgedEffect& one) { return one.readings == 0 || one.better() || one.helps(); });
+  const std::string beside =
+      fmt::format(" in the hold-out ({}{}).\n", unit, judgement.zero_of_each_run ? ", about the mean of each run" : "");
   const auto number = judgement.openings ? Json(judgement.openings->size() + 1) : Json();
-  return record_cell("{holds}{zero}\n{groups}{effects}\n{opened}{notes}", "opened"_is(number, opened_text(judgement)),
-                     "groups"_is(groups), "holds"_is(judgement.holds(), "The model holds", "The model does not hold"),
-                     "zero"_shown(fmt::format(" in the hold-out ({}{}).\n", unit,
-                                              judgement.zero_of_each_run ? ", about the mean of each run" : "")),
-                     "effects"_is(effects), "openings"_is(uses_json(judgement.openings, judgement)),
-                     "seen"_is(uses_json(judgement.seen, judgement)),
-                     "frozen"_is(object_of("time"_is(judgement.frozen.time), "model"_is(judgement.frozen.model.file),
-                                           "rms_um"_is(judgement.frozen.rms_um))),
-                     "notes"_is(judgement.notes, notes_text(judgement.notes)));
+  return record_cell(
+      "{holds}{zero}\n{groups}{effects}\n{opened}{notes}", "opened"_is(number, opened_text(judgement)),
+      "groups"_is(groups),
+      "holds"_is(judgement.holds(), "The model holds", undecided ? "Every limit holds" : "The model does not hold"),
+      "zero"_shown(beside + (undecided ? paragraph(kNotShown, 0, 0) : "")), "effects"_is(effects),
+      "openings"_is(uses_json(judgement.openings, judgement)), "seen"_is(uses_json(judgement.seen, judgement)),
+      "frozen"_is(object_of("time"_is(judgement.frozen.time), "model"_is(judgement.frozen.model.file),
+                            "rms_um"_is(judgement.frozen.rms_um))),
+      "notes"_is(judgement.notes, notes_text(judgement.notes)));
 }
 
 Result<Outcome> judge_verb(VerbContext& context, const JudgeRequest& request) {
