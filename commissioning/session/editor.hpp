@@ -66,9 +66,9 @@ class Editor {
   [[nodiscard]] std::optional<std::string> undo() { return step_over(done_, undone_); }
   [[nodiscard]] std::optional<std::string> redo() { return step_over(undone_, done_); }
 
-  /// What stands there now is safe somewhere.
+  /// The present state has been saved or sent.
   void settle() { settle(now_); }
-  /// The same of what stood there when saving began.
+  /// The state as it was when saving began has been saved or sent.
   void settle(State saved) {
     saved_ = std::move(saved);
     compare();

@@ -80,7 +80,7 @@ class Replicates {
 void find_level(const Search& search, const Structure& structure, Replicates& replicates,
                 const DiagnoseOptions& options, Found& found);
 
-/// What the best effect explains of what the model leaves, held against what any does of noise of the same size: the
+/// What the best effect explains of the residual, compared with what any effect explains of noise of the same size: the
 /// ratio of likelihoods where the size of the noise is not known (its logarithm is that of the F test).
 struct BesideNoise {
   double chance = 1.0;   ///< that any effect explains as much of noise alone; 1 where it plainly does

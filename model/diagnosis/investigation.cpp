@@ -321,7 +321,7 @@ void blame_step(Found& found) {
 }
 
 /// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it
-/// changed: where its share cannot be noise of any size, the noise is what it leaves. @return the noise has been
+/// changed: where its share cannot be noise of any size, the noise is its residual. @return the noise has been
 /// replaced
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {

@@ -253,27 +253,25 @@ class Run {
     }
   }
 
-  /// Each line is taken and its first unit told in one step: lines begin in the order of the plan.
+  /// Each line is taken and its first unit told in one step: lines start in the order of the plan.
   void carry_out_lines(const std::vector<std::vector<std::size_t>>& lines) {
     for (;;) {
       std::unique_lock lock(mutex_);
       if (next_line_ == lines.size()) return;
-      const std::vector<std::size_t>& line = lines[next_line_++];
-      if (!interrupted()) begin(line.front());
-      lock.unlock();
-      for (const std::size_t unit : line) carry_out(unit, unit == line.front());
+      for (const std::size_t unit : lines[next_line_++]) {
+        if (!lock.owns_lock()) lock.lock();
+        if (!interrupted() && watch_.started) watch_.started(plan_[unit]);
+        lock.unlock();
+        carry_out(unit);
+      }
     }
   }
 
   [[nodiscard]] const std::vector<BatchReport>& reports() const { return reports_; }
 
  private:
-  void carry_out(std::size_t unit, bool is_told) {
+  void carry_out(std::size_t unit) {
     if (!interrupted()) {
-      if (!is_told) {
-        const std::lock_guard lock(mutex_);
-        begin(unit);
-      }
       const auto progress = [this, unit](const protocol::Progress& now) {
         if (now.bytes_total > 0)
           tell(unit, static_cast<double>(now.bytes_done) / static_cast<double>(now.bytes_total), 0);
@@ -281,10 +279,6 @@ class Run {
       attempt(plan_[unit], mode_, progress, reports_[unit]);
     }
     tell(unit, 1.0, 1);
-  }
-
-  void begin(std::size_t unit) {
-    if (watch_.begun) watch_.begun(plan_[unit]);
   }
 
   void tell(std::size_t unit, double share, std::size_t more_done) {

@@ -68,7 +68,7 @@ struct BatchProgress {
 
 /// Called by one line at a time.
 struct BatchWatch {
-  std::function<void(const PlannedUnit&)> begun;
+  std::function<void(const PlannedUnit&)> started;
   std::function<void(const BatchProgress&)> progress;
 };
 

@@ -65,7 +65,7 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
   ECS_TRY(plan, read_batch_plan(request.plan));
   BatchWatch watch;
-  watch.begun = [&context](const PlannedUnit& unit) {
+  watch.started = [&context](const PlannedUnit& unit) {
     context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
     context.console.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
     context.console.message_prefix.clear();

@@ -106,20 +106,20 @@ TEST_CASE("units on one line take turns in the order of the plan") {
   CHECK(count_of(reports, BatchState::held) == 4);
 }
 
-TEST_CASE("lines that are carried out at once begin in the order of the plan") {
+TEST_CASE("lines that are carried out at once start in the order of the plan") {
   std::vector<PlannedUnit> plan;
   for (std::uint16_t port = 1; port <= 8; ++port) {
     const protocol::LinkAddress nobody{protocol::TcpPeer{"127.0.0.1", port}, 1};
     plan.push_back({std::to_string(port), {nobody, "plan"}, "", "", ""});
   }
-  std::vector<std::string> begun;
+  std::vector<std::string> started;
   BatchWatch watch;
-  watch.begun = [&begun](const PlannedUnit& unit) { begun.push_back(unit.name); };
+  watch.started = [&started](const PlannedUnit& unit) { started.push_back(unit.name); };
   for (int again = 0; again < 50; ++again) {
-    begun.clear();
+    started.clear();
     REQUIRE(run_batch(plan, BatchMode::dry_run, kUsualLines, watch).size() == plan.size());
-    REQUIRE(begun.size() == plan.size());
-    for (std::size_t i = 0; i < plan.size(); ++i) REQUIRE(begun[i] == plan[i].name);
+    REQUIRE(started.size() == plan.size());
+    for (std::size_t i = 0; i < plan.size(); ++i) REQUIRE(started[i] == plan[i].name);
   }
 }
 
