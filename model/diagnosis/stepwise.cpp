@@ -31,7 +31,8 @@ constexpr double kSame = 0.05;
 constexpr std::size_t kFirstBranches = 24;
 constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
 constexpr std::size_t kLaterBranches = 5;
-constexpr std::size_t kBesideOwn = 8;  ///< of the first step, started without a term of the model
+constexpr std::size_t kBesideOwn = 8;    ///< of the first step, started without a term of the model
+constexpr std::size_t kHiddenPairs = 6;  ///< that are refined together
 constexpr std::size_t kBeam = 12;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score
@@ -193,7 +194,8 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
       const Solution rest = search.refined(without_member(best.chosen, i), best.own);
-      if (best.score() - rest.score() < entry_score) {  // beside the others it would not have been added
+      if (best.score() - rest.score() < entry_score &&  // beside the others it would not have been added
+          plausible(search, rest.chosen)) {
         best = rest;
         changed = true;
         break;
@@ -276,13 +278,17 @@ class NextSets {
     for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
       if (list[i].score() < options_.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
       if (list[i].gain < (depth_ < 2 ? options_.entry_gain : options_.late_gain)) continue;
-      const auto chosen = with(state.chosen, list[i]);
-      const auto [at, is_new] = best_.try_emplace(key_of(chosen));
-      if (!is_new && !again) continue;
-      Solution tried = search_.refined(chosen, state.own);
-      if (!plausible(search_, tried.chosen)) continue;
-      if (!at->second || tried.score() > at->second->score()) at->second = std::move(tried);
+      try_set(with(state.chosen, list[i]), state.own, again);
     }
+  }
+
+  /// @param again  also if it was tried
+  void try_set(const std::vector<Choice>& chosen, const std::vector<Choice>& own, bool again) {
+    const auto [at, is_new] = best_.try_emplace(key_of(chosen));
+    if (!is_new && !again) return;
+    Solution tried = search_.refined(chosen, own);
+    if (!plausible(search_, tried.chosen)) return;
+    if (!at->second || tried.score() > at->second->score()) at->second = std::move(tried);
   }
 
   [[nodiscard]] std::vector<Solution> best_first() && {
@@ -306,7 +312,7 @@ class NextSets {
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
   Solution best = search.alone();
   std::vector<Solution> beam{best};
-  for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
+  for (std::size_t depth = 0; depth < options.most_effects && (depth < 2 || !beam.empty()); ++depth) {
     NextSets next(search, options, depth);
     for (const Solution& state : beam)
       next.follow(state, search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1),
@@ -317,6 +323,9 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       const Space without = search.solution({}, without_member(alone.own, i)).space;
       next.follow(alone, search.expand(without, kBesideOwn), kBesideOwn, true);
     }
+    if (depth == 1)
+      for (const auto& [one, other] : search.hidden_pairs(search.alone().space, kHiddenPairs))
+        if (one.score() + other.score() >= options.entry_score) next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
     for (const Solution& solution : beam)
       if (worth(solution, options.entry_score) > worth(best, options.entry_score) + kLeastProgress) best = solution;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -107,6 +108,10 @@ class Search {
 
   /// Best choice of every family that gains anything beyond `space`, best score first. The `exact` best are refined.
   [[nodiscard]] std::vector<Choice> expand(const Space& space, std::size_t exact = 8) const;
+
+  /// Pairs of effects that nearly cancel each other, so that neither gains much alone, best score first. Not of waves,
+  /// curves and effects of a fixed size.
+  [[nodiscard]] std::vector<std::pair<Choice, Choice>> hidden_pairs(const Space& space, std::size_t most) const;
 
   /// Columns of a choice in readings' units: fitted part and fixed part.
   [[nodiscard]] Columns columns_of(const Choice& choice) const;

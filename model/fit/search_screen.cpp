@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
+
+#include <Eigen/Cholesky>
 
 #include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
@@ -164,6 +168,10 @@ constexpr double kSamePeak = 0.02;
 /// frequency is off by half the rounding of the refinement.
 constexpr double kRefinedRise = 10.0;
 
+/// Pairs that cancel each other are alike by half of their squares at least; each with at most so many values.
+constexpr double kAlikeOfPair = 0.5;
+constexpr std::size_t kValuesOfPair = 8;
+
 double score_of(const Choice& choice) { return choice.score(); }
 
 /// What turns comes back: a period in degrees goes into a turn a whole number of times.
@@ -275,6 +283,64 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   std::ranges::sort(list, [](const Choice& a, const Choice& b) { return a.family < b.family; });
   sort_greatest_first(list, score_of);
   return list;
+}
+
+std::vector<std::pair<Choice, Choice>> Search::hidden_pairs(const Space& space, std::size_t most) const {
+  struct One {
+    Choice choice;
+    Index start = 0, count = 0;  ///< of its columns in `q`
+  };
+  std::vector<One> ones;
+  std::vector<MatrixXd> columns;
+  Index width = 0;
+  for (std::size_t f = 0; f < candidates_; ++f) {
+    heed_cancel();
+    const Family& family = families_[f];
+    const EffectTraits& traits = family.effect.traits();
+    if (traits.periodic || traits.is_curve || traits.fixed_size || family.effect.is_user()) continue;
+    const std::vector<double>& values = family.grid.empty() ? family.facts : family.grid;
+    const std::size_t step = (values.size() + kValuesOfPair - 1) / kValuesOfPair;
+    for (std::size_t v = 0; v < values.size(); v += step)
+      for (const std::vector<Index>& variant : banks_[f].variants) {
+        Space alone{space.q, space.y};
+        One one{{f, values[v], variant}, width};
+        absorb(alone, whitener_(columns_of(one.choice).of));
+        one.count = alone.q.cols() - space.q.cols();
+        if (one.count == 0) continue;
+        one.choice.cost = price_of(family, values[v]).of(static_cast<std::size_t>(one.count));
+        columns.emplace_back(alone.q.rightCols(one.count));
+        width += one.count;
+        ones.push_back(std::move(one));
+      }
+  }
+  MatrixXd q(space.y.size(), width);
+  for (std::size_t i = 0; i < ones.size(); ++i) q.middleCols(ones[i].start, ones[i].count) = columns[i];
+  const MatrixXd products = q.transpose() * q;
+  const VectorXd z = q.transpose() * space.y;
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<Choice, Choice>> best;  // by families
+  for (std::size_t i = 0; i < ones.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const One &a = ones[i], &b = ones[j];
+      if (a.choice.family == b.choice.family) continue;
+      const auto shared = products.block(b.start, a.start, b.count, a.count);
+      if (shared.squaredNorm() < kAlikeOfPair) continue;
+      // of `a` what it adds to `b`
+      MatrixXd square = MatrixXd::Identity(a.count, a.count) - shared.transpose() * shared;
+      const VectorXd right = z.segment(a.start, a.count) - shared.transpose() * z.segment(b.start, b.count);
+      const Eigen::LDLT<MatrixXd> solver(square);
+      if (solver.vectorD().minCoeff() < kAbsorbedScreening) continue;
+      Choice first = b.choice, second = a.choice;
+      first.gain = z.segment(b.start, b.count).squaredNorm();
+      second.gain = right.dot(solver.solve(right));
+      const double score = first.score() + second.score();
+      const auto [at, is_new] = best.try_emplace({b.choice.family, a.choice.family}, first, second);
+      if (!is_new && score > at->second.first.score() + at->second.second.score()) at->second = {first, second};
+    }
+  std::vector<std::pair<Choice, Choice>> pairs;
+  for (const auto& [families, pair] : best) pairs.push_back(pair);
+  sort_greatest_first(pairs, [](const auto& pair) { return pair.first.score() + pair.second.score(); });
+  if (pairs.size() > most) pairs.resize(most);
+  return pairs;
 }
 
 void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std::vector<double>& top) const {
