@@ -43,6 +43,10 @@ constexpr std::size_t kWanders = 8;
 /// nothing there. Of laws that suit it equally the first is taken, which is the noise without a wander.
 constexpr double kSameDeviance = 0.01;
 
+/// Up to so many readings a half does not settle sizes, noise and place or time of an effect: there the judged half is
+/// weighed by the average over them, not by the best. Of a searched parameter so many values are averaged.
+constexpr std::size_t kFewReadings = 60, kValuesWeighed = 12;
+
 /// True: the first half.
 using Half = std::vector<bool>;
 
@@ -82,13 +86,18 @@ MatrixXd columns_beyond(const MatrixXd& columns, const MatrixXd& more, const std
   return shown;
 }
 
+struct AveragedRatio {
+  double ln = 0.0;
+  double fitted = 0.0;  ///< deviance of the fitted readings with the effect
+};
 /// ln of the ratio of the densities of the judged readings, given the others, with the effect and without it. Both
 /// average over all sizes of columns and noise (invariant e-statistics: Pérez-Ortiz, Lardy, de Heide and Grünwald 2024,
 /// Annals of Statistics 52, 1410); the effect is given the law that suits the fitted readings best, the null hypothesis
 /// the one that suits the judged ones best: readings of both halves may depend on each other.
-std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd& columns, const Columns& own,
-                                             const VectorXd& target, const std::vector<Wander>& laws,
-                                             const std::vector<bool>& hidden_judged) {
+/// @return nothing where a half does not show the effect
+std::optional<AveragedRatio> ratio_beside_wander(const Evidence& on, const MatrixXd& columns, const Columns& own,
+                                                 const VectorXd& target, const std::vector<Wander>& laws,
+                                                 const std::vector<bool>& hidden_judged) {
   const Observations& data = on.regressors.data();
   const MatrixXd null = independent_columns(columns, on.left_out);
   const MatrixXd null_fitted = independent_columns(null, hidden_judged);
@@ -108,7 +117,28 @@ std::optional<double> ln_ratio_beside_wander(const Evidence& on, const MatrixXd&
     of_null = std::min(of_null, deviance_of(data, law, on.left_out, null, none, target) -
                                     deviance_of(data, law, hidden_judged, null_fitted, none, target));
   }
-  return 0.5 * (of_null - of_effect);
+  return AveragedRatio{0.5 * (of_null - of_effect), likeliest};
+}
+
+/// The same averaged over the values of the searched parameter, each as likely as the fitted readings say.
+/// @param values  best first, one at least
+std::optional<double> ln_ratio_averaged(const Evidence& on, const Search& search, const std::vector<Choice>& values,
+                                        const MatrixXd& columns, const VectorXd& target,
+                                        const std::vector<Wander>& laws, const std::vector<bool>& hidden_judged) {
+  std::vector<AveragedRatio> ratios;
+  for (const Choice& value : values)
+    if (const auto ratio = ratio_beside_wander(on, columns, search.columns_of(value), target, laws, hidden_judged))
+      ratios.push_back(*ratio);
+  if (ratios.empty()) return std::nullopt;
+  const double least = std::ranges::min(ratios, {}, &AveragedRatio::fitted).fitted;
+  const double most = std::ranges::max(ratios, {}, &AveragedRatio::ln).ln;
+  double weights = 0.0, sum = 0.0;
+  for (const AveragedRatio& ratio : ratios) {
+    const double weight = std::exp(-0.5 * (ratio.fitted - least));
+    weights += weight;
+    sum += weight * std::exp(ratio.ln - most);
+  }
+  return most + std::log(std::max(sum / weights, kLeastDivisor));
 }
 
 /// ln of the ratio of likelihoods on the readings of `judged`; nothing where a half does not show the effect.
@@ -148,7 +178,13 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const double freedom_judged = count_judged - static_cast<double>(model.q.cols());
   if (freedom_judged < kSpareInHalf) return std::nullopt;
   const double alone = std::max(model.chi2(), kLeastDivisor), left = (model.y - beyond).squaredNorm();
-  if (!laws.empty()) return ln_ratio_beside_wander(on, columns, own, target, laws, hidden_judged);
+  if (!laws.empty()) {
+    std::vector<Choice> values{found.front()};
+    if (data.size() <= kFewReadings && !effect.definition().searched_parameter().empty())
+      for (const Choice& value : search.peaks_of(search.base(), 0))
+        if (values.size() < kValuesWeighed) values.push_back(value);
+    return ln_ratio_averaged(on, search, values, columns, target, laws, hidden_judged);
+  }
   return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance);
 }
 
@@ -190,8 +226,8 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
   const Observations& data = on.regressors.data();
   if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
   std::vector<Wander> laws;
+  if (null == NullHypothesis::noise_or_wander || data.size() <= kFewReadings) laws.push_back({on.noise, 0.0});
   if (null == NullHypothesis::noise_or_wander) {
-    laws.push_back({on.noise, 0.0});
     for (LikelyWander& likely : likely_wanders(data, on.noise, on.left_out, columns, target))
       if (laws.size() <= kWanders) laws.push_back(std::move(likely.law));
   }

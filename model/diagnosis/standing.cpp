@@ -23,9 +23,9 @@ namespace {
 
 /// Candidates listed: what a person reads.
 constexpr std::size_t kMostListed = 12;
-/// A credible set holds the cause with this probability; proved causes explain the residual in part from this share of
-/// what is above noise on; what is likely is as good in no more of the sets of noise: the verdicts of docs/model.md.
-constexpr double kCredible = 0.99, kPartExplained = 0.5, kLikelyChance = 0.01;
+/// A credible set holds the cause with this probability; what is likely is as good in no more of the sets of noise: the
+/// verdicts of docs/model.md.
+constexpr double kCredible = 0.99, kLikelyChance = 0.01;
 /// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than
 /// two fifths of it along the travel does (1 - 0.16/3).
 constexpr double kNearlyAll = 0.95;
@@ -232,6 +232,15 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   return standings;
 }
 
+/// Waves that are no pitch and whole fractions of one period: a shape that repeats, of which a sum of waves is only the
+/// beginning where more is left.
+bool is_shape_that_repeats(const Found& found, const std::vector<std::size_t>& chosen) {
+  return std::ranges::count_if(chosen, [&](std::size_t g) {
+           const Choice& member = found.groups[g].member;
+           return !is_pitch_or_no_wave(found.families[member.family], member);
+         }) > 1;
+}
+
 bool found_proved(const std::vector<Standing>& standings) {
   return std::ranges::find(standings, Standing::proved) != standings.end();
 }
@@ -248,7 +257,9 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   }
   if (proved.empty()) return likely ? Verdict::likely_effect : Verdict::unexplained_structure;
   if (noise && in.found.objection.empty() && all_said) return Verdict::missing_effect;
-  return share_of_found(in, proved) >= kPartExplained ? Verdict::partly_explained : Verdict::unexplained_structure;
+  return share_of_found(in, proved) >= kPartExplained && !is_shape_that_repeats(in.found, proved)
+             ? Verdict::partly_explained
+             : Verdict::unexplained_structure;
 }
 
 /// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the

@@ -325,7 +325,8 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
     }
     if (depth == 1)
       for (const auto& [one, other] : search.hidden_pairs(search.alone().space, kHiddenPairs))
-        if (one.score() + other.score() >= options.entry_score) next.try_set({one, other}, search.alone().own, false);
+        if (one.score() + other.score() >= options.entry_score && one.gain + other.gain >= 2.0 * options.entry_gain)
+          next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
     for (const Solution& solution : beam)
       if (worth(solution, options.entry_score) > worth(best, options.entry_score) + kLeastProgress) best = solution;

@@ -26,6 +26,8 @@ namespace ecs::model {
 [[nodiscard]] double rms_without(const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
 /// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
 [[nodiscard]] double explainable_share(double rms_um, double rms_after_um, double noise_um);
+/// Proved causes explain the residual in part from this share on (docs/model.md, verdicts).
+inline constexpr double kPartExplained = 0.5;
 
 /// What a model leaves as fit() tells it: its curves as rough as the evidence asks for. A diagnosis searches beside all
 /// functions of the curves, so that nothing that a curve can follow is named.

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/moved_targets.hpp"
+#include "model/diagnosis/trial.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::model {
@@ -393,7 +394,10 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     default:
       add(structure_text(d));
       if (const std::string proved = findings_text(d, data, false); !proved.empty())
-        add(fmt::format("{}: that is proved, but it is the lesser part.", proved));
+        add(fmt::format("{}: that is proved, but {}.", proved,
+                        explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
+                            ? "it is the lesser part"
+                            : "waves are only the beginning of a shape that repeats, and more is left"));
       add(likely_text(d, data));
   }
   return text;

@@ -49,7 +49,7 @@ EffectDefinition step() {
       .columns_of_place = [](double p_mm, double searched,
                              std::span<double> row) { row[0] = p_mm > searched ? 1.0 : 0.0; },
       .search = {.tried = places, .assumed = middle, .has_slope = false},
-      .along_axis = [](const Site& site) { return site.once(site.places >= 8); },
+      .along_axis = [](const Site& site) { return site.once(site.places >= 2 * kBesides); },
   };
 }
 

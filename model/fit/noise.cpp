@@ -52,6 +52,8 @@ constexpr double kFreedomOfReplicates = 0.7;
 /// at most three times what neighbours scatter (docs/model.md, "Fit"); variance of a second difference of independent
 /// readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
+/// The usual level of a test.
+constexpr double kRareByChance = 0.05;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
 
@@ -186,6 +188,67 @@ std::vector<double> deviations_from_smooth(const Observations& data, const Eigen
   const double widen = std::sqrt(kept / std::max(1.0, kept - rank));
   for (double& each : deviation) each *= widen;
   return deviation;
+}
+
+/// Deviations and how many of them are independent.
+struct Deviations {
+  std::vector<double> of;
+  double freedom = 0.0;
+};
+/// Differences of the directions at the places of a pass there and back, less their mean and a straight line along it
+/// (lost motion, a drift), over √2, at the rows of the forward readings: an error of the place drops out of them,
+/// whatever its shape.
+Deviations deviations_of_directions(const Observations& data, const Eigen::VectorXd& residual,
+                                    const std::vector<bool>& left_out) {
+  using Place = std::pair<std::array<double, kAxes>, std::array<double, kAxes>>;
+  struct Both {
+    std::optional<std::size_t> forward, reverse;
+  };
+  std::map<std::tuple<Channel, Axis, int>, std::map<Place, Both>> lines;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k] || data.approach[k] == 0) continue;
+    Both& both =
+        lines[{data.channel(k), data.axis[k], data.run[k]}][{rounded(data.place_of(k)), rounded(data.parked_of(k))}];
+    (data.approach[k] > 0 ? both.forward : both.reverse) = k;
+  }
+  Deviations deviations{std::vector<double>(data.size(), kNotMeasured)};
+  for (const auto& [line, places] : lines) {
+    std::vector<std::size_t> rows;
+    std::vector<double> half;
+    for (const auto& [place, both] : places)
+      if (both.forward && both.reverse) {
+        rows.push_back(*both.forward);
+        half.push_back(
+            (residual(static_cast<Eigen::Index>(*both.forward)) - residual(static_cast<Eigen::Index>(*both.reverse))) /
+            std::numbers::sqrt2);
+      }
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    if (n < 3) continue;
+    Eigen::MatrixXd straight = Eigen::MatrixXd::Ones(n, 2);
+    for (Eigen::Index i = 0; i < n; ++i) straight(i, 1) = data.along_of(rows[static_cast<std::size_t>(i)]);
+    Eigen::VectorXd y = Eigen::Map<Eigen::VectorXd>(half.data(), n);
+    y -= straight * PivotedQr(straight).solve(y);
+    y *= std::sqrt(static_cast<double>(n) / static_cast<double>(n - 2));
+    for (Eigen::Index i = 0; i < n; ++i) deviations.of[rows[static_cast<std::size_t>(i)]] = y(i);
+    deviations.freedom += static_cast<double>(n - 2);
+  }
+  return deviations;
+}
+
+/// Whether the first scatter less than the others do by more than chance: the others have more in them than noise.
+bool scatter_less(const Deviations& some, const Deviations& others) {
+  const auto mean_square = [](const Deviations& deviations) {
+    double sum = 0.0, count = 0.0;
+    for (const double d : deviations.of)
+      if (!std::isnan(d)) {
+        sum += d * d;
+        count += 1.0;
+      }
+    return sum / std::max(count, 1.0);
+  };
+  if (some.freedom <= 0.0) return false;
+  const double ratio = mean_square(others) / std::max(mean_square(some), kFloor_um * kFloor_um);
+  return ln_f_tail(ratio, others.freedom, some.freedom) < std::log(kRareByChance);
 }
 
 /// Step of the readings: the greatest number of which (nearly) all are multiples; 0 if there is none of use.
@@ -324,8 +387,14 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     deviation = deviations_from_repeats(repeats, residual, left_out);
     from_places = many(deviation, of_poses);
   }
+  const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
   if (!from_places) {
-    deviation = deviations_from_smooth(data, residual, smooth(), left_out);
+    Deviations neighbours{deviations_from_smooth(data, residual, smooth(), left_out),
+                          std::max(1.0, size - static_cast<double>(smooth().cols()))};
+    Deviations directions = deviations_of_directions(data, residual, left_out);
+    Deviations& less = scatter_less(directions, neighbours) ? directions : neighbours;
+    deviation = std::move(less.of);
+    noise.pure.dof = less.freedom;
   } else {
     for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
   }
@@ -336,9 +405,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       seen[repeats.node_of[k]] = true;
       nodes += 1.0;
     }
-  const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
-  noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth().cols());
-  noise.pure.dof = std::max(noise.pure.dof, 1.0);
+  if (from_places) noise.pure.dof = std::max(size - nodes, 1.0);
 
   noise.shapes =
       likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));

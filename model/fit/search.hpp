@@ -187,6 +187,7 @@ class Search {
   /// At a limit of its range: it is another effect under its name.
   [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
+  [[nodiscard]] bool beats_free_values(const Space& space, const Choice& choice) const;
   /// A period refined, its double, its half and other peaks tried as well.
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
   /// An effect at the best value beside what `space` absorbs, near the present one or anywhere.
