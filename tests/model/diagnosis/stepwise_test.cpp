@@ -1,5 +1,8 @@
 #include "model/diagnosis/stepwise.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/model/support/searching.hpp"
 #include "tests/support/test.hpp"
 
@@ -57,6 +60,34 @@ TEST_CASE("no more effects are added than allowed, and none that gains less than
   StepwiseOptions proud = kOptions;
   proud.entry_gain = 1e6;
   CHECK(best_solution(of.search, proud).chosen.empty());
+}
+
+TEST_CASE("two drifts that nearly cancel each other are found together, though neither explains anything alone") {
+  const Searching of(measured_line([](const Reading& r) {
+                       return 40.0 * (r.sensors_degC.at("t_material_degC") - 20.5) - 0.00924 * *r.time_s;
+                     }),
+                     kSigma_um, [] {
+                       auto candidates = usual_suspects();
+                       candidates.push_back(candidate("thermal_drift:X:EX", "t_material_degC"));
+                       return candidates;
+                     }());
+  for (const Choice& alone : of.search.expand(of.search.alone().space))
+    if (of.name_of(alone) == "time_drift:X:EX" || of.name_of(alone) == "thermal_drift:X:EX")
+      CHECK(alone.score() < 60.0);
+  CHECK(of.names_of(best_solution(of.search, kOptions).chosen) ==
+        std::vector<std::string>{"thermal_drift:X:EX", "time_drift:X:EX"});
+}
+
+TEST_CASE("a wave has to explain six targets better than any values of their own do") {
+  const auto has_wave = [](int targets, const Truth& truth) {
+    const Searching of(measured({.step_mm = 1000.0 / targets, .targets = targets, .runs = 2}, kSigma_um, truth),
+                       kSigma_um, usual_suspects());
+    const auto choices = of.search.expand(of.search.alone().space);
+    return std::ranges::any_of(choices, [&](const Choice& one) { return of.name_of(one) == "cyclic:X:EX"; });
+  };
+  const Truth any = [](const Reading& r) { return 9.0 * std::sin(77.0 * p(r)); };  // far below the distance of targets
+  CHECK_FALSE(has_wave(6, any));
+  CHECK(has_wave(40, [](const Reading& r) { return 9.0 * std::sin(p(r) / 30.0); }));
 }
 
 TEST_CASE("an effect with the same columns is a rival, one that explains less is not") {

@@ -55,6 +55,15 @@ TEST_CASE("a proved cause is named beside structure that nothing explains: partl
   }
 }
 
+TEST_CASE("of a square wave the first waves are proved, but they are a shape that repeats and no two causes") {
+  const auto square = measured({.step_mm = 11.0, .targets = 90, .runs = 3}, 1.2,
+                               [](const Reading& r) { return std::fmod(p(r), 210.0) < 105.0 ? 4.0 : -4.0; });
+  const Diagnosis diagnosis = diagnosed(straight(), square);
+  CHECK(diagnosis.verdict == Verdict::unexplained_structure);
+  CHECK_MESSAGE(contains(diagnosis.headline, "waves are only the beginning of a shape that repeats"),
+                diagnosis.headline);
+}
+
 TEST_CASE("a wave whose size changes a little along the travel is named, one that grows from nothing is not") {
   const auto found_with = [](double change) {
     return diagnosed(straight(), measured({.step_mm = 10.0, .targets = 101}, kNoise_um, [=](const Reading& r) {

@@ -73,6 +73,19 @@ TEST_CASE("without repeats the noise is what smooth columns leave, and says so")
   CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
 }
 
+TEST_CASE("what a place shows there and back is no noise where nothing was repeated") {
+  const auto rough = [](const Reading& r) { return 15.0 * std::sin(7.7 * p(r)); };  // no neighbour says it
+  const Plan once{.step_mm = 50.0, .targets = 20, .runs = 1};
+  const auto noise_um = [&](const Truth& truth) {
+    return noise_in(readings_of(measured(once, kWhite_um, truth))).pure;
+  };
+  const PureError both = noise_um([&](const Reading& r) { return rough(r) + 3.0 * d(r) + 0.004 * p(r) * d(r); });
+  CHECK(both.noise_um == Approx(kWhite_um).epsilon(0.35));  // 18 degrees of freedom: 17 %, two sigmas
+  CHECK(both.dof == 18.0);
+  CHECK_FALSE(both.from_repeats);
+  CHECK(noise_um([&](const Reading& r) { return rough(r) * d(r); }).noise_um > 5.0);
+}
+
 TEST_CASE("noise that lasts over several readings is recognised as correlated") {
   std::mt19937_64 random(4);
   NormalDraws normal;
