@@ -1,4 +1,4 @@
-"""What serves bench/judge: draws, the methods that it holds the program beside, its table.
+"""What serves bench/judge and who uses its cases: draws, the methods that it holds the program beside, its table.
 
 The methods are those that a user may have at hand. Each chooses among the same columns beside the same base model, with sigma
 known. A candidate is one effect at one value of its nonlinear parameter: a name and its columns, without what the base takes, each
@@ -7,9 +7,19 @@ divided by its length. `rest` are the readings without what the base takes, in u
 import math
 import os
 import random
+import sys
+from importlib import machinery, util
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np  # noqa: E402
+
+
+def script(name):
+    """A script of this folder as a module."""
+    loader = machinery.SourceFileLoader(name, os.path.join(os.path.dirname(os.path.abspath(__file__)), name))
+    module = sys.modules[name] = util.module_from_spec(util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
 
 
 class Draw(random.Random):
@@ -24,6 +34,11 @@ class Draw(random.Random):
 
     def normals(self, count):
         return np.array([self.gauss(0.0, 1.0) for _ in range(count)])
+
+
+def number(value):
+    """Always with a decimal point, as TOML tells numbers from integers."""
+    return repr(round(float(value), 6) + 0.0)
 
 
 def rounded(value, step):
