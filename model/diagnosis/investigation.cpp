@@ -275,13 +275,11 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     found.groups[i].denied = true;
     if (!found.bad_run || run->gain > found.bad_run->gain) found.bad_run = run;
   }
-  if (found.bad_run)
-    found.objection =
-        fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
-  else
-    found.objection = objection_to_waves(
-        data, found.families, chosen,
-        std::ranges::all_of(found.groups, [](const Group& group) { return group.e_value.value_or(0.0) >= kProved; }));
+  std::vector<bool> proved;
+  for (const Group& group : found.groups) proved.push_back(group.e_value.value_or(0.0) >= kProved);
+  found.objection =
+      found.bad_run ? fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run)
+                    : objection_to_waves(data, found.families, chosen, proved);
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
   };

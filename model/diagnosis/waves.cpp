@@ -26,6 +26,8 @@ constexpr double kSamePeriod = 0.01;
 constexpr double kMostParts = 12.5;
 /// Frequencies closer than this many turns over the travel beat: one wave whose amplitude or period changes looks so.
 constexpr double kBeating = 3.0;
+/// Targets are even to this share of their distance: a choice; ISO 230-2 moves them by a third.
+constexpr double kEvenStep = 0.02;
 
 /// Mean of u² over −1 … 1, taken off so that the second pair differs from the wave itself.
 constexpr double kThird = 1.0 / 3.0;
@@ -40,9 +42,23 @@ bool is_whole_fraction(double a, double b) {
 
 bool same_line(const EffectInstance& a, const EffectInstance& b) { return a.axis == b.axis && a.sense == b.sense; }
 
+bool is_jump(const EffectInstance& effect) {
+  return effect.traits().shape_of_position && !effect.definition().search.has_slope;
+}
+
 double travel_of(const Observations& data, const Family& family) {
   const auto [least, greatest] = acting_range(data.motions(), family.acting, *family.effect.axis);
   return greatest - least;
+}
+
+/// Turns a mm of a wave as its targets show it: at even ones it looks like a slower wave (Nyquist).
+double frequency_seen(const Observations& data, const Family& family, double period) {
+  const std::vector<double> places = acting_positions(data.motions(), family.acting, *family.effect.axis);
+  const double step =
+      (places.back() - places.front()) / static_cast<double>(std::max<std::size_t>(places.size(), 2) - 1);
+  for (std::size_t i = 1; i < places.size(); ++i)
+    if (std::abs(places[i] - places[i - 1] - step) > kEvenStep * step) return 1.0 / period;
+  return std::abs(1.0 / period - std::round(step / period) / step);
 }
 
 }  // namespace
@@ -59,8 +75,15 @@ bool are_pitches_or_fractions(const std::vector<Family>& families, const std::ve
   for (const Choice& choice : chosen)
     if (families[choice.family].effect.traits().periodic) longest = std::max(longest, choice.nonlinear);
   for (const Choice& choice : chosen) pitches = pitches && is_pitch_or_no_wave(families[choice.family], choice);
+  const auto jumps_beside = [&](const EffectInstance& wave) {
+    return std::ranges::any_of(chosen, [&](const Choice& other) {
+      const EffectInstance& effect = families[other.family].effect;
+      return is_jump(effect) && same_line(effect, wave);
+    });
+  };
   return pitches || std::ranges::all_of(chosen, [&](const Choice& choice) {
-           return !families[choice.family].effect.traits().periodic || is_whole_fraction(choice.nonlinear, longest);
+           const EffectInstance& effect = families[choice.family].effect;
+           return !effect.traits().periodic || (is_whole_fraction(choice.nonlinear, longest) && !jumps_beside(effect));
          });
 }
 
@@ -101,8 +124,13 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
 }
 
 std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                               const std::vector<Choice>& chosen, bool each_proved) {
-  const bool two_causes = each_proved && chosen.size() == 2;
+                               const std::vector<Choice>& chosen, const std::vector<bool>& proved) {
+  const auto shapes_on_line_of = [&](const EffectInstance& wave) {
+    return std::ranges::count_if(chosen, [&](const Choice& choice) {
+      const EffectInstance& effect = families[choice.family].effect;
+      return effect.traits().shape_of_position && same_line(effect, wave);
+    });
+  };
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Family& one = families[chosen[i].family];
     if (!one.effect.traits().periodic) continue;
@@ -110,15 +138,16 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const Family& other = families[chosen[j].family];
       if (i == j || !same_line(one.effect, other.effect)) continue;
-      const bool is_jump = other.effect.traits().shape_of_position && !other.effect.definition().search.has_slope;
-      if (is_jump && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
+      const bool two_causes = proved[i] && proved[j] && shapes_on_line_of(one.effect) == 2;
+      if (is_jump(other.effect) && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
         return fmt::format("a wave of {:.4g} {} explains it only together with a step: any shape can be written so",
                            period, data.position_unit());
       if (j < i || !other.effect.traits().periodic) continue;
       const double period2 = chosen[j].nonlinear;
       const bool same = std::abs(period / period2 - 1.0) < kSamePeriod;
       if (same && one.effect.approach != other.effect.approach) continue;
-      if (!data.rotary && std::abs(1.0 / period - 1.0 / period2) * travel < kBeating)
+      const double apart = std::abs(frequency_seen(data, one, period) - frequency_seen(data, other, period2));
+      if (!data.rotary && apart * travel < kBeating)
         return fmt::format("waves of {:.4g} and {:.4g} mm beat: one wave whose size or period changes along the travel",
                            period, period2);
       if (!is_pitch_or_no_wave(one, chosen[i]) && !is_pitch_or_no_wave(other, chosen[j]) &&

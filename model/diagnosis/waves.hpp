@@ -16,10 +16,10 @@ namespace ecs::model {
 /// Why the waves among these effects are no cause although their sum may reach the noise, as the end of a sentence; ""
 /// where nothing speaks against them. Anything can be written as enough waves: several unrelated periods none of which
 /// is a pitch of the machine, neighbouring periods that beat, a wave that needs a step to help.
-/// @param each_proved  every one of these effects is proved on readings it was not fitted to: then one wave and one
-/// step, and nothing else, are two causes
+/// @param proved  for each effect: by readings it was not fitted to; one wave and one step so, with no other shape of
+/// position on their line, are two causes
 [[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                                             const std::vector<Choice>& chosen, bool each_proved);
+                                             const std::vector<Choice>& chosen, const std::vector<bool>& proved);
 
 /// Where a wave found changes its size or its phase along the travel or in time, beyond what noise does: the reason as
 /// the end of a sentence; else "".
@@ -28,7 +28,8 @@ namespace ecs::model {
                                                   const Space& space, const Family& family, const Choice& choice,
                                                   double noise_freedom);
 
-/// Whether each wave among these effects is a pitch of the machine, as below, or all are whole fractions of one period.
+/// Whether each wave among these effects is a pitch of the machine, as below, or all are whole fractions of one period
+/// and no step stands on the line of one.
 [[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
 
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
