@@ -132,8 +132,9 @@ void check_member(const Member& member, const Regressors& regressors, const Reco
   const Observations& data = regressors.data();
   const std::string name = to_text(member.effect) + " ";
   const LinearProblem problem = joined_with(now.problem, columns_on(regressors, member.effect, member.choice));
-  const Eigen::VectorXd left = residual_with(now.model, now.claim.own_terms, {member.effect, member.choice}, problem,
-                                             Whitener(data, after.noise, after.left_out), data, now.claim.plain);
+  const Eigen::VectorXd left =
+      residual_with(now.model, now.claim.own_terms, {member.effect, member.choice}, problem,
+                    Whitener(data, after.noise, after.left_out), regressors, now.claim.plain, nullptr);
   const TrialNumbers numbers = trial_numbers(now.before, left, after);
   const Candidate& claimed = member.claimed;
   check_number(check, name + "rms_after_um", claimed.rms_after_um, numbers.rms_after_um);

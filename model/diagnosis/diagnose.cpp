@@ -158,7 +158,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.standing = ranked.standing;
   const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
   const VectorXd left = residual_with(in.model, in.own, {ranked.effect, ranked.choice}, problem, whitener,
-                                      in.regressors.data(), in.options.plain);
+                                      in.regressors, in.options.plain, ranked.in_answer() ? nullptr : &in.base.core);
   static_cast<TrialNumbers&>(candidate) = trial_numbers(before, left, after);
   candidate.tried_at.value = ranked.choice.nonlinear;
   candidate.tried_at.coefficients.assign(ranked.choice.columns.begin(), ranked.choice.columns.end());

@@ -91,10 +91,16 @@ Model with_own_terms(Model model, const std::vector<OwnTerm>& own) {
 }  // namespace
 
 VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own, const FoundEffect& found,
-                       const LinearProblem& problem, const Whitener& whitener, const Observations& data, bool plain) {
+                       const LinearProblem& problem, const Whitener& whitener, const Regressors& regressors, bool plain,
+                       const CoreFit* beside) {
   Model with = with_own_terms(model, own);
   with.effects.push_back(effect_of(found.effect, found.choice));
-  return told_residual(with, data, plain, residual_of(problem, whitener), true);
+  VectorXd left = residual_of(problem, whitener);
+  if (beside == nullptr || std::ranges::none_of(with.effects, [](const auto& one) { return one.traits().is_curve; }))
+    return told_residual(with, regressors.data(), plain, std::move(left), true);
+  auto assembly = Assembly::of(with, regressors);
+  if (!assembly) return left;
+  return fitted(*assembly, regressors, {.plain = plain, .from_values = true, .beside = beside}).residual;
 }
 
 namespace {

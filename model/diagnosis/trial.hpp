@@ -59,8 +59,10 @@ struct FoundEffect {
 [[nodiscard]] TrialNumbers trial_numbers(const Eigen::VectorXd& before, const Eigen::VectorXd& left,
                                          const FittedWith& after);
 /// What the model leaves with one effect, as told_residual(): effect and own terms at their values.
+/// @param beside  whose noise and outliers are taken instead of those with the effect, which takes less time; or null
 [[nodiscard]] Eigen::VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own,
                                             const FoundEffect& found, const LinearProblem& problem,
-                                            const Whitener& whitener, const Observations& data, bool plain);
+                                            const Whitener& whitener, const Regressors& regressors, bool plain,
+                                            const CoreFit* beside);
 
 }  // namespace ecs::model

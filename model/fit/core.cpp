@@ -490,7 +490,12 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
   VectorXd residual = y - assembly.fixed(data.size());
   Solved now;
   for (int round = 0; round < 4; ++round) {
-    core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out);
+    if (options.beside != nullptr) {
+      core.noise = options.beside->noise;
+      core.left_out = options.beside->left_out;
+    } else {
+      core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out);
+    }
     const Whitener whitener(data, core.noise, core.left_out);
     if (round == 0) start_nonlinear(assembly, regressors, whitener, options.from_values);
     if (round == 0 && !options.all_curve_functions && !options.plain)
@@ -499,10 +504,15 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     residual = y - assembly.fixed(data.size());
     const MatrixXd columns = assembly.columns();
     if (columns.cols() > 0) residual -= columns * now.sizes;
-    if (options.plain) break;
+    if (options.plain || options.beside != nullptr) break;
     const std::vector<bool> outliers = rows_left_out(data, residual);
     if (outliers == core.left_out && round > 0) break;
     core.left_out = outliers;
+  }
+  if (options.beside != nullptr) {
+    core.residual = residual;
+    static_cast<Solved&>(core) = std::move(now);
+    return core;
   }
   const std::size_t searched = free_nonlinear(assembly).size();
   const double freedom =

@@ -84,6 +84,7 @@ struct CoreOptions {
   bool plain = false;
   bool all_curve_functions = false;  ///< curves use every function instead of as many as the evidence asks for
   bool from_values = false;          ///< as in FitOptions
+  const CoreFit* beside = nullptr;   ///< noise and outliers are those of another fit: one step, without a covariance
 };
 
 /// Columns that a smooth machine could produce, for noise without repeats.
