@@ -195,8 +195,11 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
     if (frozen.freeze == FrozenModel{}.freeze) return frozen;
     return problem_at(file, 0, 0,
                       fmt::format("expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze));
-  } catch (const nlohmann::json::exception& error) {
-    return problem_at(file, 0, 0, fmt::format("expected what `ecs model freeze -o` writes: {}", error.what()));
+  } catch (const nlohmann::json::exception&) {
+    return problem_at(
+        file, 0, 0,
+        "expected what `ecs model freeze -o` writes, found a text that ends too early or is another kind of "
+        "file: take the freeze as it was written");
   }
 }
 

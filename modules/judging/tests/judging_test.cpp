@@ -387,6 +387,10 @@ TEST_CASE("what was changed since the freeze is named with both hashes") {
   text.replace(text.find("rms_um = 1"), 10, "rms_um = 9");
   (void)bench.with("f.json", text);
   check_refused(bench.judge(), {"changed after it was written"});
+  (void)bench.with("f.json", kept.substr(0, kept.size() / 2));
+  const Ran cut = bench.judge();
+  check_refused(cut, {"f.json", "ends too early"});
+  CHECK_FALSE(contains(cut.all(), "parse error"));
 }
 
 TEST_CASE("readings that were fitted, and those of another machine or axis, are no hold-out") {
