@@ -53,12 +53,9 @@ std::vector<StructureTest> tests_beyond_position(const Observations& data, const
                                                  const Structure& structure, const Space& space,
                                                  std::vector<StructureTest> tests) {
   constexpr double kShown = 3.0;  // digits of the chance: a thousandth, as what is ranked in an answer
-  for (std::size_t v = 0; v < tests.size(); ++v) {
-    if (tests[v].minus_log_p < kShown) continue;
-    Space with_position = space;
-    absorb(with_position, whitener(position_beside(data, tests[v].variable)));
-    tests[v] = structure.test_of(with_position, v);
-  }
+  BesidePosition beside(data, space, [&](const MatrixXd& columns) { return whitener(columns); });
+  for (std::size_t v = 0; v < tests.size(); ++v)
+    if (tests[v].minus_log_p >= kShown) tests[v] = structure.test_of(beside.of(tests[v].variable), v);
   return tests;
 }
 

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -393,20 +392,37 @@ MatrixXd position_beside(const Observations& data, const std::string& variable) 
   return functions.matrix();
 }
 
-double share_beyond_position(const Observations& data, const Variable& variable, const VectorXd& residual,
-                             double noise_um) {
-  const double total = residual.squaredNorm();
+const Space& BesidePosition::of(const std::string& variable) {
+  const auto is_variable = [&](std::string_view name) { return variable == name; };
+  const bool is_position =
+      std::ranges::any_of(kAllAxes, [&](Axis axis) { return is_variable(data_.position_name(axis)); }) ||
+      std::ranges::any_of(data_.paths, [&](const Path& path) { return is_variable(variable_along(path)); });
+  const auto [made, is_new] = made_.try_emplace(is_position ? variable : "", space_);
+  if (is_new) absorb(made->second, white_(position_beside(data_, variable)));
+  return made->second;
+}
+
+namespace {
+
+double share_beyond(Space space, double total, const Variable& variable, double noise_um) {
   if (total <= 0.0) return 0.0;
-  Space space;
-  space.y = residual;
-  space.q.resize(residual.size(), 0);
-  absorb(space, position_beside(data, variable.name));
   const double before = space.chi2();
   const Index given = space.q.cols();
   absorb(space, variable.columns);
   const double explained = before - space.chi2();
   const double by_noise = static_cast<double>(space.q.cols() - given) * noise_um * noise_um;
   return std::clamp((explained - by_noise) / total, 0.0, 1.0);
+}
+
+BesidePosition beside_position(const Observations& data, const VectorXd& residual) {
+  return {data, {MatrixXd(residual.size(), 0), residual}, [](const MatrixXd& columns) { return columns; }};
+}
+
+}  // namespace
+
+double share_beyond_position(const Observations& data, const Variable& variable, const VectorXd& residual,
+                             double noise_um) {
+  return share_beyond(beside_position(data, residual).of(variable.name), residual.squaredNorm(), variable, noise_um);
 }
 
 std::vector<NamedShare> shares_by_variable(const Observations& data, const VectorXd& residual, double noise_um) {
@@ -420,8 +436,10 @@ std::vector<NamedShare> shares_by_variable(const Observations& data, const Vecto
     return shares_by_variable(subset(data, chosen), part, noise_um);
   }
   std::vector<NamedShare> shares;
+  BesidePosition beside = beside_position(data, residual);
   for (const Variable& variable : variables_of(data))
-    shares.push_back({variable.name, share_beyond_position(data, variable, residual, noise_um)});
+    shares.push_back(
+        {variable.name, share_beyond(beside.of(variable.name), residual.squaredNorm(), variable, noise_um)});
   return shares;
 }
 

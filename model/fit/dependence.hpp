@@ -3,12 +3,16 @@
 // (model/diagnosis/structure.hpp), what effect it may be (search.hpp). Internal to model/ (Eigen).
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "model/data/observations.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 
@@ -23,6 +27,21 @@ struct Variable {
 /// Without those of the lines along which the variable is the position itself. @param variable  a name of
 /// variables_of()
 [[nodiscard]] Eigen::MatrixXd position_beside(const Observations& data, const std::string& variable);
+
+/// A space with position_beside() absorbed, for one variable after the other: for most it is the same.
+class BesidePosition {
+ public:
+  /// @param white  what is done to columns before they are absorbed
+  BesidePosition(const Observations& data, Space space, std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> white)
+      : data_(data), space_(std::move(space)), white_(std::move(white)) {}
+  [[nodiscard]] const Space& of(const std::string& variable);
+
+ private:
+  const Observations& data_;
+  Space space_;
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> white_;
+  std::map<std::string, Space> made_;  ///< by the position that is left out; "": by none
+};
 
 /// share_beyond_position() of a variable.
 struct NamedShare {
