@@ -134,9 +134,12 @@ void ModelController::start_diagnosis() {
 void ModelController::start_adding(std::size_t candidate) {
   if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
-  const model::AddRequest request{effect.id,       effect.axis,   effect.rotary,  effect.sense, effect.code,
-                                  effect.approach, effect.sensor, effect.sensor2, effect.name,  effect.ball};
-  start_adding(request, place_text(effect), diagnosis_->candidates[candidate].rivals);
+  start_adding(model::request_of(effect), place_text(effect), diagnosis_->candidates[candidate].rivals);
+}
+
+void ModelController::start_adding_formula() {
+  if (busy() || !diagnosis_ || !diagnosis_->formula) return;
+  start_adding(model::request_of(diagnosis_->formula->effect), "formula", {});
 }
 
 void ModelController::start_adding(const std::string& effect) {

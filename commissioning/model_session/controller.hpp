@@ -67,6 +67,8 @@ class ModelController {
   void start_diagnosis();
   /// The candidate of the diagnosis, in the place and with the values found.
   void start_adding(std::size_t candidate);
+  /// The formula that the diagnosis proposes of what is left.
+  void start_adding_formula();
   /// "cyclic:X:EX" and what its place leaves open, from the best fit.
   void start_adding(const std::string& effect);
   /// It is this one, and none of its alternatives. @param effect  place in the model

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -317,6 +318,45 @@ Cell where_cell(const Diagnosis& d) {
   return where;
 }
 
+/// What is told, each with its evidence; then what is not, and what would tell.
+Cell left_cell(const Diagnosis& d) {
+  Cell left{Json::array(), d.left.empty() ? "" : "\nwhat is known of what is left\n"};
+  std::vector<std::string> withheld;
+  std::set<std::string> measure;
+  for (const model::LeftProperty& one : d.left) {
+    left.json.push_back(object_of("property"_is(one.property), "is"_is(text_or_null(one.is)), "because"_is(one.because),
+                                  "measure"_is(text_or_null(one.measure))));
+    if (!one.is.empty()) left.text += paragraph(fmt::format("{}: {}. {}.", one.property, one.is, one.because), 2, 4);
+    if (one.is.empty()) withheld.push_back(one.property);
+    if (!one.measure.empty()) measure.insert(one.measure);
+  }
+  if (!withheld.empty())
+    left.text +=
+        paragraph(fmt::format("no class is told: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2, 4);
+  return left;
+}
+
+/// "EX = k1 * approach"
+std::string formulas_text(const model::EffectInstance& effect) {
+  std::vector<std::string> texts;
+  for (const model::UserFormula& one : effect.formulas)
+    texts.push_back(fmt::format("{} = {}", name_of(one.sense), one.text));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+Cell formula_cell(const Diagnosis& d) {
+  if (!d.formula) return {nullptr, ""};
+  const model::EffectInstance& effect = d.formula->effect;
+  Json formulas = Json::object(), parameters = Json::object();
+  for (const model::UserFormula& one : effect.formulas) formulas[std::string(name_of(one.sense))] = one.text;
+  for (const model::UserParameter& one : effect.user) parameters[one.name] = number_or_null(*one.start);
+  return {object_of("name"_is(effect.name), "formula"_is(formulas), "parameters"_is(parameters),
+                    "why"_is(d.formula->why), "rms_after_um"_is(d.formula->rms_after_um),
+                    "held_out_rms_before_um"_is(d.formula->held_out_rms_before_um),
+                    "held_out_rms_um"_is(d.formula->held_out_rms_um)),
+          "\n" + paragraph(formula_text(d), 0, 2)};
+}
+
 std::string outliers_text(const Diagnosis& d) {
   if (d.outliers.empty()) return {};
   return "\n" +
@@ -327,6 +367,16 @@ std::string outliers_text(const Diagnosis& d) {
 }
 
 }  // namespace
+
+std::string formula_text(const Diagnosis& diagnosis) {
+  if (!diagnosis.formula) return {};
+  const model::ProposedFormula& formula = *diagnosis.formula;
+  return fmt::format(
+      "As a formula, {}: {}. `ecs model add MODEL formula` adds it. On readings left out of the fit the "
+      "residual is then expected to fall from {:.3g} to {:.3g} {} rms.",
+      formula.why, formulas_text(formula.effect), formula.held_out_rms_before_um, formula.held_out_rms_um,
+      diagnosis.noise.unit);
+}
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   if (!model::explains_alone(candidate, diagnosis)) return "-";
@@ -339,13 +389,13 @@ Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
       paragraph(fmt::format("{} candidates were tried, and {} simulated data sets of noise alone on the same design",
                             d.candidates_tried, d.noise_replicates));
-  return record_cell("{headline}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
+  return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
                      "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
                      "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)),
                      "summary"_shown(summary(d)), "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)),
-                     "where"_is(where_cell(d)), "rms_after_um"_is(d.rms_after_um),
-                     "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
+                     "where"_is(where_cell(d)), "left"_is(left_cell(d)), "formula"_is(formula_cell(d)),
+                     "rms_after_um"_is(d.rms_after_um), "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
                      "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
                      "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
                      "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));

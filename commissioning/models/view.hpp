@@ -100,6 +100,9 @@ inline constexpr std::size_t kMostShapes = 2;
 /// nothing that noise would not.
 [[nodiscard]] std::string chance_text(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
 
+/// The formula that is proposed, how it is added, and the fall to expect; "" where there is none.
+[[nodiscard]] std::string formula_text(const model::Diagnosis& diagnosis);
+
 /// JSON as docs/verbs.md has it; text of 80 columns.
 [[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);
 [[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);

@@ -15,6 +15,7 @@
 #include "base/file_kind.hpp"
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/left.hpp"
 #include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/standing.hpp"
 #include "model/diagnosis/structure.hpp"
@@ -383,6 +384,14 @@ Result<Diagnosis> reported(const ReportInput& in) {
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
+  if (structure || (verdict == Verdict::cannot_tell && leaves_structure(in.found, in.options))) {
+    LinearProblem all = in.problem;
+    for (const FoundEffect& found : in_answer)
+      all = joined_with(all, columns_on(in.regressors, found.effect, found.choice));
+    Left what = what_is_left(in.model, data, all, with);
+    diagnosis.left = std::move(what.properties);
+    diagnosis.formula = std::move(what.formula);
+  }
   if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
     const std::string advice = advice_on(kReversalOnCircle);
     diagnosis.notes.push_back(fmt::format("friction at a reversal leaves another spike than the library's{}{}",

@@ -116,6 +116,22 @@ struct ProposedAddition {
   double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;  ///< on readings left out, without and with them
 };
 
+/// One question about what is left beside the answer; docs/model.md says when each answer is true.
+struct LeftProperty {
+  std::string property;  ///< "direction", "position", "frame", "growth", "session", "clock", "sign", …
+  std::string is;        ///< "odd", "load_kg", …; "": withheld
+  std::string because;   ///< the evidence in numbers, or why nothing is told
+  std::string measure;   ///< what would tell; "" where it is told or nothing is known to
+};
+
+/// An effect of the user's kind that takes most of what is left.
+struct ProposedFormula {
+  EffectInstance effect;  ///< one formula, its parameters with the start that fits
+  std::string why;
+  double rms_after_um = 0.0;  ///< of all readings, with it and the answer
+  double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;
+};
+
 struct Diagnosis {
   std::size_t observations = 0;
   double rms_um = 0.0;        ///< of what the model leaves
@@ -136,6 +152,8 @@ struct Diagnosis {
   std::vector<OwnTerm> own_terms;
   std::size_t noise_replicates = 0;     ///< that were searched
   std::optional<ProposedAddition> add;  ///< where something is likely
+  std::vector<LeftProperty> left;       ///< where structure is left
+  std::optional<ProposedFormula> formula;
 };
 
 /// Refuses data without readings, a model that cannot act on them, and a flag that was set.

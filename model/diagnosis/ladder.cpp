@@ -42,6 +42,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     if (allowed(effect, request)) list.push_back(effect);
   for (const EffectInstance& effect : model.candidates)
     if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
+  if (list.empty() && request.formula) return {*request.formula};
   if (!list.empty() || request.id->place == Place::formulas) return list;
   if ((request.axis && (request.sense || request.code)) || (request.id->place == Place::set_up && request.sense) ||
       request.id->place == Place::artefact) {
@@ -95,6 +96,13 @@ void hold_nonlinear(EffectInstance& effect, const EffectFit& fit) {
 }
 
 }  // namespace
+
+AddRequest request_of(const EffectInstance& effect) {
+  AddRequest request{effect.id,       effect.axis,   effect.rotary,  effect.sense, effect.code,
+                     effect.approach, effect.sensor, effect.sensor2, effect.name,  effect.ball};
+  if (effect.is_user()) request.formula = effect;
+  return request;
+}
 
 Result<AddRequest> parse_add_request(std::string_view text) {
   const auto parts = split(text, ':');

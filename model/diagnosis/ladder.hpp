@@ -21,9 +21,12 @@ struct AddRequest {
   std::optional<ApproachMode> approach;
   std::string sensor;
   std::string sensor2;
-  std::string name;  ///< of a user effect
-  int ball = 1;      ///< of a ball on the table
+  std::string name;                         ///< of a user effect
+  int ball = 1;                             ///< of a ball on the table
+  std::optional<EffectInstance> formula{};  ///< of a user effect that the model does not know yet
 };
+/// This effect at its place.
+[[nodiscard]] AddRequest request_of(const EffectInstance& effect);
 /// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
 [[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);
 

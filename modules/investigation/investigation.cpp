@@ -40,20 +40,6 @@ std::string short_text(const MeasurementProposal& proposal) {
                      proposal.bidirectional ? " both ways" : "");
 }
 
-model::AddRequest request_for(const model::EffectInstance& effect) {
-  model::AddRequest request;
-  request.id = effect.id;
-  request.axis = effect.axis;
-  request.sense = effect.sense;
-  request.code = effect.code;
-  request.approach = effect.approach;
-  request.sensor = effect.sensor;
-  request.sensor2 = effect.sensor2;
-  request.ball = effect.ball;
-  request.name = effect.name;
-  return request;
-}
-
 /// The effect where the diagnosis found it: its period or place is held, its sizes are fitted.
 model::EffectInstance at_its_value(model::EffectInstance effect) {
   const std::string searched(effect.definition().searched_parameter());
@@ -350,7 +336,7 @@ class Investigator {
     std::vector<std::pair<model::EffectInstance, double>> added;  // with the probability
     for (const Candidate& candidate : diagnosis_->candidates) {
       if (!candidate.in_answer()) continue;
-      ECS_TRY(with, model::add_effect(whole, data, request_for(candidate.effect), ""));
+      ECS_TRY(with, model::add_effect(whole, data, model::request_of(candidate.effect), ""));
       whole = std::move(with.model);
       whole.effects.back() = at_its_value(candidate.effect);
       added.emplace_back(whole.effects.back(), candidate.probability);

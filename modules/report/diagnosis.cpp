@@ -104,6 +104,13 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
                    [](const ReportedEffect& a, const ReportedEffect& b) { return a.named && !b.named; });
   for (const Json& one : member(object, "where"))
     if (one.is_object()) out.where.push_back({text_at(one, "variable"), number_at(one, "strength").value_or(0.0)});
+  for (const Json& one : member(object, "left"))
+    if (one.is_object() && !text_at(one, "is").empty())
+      out.left.push_back(
+          fmt::format("{}: {}. {}.", text_at(one, "property"), text_at(one, "is"), text_at(one, "because")));
+  if (const Json& formula = member(object, "formula"); formula.is_object() && member(formula, "formula").is_object())
+    for (const auto& [sense, text] : member(formula, "formula").items())
+      if (text.is_string()) out.formula = fmt::format("{} = {}", sense, text.get<std::string>());
   out.notes = words_in(object, "notes");
   out.headline = text_at(object, "headline");
   if (out.headline.empty()) out.headline = headline_from_ids(out);

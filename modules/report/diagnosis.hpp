@@ -45,6 +45,8 @@ struct ReportedDiagnosis {
   std::size_t noise_replicates = 0;
   std::vector<ReportedEffect> effects;  ///< named ones first
   std::vector<ReportedDependence> where;
+  std::vector<std::string> left;  ///< "direction: odd. …", what is told of what is left beside the effects
+  std::string formula;            ///< that takes most of it; empty: none
   std::vector<std::string> notes;
 };
 

@@ -142,6 +142,11 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
   if (!where.empty())
     body +=
         paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
+  if (!d.left.empty()) {
+    body += paragraph_of("What is left beside these effects:");
+    body += list_of(d.left);
+  }
+  if (!d.formula.empty()) body += paragraph_of(fmt::format("As a formula: {}.", d.formula));
   if (d.noise_replicates > 0 && !d.effects.empty())
     body += paragraph_of(fmt::format("Noise alone was made up {} times on the same design. Held out: rms of readings "
                                      "that the effect was not fitted to.",

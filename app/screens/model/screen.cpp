@@ -296,11 +296,20 @@ std::vector<KeyRow> ModelScreen::key_table() {
   const auto candidates = [this] {
     return page_ != Page::after && controller_->diagnosis() && !controller_->diagnosis()->candidates.empty();
   };
+  const auto formula = [this] {
+    return page_ != Page::after && controller_->diagnosis() && controller_->diagnosis()->formula;
+  };
+  const auto add_formula = [this] {
+    page_ = Page::ladder;
+    scroll_ = {};
+    controller_->start_adding_formula();
+  };
   return {{"a", "add",
            [this] {
              if (controller_->diagnosis()) add_chosen();
            },
            candidates, true},
+          {"f", "add formula", add_formula, formula, true},
           {"Enter", "details", {}, causes(Opened::list)},
           {"Enter", "evidence", {}, causes(Opened::details)},
           {"Enter", "details", {}, causes(Opened::evidence)},
@@ -372,7 +381,8 @@ std::string ModelScreen::help() const {
   return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
-         "exclude; a adds the one under the cursor, Enter explains it and gives the evidence; the Ladder shows how far "
+         "exclude; a adds the one under the cursor, f the formula of what is left, Enter explains it and gives the "
+         "evidence; the Ladder shows how far "
          "the error fell towards the noise, and the "
          "effects of the model, of which x removes one. n adds an effect by its name, as in cyclic:X:EX. u takes the "
          "last change back, y does it again. After tells what compensation would leave (w), builds the map (m), sends "

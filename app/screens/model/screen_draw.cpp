@@ -229,7 +229,15 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   if (!rivals.empty())
     at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
                            Tone::warning);
-  canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+  at += canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+  std::vector<std::string> left;
+  for (const model::LeftProperty& one : d.left)
+    if (!one.is.empty()) left.push_back(one.property + " " + one.is);
+  if (!left.empty()) at += canvas.paragraph(detail, at, fmt::format("What is left: {}.", fmt::join(left, ", ")));
+  if (d.formula)
+    canvas.paragraph(detail, at,
+                     fmt::format("f adds it as a formula: {:.3g} > {:.3g} {} rms of readings left out.",
+                                 d.formula->held_out_rms_before_um, d.formula->held_out_rms_um, d.noise.unit));
 }
 
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {

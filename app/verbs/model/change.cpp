@@ -26,7 +26,9 @@ struct AddRequest {
   static Fields<AddRequest> fields() {
     using R = AddRequest;
     return {{"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"EFFECT", &R::effect, "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them",
+            {"EFFECT", &R::effect,
+             "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them; \"formula\": what "
+             "`diagnose` proposes of what is left",
              Need::required},
             {"--data", &R::data, "measurement files to fit to", Need::required},
             {"-o,--output", &R::output, "the model with the effect; may be MODEL itself", Is::output},
@@ -97,8 +99,21 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
                                                : Cell{output, "model written to " + output}));
 }
 
+/// The formula that a diagnosis of these data proposes.
+Result<model::AddRequest> proposed_formula(const ModelWork& work) {
+  ECS_TRY(diagnosis, model::diagnose(work.model, work.data));
+  if (!diagnosis.formula)
+    return problem(ProblemKind::refused, "no formula is proposed: none predicts readings that it was not fitted to");
+  return model::request_of(diagnosis.formula->effect);
+}
+
 Result<Outcome> add(VerbContext& context, const AddRequest& request) {
-  ECS_TRY(wanted, request_of(request));
+  const bool is_formula = request.effect == "formula";
+  model::AddRequest wanted;
+  if (!is_formula) {
+    ECS_TRY(given, request_of(request));
+    wanted = std::move(given);
+  }
   ECS_TRY(alternatives, tied_with(request.alternatives));
   std::vector<std::string> inputs = request.data;
   inputs.push_back(request.machine);
@@ -106,6 +121,10 @@ Result<Outcome> add(VerbContext& context, const AddRequest& request) {
   const auto work = model_work(context.console, {request.model, request.data, request.machine, request.import});
   if (!work) return tl::unexpected(with_hint(work.error()));
   if (!work->data.clock_note.empty()) context.console.note(work->data.clock_note);
+  if (is_formula) {
+    ECS_TRY(proposed, in_file(proposed_formula(*work), request.model));
+    wanted = std::move(proposed);
+  }
   ECS_TRY(added, in_file(model::add_effect(work->model, work->data, wanted, work->data_name), request.model));
   added.effect.effect.tied_with = added.model.effects.back().tied_with = alternatives;
   if (!request.output.empty()) ECS_DO(model::write_model(request.output, added.model, request.model));
