@@ -318,16 +318,20 @@ Cell where_cell(const Diagnosis& d) {
   return where;
 }
 
-/// What is told, each with its evidence; then what is not, and what would tell.
+/// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
-  Cell left{Json::array(), d.left.empty() ? "" : "\nwhat is known of what is left\n"};
+  Cell left{Json::array(), d.left.empty() ? "" : "\nwhat is told of what is left\n"};
   std::vector<std::string> withheld;
-  std::set<std::string> measure;
+  std::set<std::string> said, measure;
   for (const model::LeftProperty& one : d.left) {
     left.json.push_back(object_of("property"_is(one.property), "is"_is(text_or_null(one.is)), "because"_is(one.because),
                                   "measure"_is(text_or_null(one.measure))));
-    if (!one.is.empty()) left.text += paragraph(fmt::format("{}: {}. {}.", one.property, one.is, one.because), 2, 4);
-    if (one.is.empty()) withheld.push_back(one.property);
+    if (one.is.empty())
+      withheld.push_back(one.property);
+    else
+      left.text += paragraph(fmt::format("{}: {}{}", one.property, one.is,
+                                         said.insert(one.because).second ? ", because " + one.because : ""),
+                             2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);
   }
   if (!withheld.empty())
