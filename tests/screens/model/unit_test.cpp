@@ -1,5 +1,9 @@
 // From a model to the unit on the MODEL screen: the map with what is missing, the question, sent; and the map opened
 // on the laser screen.
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "base/file.hpp"
 #include "tests/screens/support/laser_unit.hpp"
 #include "tests/screens/support/mill_model.hpp"
@@ -72,6 +76,28 @@ TEST_CASE("the laser screen opens a map with the parameters beside it, ready to 
   CHECK(contains(driver.after("6"), "nothing is missing"));
   REQUIRE(driver.settles_after("u"));
   CHECK_FALSE(driver.controller().work().map.made);
+}
+
+TEST_CASE("what no effect explains is added as a formula by one key, and taken back by another") {
+  const StateFolder folder;
+  std::string csv = "axis,x_mm,sense,reading,approach,run,load_kg\n";
+  constexpr int kLoads_kg[]{200, 0, 400, 100, 300};
+  for (int run = 1; run <= 5; ++run)
+    for (const int approach : {1, -1})
+      for (int i = 0; i < 21; ++i) {
+        const double x_mm = 50.0 * i, noise_um = 0.3 * std::sin(7919.0 * (i + 21.3 * run + 3.7 * approach));
+        const double loaded = (kLoads_kg[run - 1] - 200) / 100.0;
+        csv += fmt::format("X,{},EX,{},{},{},{}\n", x_mm, 1.5 * approach * loaded * (x_mm - 500.0) / 500.0 + noise_um,
+                           approach, run, kLoads_kg[run - 1]);
+      }
+  const ModelArguments files{folder.with("model.toml", kScaleOfX), {folder.with("data.csv", csv)}, "", {}};
+  ModelScreen screen(must(ModelController::open(files)));
+  REQUIRE(shows_after(screen, "d", "f adds it as a formula"));
+  CHECK(reads(picture(screen), "direction odd, position odd, growth load_kg"));
+  REQUIRE(shows_after(screen, "f", "added user:formula 1"));
+  (void)letter(screen, 's');
+  CHECK(contains(ecs::read_file(files.model).value(), "approach * ((load_kg - 200) / 200)"));
+  REQUIRE(shows_after(screen, "u", "taken back: user:formula 1"));
 }
 
 TEST_CASE("any effect is removed, put back and done again, and one is added by its name") {
