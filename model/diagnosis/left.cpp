@@ -335,22 +335,27 @@ Term product_of(const Term& a, const Term& b) {
           a.values.cwiseProduct(b.values)};
 }
 
+/// "((load_kg - 200) / 100)"
+std::string scaled_text(const std::string& column, double middle, double half) {
+  return fmt::format("(({} {} {:.6g}) / {:.6g})", column, middle < 0.0 ? '+' : '-', std::abs(middle), half);
+}
+
 /// Powers and waves over the position, those that what is told of it leaves.
-std::vector<Term> terms_of_position(const LeftReadings& r, const std::string& told) {
-  const std::string name(r.data.position_name(r.axis)), from_middle = fmt::format("({} - {:.6g})", name, r.middle);
+std::vector<Term> terms_of_position(const LeftReadings& r, const std::string& told, bool is_flat) {
+  const std::string name(r.data.position_name(r.axis)), scaled = scaled_text(name, r.middle, r.half);
   const VectorXd x = r.p.array() - r.middle;
   std::vector<Term> terms{{"", VectorXd::Ones(x.size())}};
   if (told == "constant") return terms;
   if (told == "odd") terms.clear();
-  for (int power = 1; power <= 5; ++power)
+  for (int power = 1; power <= (is_flat ? 1 : 5); ++power)
     if (told.empty() || (told == "odd") == (power % 2 == 1))
-      terms.push_back({fmt::format("({} / {:.6g}){}", from_middle, r.half, power == 1 ? "" : fmt::format("^{}", power)),
-                       (x / r.half).array().pow(power)});
+      terms.push_back({power == 1 ? scaled : fmt::format("{}^{}", scaled, power), (x / r.half).array().pow(power)});
+  if (is_flat) return terms;
   const auto waves = static_cast<double>(std::min<Index>(r.distinct_targets, 80)) / 2.0;
   for (double wave = 1.0; wave <= waves; wave += 0.25) {
     const double period = 2.0 * r.half / wave;
     const Eigen::ArrayXd angle = 2.0 * std::numbers::pi / period * x.array();
-    const std::string text = fmt::format("(2 * pi * {} / {:.6g})", from_middle, period);
+    const std::string text = fmt::format("(2 * pi * {})", scaled_text(name, r.middle, period));
     if (told != "even") terms.push_back({"sin" + text, angle.sin()});
     if (told != "odd") terms.push_back({"cos" + text, angle.cos()});
   }
@@ -381,7 +386,7 @@ std::vector<Term> terms_of_condition(const LeftReadings& r, const Condition* tol
     const double since_s = told->is == "time_s" ? r.data.first_since_s : 0.0;  // formulas count from the origin
     const VectorXd column = r.column([&](std::size_t k) { return variable_of(r.data, k, told->is) + since_s; });
     const double from = column.minCoeff(), to = column.maxCoeff();
-    const Term once{fmt::format("(({} - {:.6g}) / {:.6g})", told->is, 0.5 * (from + to), 0.5 * (to - from)),
+    const Term once{scaled_text(told->is, 0.5 * (from + to), 0.5 * (to - from)),
                     (2.0 * column.array() - from - to) / (to - from)};
     terms.push_back(once);
     if (told->functions.cols() > 2) terms.push_back(product_of(once, once));
@@ -484,7 +489,7 @@ Left what_is_left(const Model& model, const Observations& data, const LinearProb
   std::vector<Term> terms;
   for (const Term& way : terms_of_direction(readings, direction))
     for (const Term& over : terms_of_condition(readings, condition))
-      for (const Term& place : terms_of_position(readings, position))
+      for (const Term& place : terms_of_position(readings, position, condition != nullptr && condition->is_flat))
         terms.push_back(product_of(product_of(way, over), place));
   left.formula = fitted_formula(readings, model, problem, with, best_terms(readings, std::move(terms)));
   if (!left.formula) return left;
