@@ -30,8 +30,8 @@ using Eigen::VectorXd;
 
 /// Share of what is above noise that a class must predict to be told: a smaller part may be anything.
 constexpr double kToldShare = 0.9;
-/// Share by which the opposite must fall short: a mixture of both halves is neither.
-constexpr double kFarApart = 0.3;
+/// Share by which the opposites must fall short of it.
+constexpr double kFarApart = 0.15;
 /// Spaces are as good as each other within five standard deviations, and this share.
 constexpr double kSureChi2 = 25.0, kAsGood = 0.02;
 /// Below this much above noise [σ²] nothing is asked.
@@ -236,7 +236,7 @@ class Questions {
   /// Whether a space takes all that a smaller one does, and so much more could that this is no chance.
   [[nodiscard]] bool holds(std::size_t larger, std::size_t smaller) const {
     // chance that levels at random lie along what does not hold them; less is asked where people chose the levels
-    constexpr double kTheSame = 0.98, kFarChi2 = 9.0, kLeastMore = 0.9, kChanceByHand = 0.1, kChance = 0.02;
+    constexpr double kTheSame = 0.98, kFarChi2 = 9.0, kLeastMore = 0.9, kChanceByHand = 0.1, kChance = 0.03;
     const Condition& c = conditions_[smaller];
     const Weight &large = best_of(tried_[larger]), &small = best_of(tried_[smaller]);
     const auto over = static_cast<std::size_t>(&large - tried_[larger].data());
