@@ -91,7 +91,8 @@ class Questions {
                        laser::unit_of(r_.sense), kPercent * std::clamp(above_noise / whole_, 0.0, 1.0));
   }
   [[nodiscard]] std::string with_noise(const std::vector<std::string>& parts) const {
-    return fmt::format("{}; noise {:.2f} {}", fmt::join(parts, ", "), std::sqrt(variance_), laser::unit_of(r_.sense));
+    return fmt::format("{}; noise of {} along {} {:.2f} {}", fmt::join(parts, ", "), name_of(r_.sense),
+                       r_.data.letter(r_.axis), std::sqrt(variance_), laser::unit_of(r_.sense));
   }
 
   /// What a condition takes of `of` with these ways: constant, straight, any function over the position (a free size at
