@@ -33,7 +33,7 @@ constexpr double kToldShare = 0.9;
 /// Share by which the opposites must fall short of it.
 constexpr double kFarApart = 0.15;
 /// Spaces are as good as each other within five standard deviations, and this share.
-constexpr double kSureChi2 = 25.0, kAsGood = 0.02;
+constexpr double kSureChi2 = 25.0, kAsGood = 0.03;
 /// Below this much above noise [σ²] nothing is asked.
 constexpr double kLeastToAsk = 40.0;
 
@@ -352,9 +352,12 @@ std::vector<Term> terms_of_position(const LeftReadings& r, const std::string& to
     if (told.empty() || (told == "odd") == (power % 2 == 1))
       terms.push_back({power == 1 ? scaled : fmt::format("{}^{}", scaled, power), (x / r.half).array().pow(power)});
   if (is_flat) return terms;
-  const auto waves = static_cast<double>(std::min<Index>(r.distinct_targets, 80)) / 2.0;
-  for (double wave = 1.0; wave <= waves; wave += 0.25) {
-    const double period = 2.0 * r.half / wave;
+  constexpr double kTargetsAPeriod = 2.5, kMostPeriods = 40.0, kTurn_deg = 360.0;
+  const double travel = r.data.rotary ? kTurn_deg : 2.0 * r.half;  // what turns comes back
+  const double most =
+      std::min(kMostPeriods, static_cast<double>(r.distinct_targets) / kTargetsAPeriod * travel / (2.0 * r.half));
+  for (double wave = 1.0; wave <= most; wave += r.data.rotary ? 1.0 : 0.25) {
+    const double period = travel / wave;
     const Eigen::ArrayXd angle = 2.0 * std::numbers::pi / period * x.array();
     const std::string text = fmt::format("(2 * pi * {})", scaled_text(name, r.middle, period));
     if (told != "even") terms.push_back({"sin" + text, angle.sin()});
@@ -399,6 +402,7 @@ std::vector<Term> terms_of_condition(const LeftReadings& r, const Condition* tol
 std::vector<Term> best_terms(const LeftReadings& r, std::vector<Term> terms) {
   constexpr std::size_t kMostTerms = 4;
   constexpr double kNew = 1e-3, kNearlyAsWell = 0.92;
+  constexpr double kLeastSeen = 0.01;  // mean square of a term at the readings: one that is zero there has any size
   MatrixXd columns(r.y.size(), static_cast<Index>(terms.size()));
   for (std::size_t j = 0; j < terms.size(); ++j) columns.col(static_cast<Index>(j)) = terms[j].values;
   const VectorXd before = columns.colwise().squaredNorm();
@@ -411,7 +415,8 @@ std::vector<Term> best_terms(const LeftReadings& r, std::vector<Term> terms) {
     Index best = -1;
     double most = kSureChi2 * r.variance;
     for (Index j = 0; j < norm.size(); ++j)
-      if (norm(j) > kNew * before(j) && dot(j) * dot(j) > most * norm(j)) {
+      if (norm(j) > kNew * before(j) && before(j) > kLeastSeen * static_cast<double>(y.size()) &&
+          dot(j) * dot(j) > most * norm(j)) {
         most = dot(j) * dot(j) / norm(j);
         best = j;
       }
