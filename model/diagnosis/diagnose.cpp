@@ -114,7 +114,7 @@ void put_run_first(std::vector<Dependence>& where, const Observations& data, con
       if (data.run[k] == run) of_run += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
     where.push_back({"run", of_run / std::max(residual.squaredNorm(), kLeastDivisor), chance, {}, {}});
   }
-  std::ranges::stable_partition(where, is_run);
+  std::stable_partition(where.begin(), where.end(), is_run);
 }
 
 /// Candidates proved on readings not fitted to: what a person pays for.

@@ -356,8 +356,9 @@ std::vector<Term> terms_of_position(const LeftReadings& r, const std::string& to
   const double travel = r.data.rotary ? kTurn_deg : 2.0 * r.half;  // what turns comes back
   const double most =
       std::min(kMostPeriods, static_cast<double>(r.distinct_targets) / kTargetsAPeriod * travel / (2.0 * r.half));
-  for (double wave = 1.0; wave <= most; wave += r.data.rotary ? 1.0 : 0.25) {
-    const double period = travel / wave;
+  const int steps_a_wave = r.data.rotary ? 1 : 4;
+  for (int step = steps_a_wave; step <= static_cast<int>(most * steps_a_wave); ++step) {
+    const double period = travel * steps_a_wave / step;
     const Eigen::ArrayXd angle = 2.0 * std::numbers::pi / period * x.array();
     const std::string text = fmt::format("(2 * pi * {})", scaled_text(name, r.middle, period));
     if (told != "even") terms.push_back({"sin" + text, angle.sin()});

@@ -200,7 +200,8 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
     if (travel <= 0.0 || square <= 0.0) continue;
     const double highest = densest / kTargetsATurn, lowest = kFewestTurnsOfWave;
     const double frequencies = std::max(1.0, highest - lowest);
-    for (double turns = lowest; turns <= highest; turns += 1.0 / kStepsATurn) {
+    for (int step = 0; lowest + step / kStepsATurn <= highest; ++step) {
+      const double turns = lowest + step / kStepsATurn;
       double power = 0.0;
       for (const auto& [pass_number, pass] : passes) {
         std::complex<double> sum = 0.0;
