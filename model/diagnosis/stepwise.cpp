@@ -121,6 +121,8 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
     if (alike > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (!search.beats_free_values(search.solution(without_member(chosen, i)).space, chosen[i])) return false;
   return search.in_ranges(chosen);
 }
 

@@ -28,7 +28,7 @@ EffectDefinition sag() {
             row[1] = std::abs(p) * p * p;
           },
       .column_sets = {{0}, {1}, {0, 1}},
-      .along_axis = [](const Site& site) { return site.once(site.places >= 6); },
+      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestCurveTargets); },
   };
 }
 

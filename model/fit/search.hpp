@@ -127,6 +127,11 @@ class Search {
   /// Whether each effect with a physical range may have a size inside it beside the others.
   [[nodiscard]] bool in_ranges(const std::vector<Choice>& chosen) const;
 
+  /// Whether a wave or a step explains a few targets better than values of their own for each of them do, beside what
+  /// `space` absorbs, by Schwarz's criterion: with a period, sizes and harmonics a wave takes on any values of five or
+  /// six, and so does a step beside a curve of the model. True of every other effect.
+  [[nodiscard]] bool beats_free_values(const Space& space, const Choice& choice) const;
+
   /// Exact choice of a family at one value of its nonlinear parameter.
   [[nodiscard]] Choice choice_at(const Space& space, std::size_t family, double nonlinear) const;
   /// The same with the nonlinear parameter moved to the best value nearby.
@@ -187,7 +192,6 @@ class Search {
   /// At a limit of its range: it is another effect under its name.
   [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
-  [[nodiscard]] bool beats_free_values(const Space& space, const Choice& choice) const;
   /// A period refined, its double, its half and other peaks tried as well.
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
   /// An effect at the best value beside what `space` absorbs, near the present one or anywhere.

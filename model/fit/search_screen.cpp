@@ -168,7 +168,7 @@ constexpr double kSamePeak = 0.02;
 /// frequency is off by half the rounding of the refinement.
 constexpr double kRefinedRise = 10.0;
 
-/// Targets that a wave might fit whatever their values are.
+/// Targets that a shape might fit whatever their values are.
 constexpr std::size_t kFewTargets = 12;
 
 /// Pairs that cancel each other are alike by half of their squares at least; each with at most so many values.
@@ -259,11 +259,10 @@ bool Search::too_steep(const Space& space, const Choice& choice) const {
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }
 
-/// Whether a wave explains a few targets better than values of their own for each of them do, by Schwarz's criterion:
-/// with a period, sizes and harmonics of its own it takes on any values of five or six.
 bool Search::beats_free_values(const Space& space, const Choice& choice) const {
   const Family& family = families_[choice.family];
-  if (!family.effect.traits().periodic || !data().paths.empty()) return true;
+  const EffectTraits& traits = family.effect.traits();
+  if (!traits.shape_of_position || traits.is_curve || !data().paths.empty()) return true;
   const std::vector<double> places = acting_positions(data(), family.acting, *family.effect.axis);
   if (places.size() > kFewTargets) return true;
   MatrixXd values = MatrixXd::Zero(static_cast<Index>(data().size()), static_cast<Index>(places.size()));
@@ -274,7 +273,7 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
   Space more = space;
   absorb(more, whitener_(values));
   const double cost = family.ln_readings * static_cast<double>(more.q.cols() - space.q.cols());
-  return choice.score() >= space.chi2() - more.chi2() - cost;
+  return choice_at(space, choice.family, choice.nonlinear).score() >= space.chi2() - more.chi2() - cost;
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
@@ -299,7 +298,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
     list[i] = families_[f].effect.traits().periodic ? best_period(space, peaks[f])
                                                     : refined_choice(space, f, list[i].nonlinear);
   }
-  std::erase_if(list, [&](const Choice& choice) { return choice.gain <= 0.0 || !beats_free_values(space, choice); });
+  std::erase_if(list, [&](const Choice& choice) { return choice.gain <= 0.0; });
   // of equals the first of the library is first
   std::ranges::sort(list, [](const Choice& a, const Choice& b) { return a.family < b.family; });
   sort_greatest_first(list, score_of);
