@@ -309,8 +309,9 @@ std::array<double, kAxes> beside_position(const Observations& data, std::size_t 
 
 Repeats numbered(const Observations& data, bool conditions) {
   using Places = std::array<double, kAxes>;
-  using Key = std::tuple<Channel, Axis, int, Places, double, double, bool, Places>;
+  using Key = std::tuple<Channel, Axis, int, Places, double, double, double, bool, Places>;
   std::map<Key, std::size_t> nodes;
+  const auto set_up = data.extras.find("set_up");
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const bool of_pose = !data.through_chain.empty() && data.approach[k] == 0;  // whichever axis came last
@@ -320,6 +321,7 @@ Repeats numbered(const Observations& data, bool conditions) {
                   rounded(data.place_of(k)),
                   conditions ? rounded(cell(data.feed_mm_min, k), kSameCondition) : 0.0,
                   conditions ? rounded(cell(data.load_kg, k), kSameCondition) : 0.0,
+                  conditions && set_up != data.extras.end() ? rounded(set_up->second[k], kSameCondition) : 0.0,
                   data.compensated[k],
                   beside_position(data, k)};
     repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
@@ -388,24 +390,22 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     from_places = many(deviation, of_poses);
   }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
-  if (!from_places) {
-    Deviations neighbours{deviations_from_smooth(data, residual, smooth(), left_out),
-                          std::max(1.0, size - static_cast<double>(smooth().cols()))};
-    Deviations directions = deviations_of_directions(data, residual, left_out);
-    Deviations& less = scatter_less(directions, neighbours) ? directions : neighbours;
-    deviation = std::move(less.of);
-    noise.pure.dof = less.freedom;
-  } else {
+  if (from_places) {
     for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
+    std::set<std::size_t> nodes;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (!left_out[k]) nodes.insert(repeats.node_of[k]);
+    noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
+  } else {
+    deviation = deviations_from_smooth(data, residual, smooth(), left_out);
+    noise.pure.dof = std::max(1.0, size - static_cast<double>(smooth().cols()));
   }
-  std::vector<bool> seen(repeats.nodes, false);
-  double nodes = 0.0;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!left_out[k] && !seen[repeats.node_of[k]]) {
-      seen[repeats.node_of[k]] = true;
-      nodes += 1.0;
+  if (!noise.pure.from_repeats)
+    if (Deviations directions = deviations_of_directions(data, residual, left_out);
+        scatter_less(directions, {deviation, noise.pure.dof})) {
+      deviation = std::move(directions.of);
+      noise.pure.dof = directions.freedom;
     }
-  if (from_places) noise.pure.dof = std::max(size - nodes, 1.0);
 
   noise.shapes =
       likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));

@@ -57,9 +57,9 @@ struct Repeats {
   std::vector<std::size_t> node_of;  ///< per reading
   std::size_t nodes = 0;
 };
-/// Same axis, sense, position, approach and conditions (feed, load, compensated).
+/// Same axis, sense, position, approach and conditions (feed, load, set-up, compensated).
 [[nodiscard]] Repeats repeats_of(const Observations& data);
-/// The same whatever feed and load were: good for the noise, not for what these do.
+/// The same whatever the conditions were: good for the noise, not for what these do.
 [[nodiscard]] Repeats places_of(const Observations& data);
 
 /// Number of the pass of each reading: same run, approach, axis, sense and parked place.
