@@ -162,6 +162,8 @@ Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::v
 
 double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
                    const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  const double freedom = counted(left_out) - static_cast<double>(columns.cols());
+  if (freedom < 1.0) return 0.0;  // nothing is left that could tell of a law
   const Whitener whitener(data, law.noise, left_out);
   const Eigen::MatrixXd levels =
       law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
@@ -177,7 +179,6 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   const Eigen::VectorXd own = beyond_those_before(white);
   double ln_determinants = whitener.ln_determinant();
   for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
-  const double freedom = counted(left_out) - static_cast<double>(columns.cols());
   return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
