@@ -83,10 +83,12 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
 /// What the best effect explains of the residual, compared with what any effect explains of noise of the same size: the
 /// ratio of likelihoods where the size of the noise is not known (its logarithm is that of the F test).
 struct BesideNoise {
+  Choice best;           ///< of the choices
   double chance = 1.0;   ///< that any effect explains as much of noise alone; 1 where it plainly does
   bool is_more = false;  ///< than of noise, at the level of false names
 };
 [[nodiscard]] BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
-                                                   const Choice& best, double freedom, const DiagnoseOptions& options);
+                                                   const std::vector<Choice>& choices, double freedom,
+                                                   const DiagnoseOptions& options);
 
 }  // namespace ecs::model

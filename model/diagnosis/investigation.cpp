@@ -47,15 +47,15 @@ constexpr double kSpeaksAgainst = 1.0;
 /// Tests of structure are held against this many times the replicates that are searched: they are cheap, and their
 /// limit is further out.
 constexpr std::size_t kStructureReplicates = 2;
-/// Without repeats the noise may have been taken for nearly all that the model leaves, and repeats of fewer degrees of
-/// freedom tell little of it (the thousandth of Student's t of 30 is a tenth beyond the normal one): for less than this
-/// many squares of it, or so few degrees, what the best effect explains is held against noise of any size.
+/// Without repeats the noise may have been taken for nearly all that the model leaves: for less than this many squares
+/// of it, or where it is known little, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
-constexpr double kMostSquareOfAll = 2.0, kManyDegrees = 30.0;
+constexpr double kMostSquareOfAll = 2.0;
 /// Odds from which evidence for one of two hypotheses is positive (Kass and Raftery 1995, JASA 90, 773).
 constexpr double kPositive = 3.0;
-/// Candidates shown where nothing is found.
-constexpr std::size_t kClosest = 3;
+/// Candidates shown where nothing is found; refined where the size of the noise is open, for the best under noise that
+/// is too large is the simplest.
+constexpr std::size_t kClosest = 3, kRefinedBesideNoise = 8;
 
 LinearProblem joined(const Base& base, const Search& search, const Solution& solution) {
   LinearProblem all{base.columns, base.target};
@@ -329,16 +329,15 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const bool known_little = found.noise.pure.dof < kManyDegrees;
   if (freedom < kFewestSpare) return false;
   if (!known_little && (found.noise.pure.from_repeats || space.chi2() > kMostSquareOfAll * freedom)) return false;
-  const std::vector<Choice> best = search.expand(space, kClosest);
-  if (best.empty()) return false;
-  const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, best.front(), freedom, options);
+  const std::vector<Choice> choices = search.expand(space, kRefinedBesideNoise);
+  if (choices.empty()) return false;
+  const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
   if (known_little) found.chance_of_closest = beside.chance;
   if (!beside.is_more) return false;
   std::vector<Choice> chosen = found.solution.chosen;
-  chosen.push_back(best.front());
+  chosen.push_back(beside.best);
   const Solution with = search.solution(chosen, found.solution.own);
-  return noise_changed(search.data(), residual_of(joined(base, search, with), whitener), false, found.noise,
-                       found.left_out);
+  return noise_changed(search.data(), joined(base, search, with), whitener, false, found.noise, found.left_out);
 }
 
 }  // namespace
@@ -379,8 +378,11 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
   return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
 }
 
-bool noise_changed(const Observations& data, const VectorXd& residual, bool plain, NoiseModel& noise,
-                   std::vector<bool>& left_out) {
+bool noise_changed(const Observations& data, const LinearProblem& all, const Whitener& whitener, bool plain,
+                   NoiseModel& noise, std::vector<bool>& left_out) {
+  const auto spare = static_cast<double>(std::ranges::count(left_out, false) - all.columns.cols());
+  if (!noise.pure.from_repeats && spare < kFewestSpare) return false;
+  const VectorXd residual = residual_of(all, whitener);
   std::vector<bool> outliers = plain ? left_out : rows_left_out(data, residual);
   NoiseModel again = noise_of(data, residual, outliers);
   if (outliers == left_out && !changed(noise, again)) return false;
@@ -424,10 +426,8 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     if (found.entry_score < kBeyondAll)
       found.solution =
           best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
-    const VectorXd residual = residual_of(joined(base, search, found.solution), whitener);
-    if (round < kMostRounds) {
-      if (noise_changed(data, residual, options.plain, found.noise, found.left_out)) continue;
-    }
+    const LinearProblem all = joined(base, search, found.solution);
+    if (round < kMostRounds && noise_changed(data, all, whitener, options.plain, found.noise, found.left_out)) continue;
     if (looks < kMostLooks && !options.plain &&
         took_noise_beside_best(base, search, whitener, replicates, options, found)) {
       ++looks;
@@ -460,6 +460,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
     found.beyond_position = tests_beyond_position(data, whitener, structure, alone, found.before);
+    const VectorXd residual = residual_of(all, whitener);
     found.noisy = noisy_run(data, found.solution.space.y, residual, found.left_out);
     found.wave = free_wave(data, found.solution.space.y, found.left_out);
     if (found.solution.chosen.empty()) found.odd_pass = odd_pass(data, residual, found.left_out);

@@ -21,6 +21,10 @@ inline constexpr double kLeastCrossValidated = 0.25;
 /// The same where nothing but the effect itself speaks against noise: then it has to predict half.
 inline constexpr double kLeastCrossValidatedAlone = 0.5;
 
+/// Noise of fewer degrees of freedom is known little: the thousandth of Student's t of 30 is a tenth beyond the normal
+/// one.
+inline constexpr double kManyDegrees = 30.0;
+
 /// A cause is proved by this e-value (docs/model.md, verdicts).
 inline constexpr double kProved = 100.0;
 
@@ -82,9 +86,9 @@ struct LinearProblem {
 
 /// The noise is looked at again, with what was found taken off, this many times at the utmost.
 inline constexpr int kMostRounds = 2;
-/// Noise and outliers again from what is left; false: they are what they were.
-[[nodiscard]] bool noise_changed(const Observations& data, const Eigen::VectorXd& residual, bool plain,
-                                 NoiseModel& noise, std::vector<bool>& left_out);
+/// Noise and outliers again from what is left; false: they are what they were, or too little is left to tell.
+[[nodiscard]] bool noise_changed(const Observations& data, const LinearProblem& all, const Whitener& whitener,
+                                 bool plain, NoiseModel& noise, std::vector<bool>& left_out);
 
 /// The candidates but those that the model has already with a free searched parameter (`own`).
 [[nodiscard]] std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,

@@ -25,6 +25,10 @@ constexpr int kHalvings = 60;
 /// there. A bet that their chance is rare is lost with this wealth: it would be won back in one case of a hundred.
 constexpr std::size_t kFirstReplicates = 40;
 constexpr double kRareChance = 0.1, kLost = 0.01;
+/// Noise is tried at sizes up to so many times the first, each so many times the one before: between two of them a
+/// ratio is too small by a thirtieth of the freedom at most.
+constexpr double kLargest = 64.0, kLarger = 1.6;
+
 /// Least score that noise alone reaches with at most the given chance.
 double score_at(const std::vector<double>& replicate_scores, double chance) {
   double low = kLowestScore, high = kHighestScore;
@@ -42,11 +46,28 @@ bool loses_to_noise(double value, const std::vector<double>& replicates) {
   return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
 }
 
-/// Columns of noise, each as large as `freedom` independent values of size one.
-MatrixXf of_size_one(MatrixXf sets, double freedom) {
-  for (Index b = 0; b < sets.cols(); ++b)
-    sets.col(b) *= static_cast<float>(std::sqrt(freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
-  return sets;
+/// What an effect explains that takes this share of the squares of noise whose size is not known.
+double ratio_of(double share, double freedom) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); }
+
+/// The greatest ratio less its price that an effect reaches on each column of noise. The ratio is the greatest of its
+/// tangents, and one tangent is the score on noise of one size: K times the share, K from `freedom` on.
+std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, double freedom) {
+  std::vector<double> best(static_cast<std::size_t>(noise.cols()), -kBeyondAll);
+  bool rises = true;
+  for (double larger = 1.0; rises && larger < kLargest; larger *= kLarger) {
+    MatrixXf sets = noise;
+    for (Index b = 0; b < sets.cols(); ++b)
+      sets.col(b) *=
+          static_cast<float>(std::sqrt(larger * freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
+    const std::vector<double> scores = search.best_scores(sets);
+    rises = false;
+    for (std::size_t b = 0; b < best.size(); ++b) {
+      const double at_tangent = scores[b] - freedom * (larger - 1.0 - std::log(larger));
+      rises = rises || at_tangent > best[b];
+      best[b] = std::max(best[b], at_tangent);
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -69,21 +90,24 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
 }
 
 BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
-                                     const Choice& best, double freedom, const DiagnoseOptions& options) {
-  const auto ratio = [&](double share) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); };
-  const double here = ratio(best.gain / space.chi2()) - best.cost;
+                                     const std::vector<Choice>& choices, double freedom,
+                                     const DiagnoseOptions& options) {
+  const auto here = [&](const Choice& one) { return ratio_of(one.gain / space.chi2(), freedom) - one.cost; };
+  BesideNoise beside{*std::ranges::max_element(choices, {}, here)};
   std::vector<double> of_noise;
   const auto look_at = [&](std::size_t count) {
     replicates.draw_up_to(count);
     const auto more = static_cast<Index>(replicates.size() - of_noise.size());
-    for (const double score : search.best_scores(of_size_one(replicates.all().rightCols(more), freedom)))
-      of_noise.push_back(ratio((score + best.cost) / freedom) - best.cost);
+    const std::vector<double> ratios = best_ratios(search, replicates.all().rightCols(more), freedom);
+    of_noise.insert(of_noise.end(), ratios.begin(), ratios.end());
   };
   look_at(std::min(kFirstReplicates, options.noise_replicates));
-  if (loses_to_noise(here, of_noise)) return {};
+  if (loses_to_noise(here(beside.best), of_noise)) return beside;
   look_at(options.noise_replicates);
-  return {tail_probability(of_noise, here),
-          here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit))};
+  beside.chance = tail_probability(of_noise, here(beside.best));
+  beside.is_more =
+      here(beside.best) > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
+  return beside;
 }
 
 }  // namespace ecs::model

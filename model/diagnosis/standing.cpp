@@ -196,17 +196,19 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
 }
 
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
-/// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide. Where
-/// more is left, noise replicates decide nothing: likely is what those readings speak for.
+/// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide, and
+/// prove it where the noise is known. Where more is left, noise replicates decide nothing: likely is what those
+/// readings speak for.
 std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   const Found& found = in.found;
   const bool explained = noise && found.objection.empty();
+  const bool replicates_prove = explained && found.noise.pure.dof >= kManyDegrees;
   std::vector<Standing> standings(found.groups.size(), Standing::possible);
   std::vector<std::size_t> proved, likely;
   for (std::size_t g = 0; g < found.groups.size(); ++g) {
     const Group& group = found.groups[g];
     if (group.denied) continue;
-    if (!group.wander && (group.e_value ? *group.e_value >= kProved : explained))
+    if (!group.wander && (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
              (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&

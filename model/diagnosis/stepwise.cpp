@@ -93,10 +93,16 @@ bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other)
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
-/// explain anything, and so do four drifts of the same sense; a size outside its physical range is another cause.
+/// explain anything, and so do four drifts of the same sense, or as many parameters as readings; a size outside its
+/// physical range is another cause.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 3;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
+  if (chosen.size() > 1) {             // one effect may take what is left; several need what any search needs
+    auto spare = static_cast<double>(search.data().size()) - static_cast<double>(search.base().q.cols());
+    for (const Choice& one : chosen) spare -= static_cast<double>(one.parameters);
+    if (spare < kFewestSpare) return false;
+  }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
     std::size_t shapes = 0, alike = 0, functions = 0, most = 0, drifts = 0;

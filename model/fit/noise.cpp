@@ -52,8 +52,9 @@ constexpr double kFreedomOfReplicates = 0.7;
 /// at most three times what neighbours scatter (docs/model.md, "Fit"); variance of a second difference of independent
 /// readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
-/// The usual level of a test.
-constexpr double kRareByChance = 0.05;
+/// Level at which the least of three estimates counts: two tests at it keep the choice below the usual 0.05 by far, for
+/// few readings scatter less by chance.
+constexpr double kRareByChance = 0.01;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
 
@@ -195,11 +196,11 @@ struct Deviations {
   std::vector<double> of;
   double freedom = 0.0;
 };
-/// Differences of the directions at the places of a pass there and back, less their mean and a straight line along it
-/// (lost motion, a drift), over √2, at the rows of the forward readings: an error of the place drops out of them,
-/// whatever its shape.
+/// What the directions do not share (or share) at the places of a pass there and back, less its mean and a straight
+/// line along it (lost motion, a drift), at the rows of the forward readings: an error of the place drops out of
+/// differences, one that turns its sign with the direction out of sums, whatever its shape.
 Deviations deviations_of_directions(const Observations& data, const Eigen::VectorXd& residual,
-                                    const std::vector<bool>& left_out) {
+                                    const std::vector<bool>& left_out, bool shared) {
   using Place = std::pair<std::array<double, kAxes>, std::array<double, kAxes>>;
   struct Both {
     std::optional<std::size_t> forward, reverse;
@@ -218,9 +219,9 @@ Deviations deviations_of_directions(const Observations& data, const Eigen::Vecto
     for (const auto& [place, both] : places)
       if (both.forward && both.reverse) {
         rows.push_back(*both.forward);
-        half.push_back(
-            (residual(static_cast<Eigen::Index>(*both.forward)) - residual(static_cast<Eigen::Index>(*both.reverse))) /
-            std::numbers::sqrt2);
+        const double reverse = residual(static_cast<Eigen::Index>(*both.reverse));
+        half.push_back((residual(static_cast<Eigen::Index>(*both.forward)) + (shared ? reverse : -reverse)) /
+                       std::numbers::sqrt2);
       }
     const auto n = static_cast<Eigen::Index>(rows.size());
     if (n < 3) continue;
@@ -400,12 +401,14 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     deviation = deviations_from_smooth(data, residual, smooth(), left_out);
     noise.pure.dof = std::max(1.0, size - static_cast<double>(smooth().cols()));
   }
-  if (!noise.pure.from_repeats)
-    if (Deviations directions = deviations_of_directions(data, residual, left_out);
+  for (const bool shared : {false, true}) {
+    if (noise.pure.from_repeats) break;
+    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared);
         scatter_less(directions, {deviation, noise.pure.dof})) {
       deviation = std::move(directions.of);
       noise.pure.dof = directions.freedom;
     }
+  }
 
   noise.shapes =
       likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));

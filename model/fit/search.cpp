@@ -20,8 +20,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Price of a period that the targets cannot follow: it takes on any slower shape. Beyond, all octaves are as likely as
-/// one another beforehand (Jeffreys 1946).
+/// Price of a period that the targets cannot follow and no fact of the machine speaks for: it takes on any slower
+/// shape. Beyond, all octaves are as likely as one another beforehand (Jeffreys 1946).
 constexpr double kUnseenPeriod = 8.0;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
@@ -182,10 +182,10 @@ Price Search::price_of(const Family& family, double nonlinear) const {
   if (family.grid.size() + family.facts.size() <= 1) return {family.ln_readings, family.shape_cost};
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
-  const double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
-  const bool is_unseen = family.shortest_seen > 0.0 && nonlinear < family.shortest_seen;
-  return {family.ln_readings, chosen + family.shape_cost +
-                                  (is_unseen ? kUnseenPeriod + 2.0 * std::log(family.shortest_seen / nonlinear) : 0.0)};
+  double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
+  if (family.shortest_seen > 0.0 && nonlinear < family.shortest_seen)
+    chosen += (fact ? 0.0 : kUnseenPeriod) + 2.0 * std::log(family.shortest_seen / nonlinear);
+  return {family.ln_readings, chosen + family.shape_cost};
 }
 
 Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {

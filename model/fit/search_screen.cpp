@@ -272,8 +272,15 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
   }
   Space more = space;
   absorb(more, whitener_(values));
-  const double cost = family.ln_readings * static_cast<double>(more.q.cols() - space.q.cols());
-  return choice_at(space, choice.family, choice.nonlinear).score() >= space.chi2() - more.chi2() - cost;
+  // by the price of a coefficient that suits its size best (George and Foster 2000), at least that of a unit of
+  // information
+  const auto dearer = [&](double gain, double coefficients) {
+    return coefficients * std::max(0.0, std::log(std::max(gain, 1.0) / coefficients) - family.ln_readings);
+  };
+  const Choice here = choice_at(space, choice.family, choice.nonlinear);
+  const double gain = space.chi2() - more.chi2(), free = static_cast<double>(more.q.cols() - space.q.cols());
+  return here.score() - dearer(here.gain, static_cast<double>(here.columns.size())) >=
+         gain - free * family.ln_readings - dearer(gain, free);
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {

@@ -275,6 +275,37 @@ TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
   CHECK(is_rival(found.candidates[0], "map_gain:X:EX"));
 }
 
+TEST_CASE("twelve readings there and back, once, are likely a lost motion that varies, not noise and not proved") {
+  const std::vector<double> lost_um{-20.0, 19.0, 3.0, 6.0, 2.0, -9.0};
+  const Plan plan{.step_mm = 57.0, .targets = 6, .runs = 1};
+  int right = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Diagnosis found = diagnosed(
+        straight(),
+        measured(
+            plan, 0.3,
+            [&](const Reading& r) { return 0.5 * d(r) * lost_um[static_cast<std::size_t>(p(r) / 57.0 + 0.5) % 6]; },
+            seed));
+    CHECK(found.verdict != Verdict::adequate);
+    CHECK(found.verdict != Verdict::missing_effect);
+    right +=
+        found.verdict == Verdict::likely_effect && to_text(found.candidates.front().effect) == "reversal_curve:X:EX"
+            ? 1
+            : 0;
+  }
+  CHECK(right >= 7);
+}
+
+TEST_CASE("ten readings are explained by one effect, never by three that reproduce them") {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const Diagnosis found =
+        diagnosed(straight(), measured({.step_mm = 100.0, .targets = 5, .runs = 1}, 0.3, nothing, seed));
+    std::size_t named = 0;
+    for (const Candidate& one : found.candidates) named += one.standing == Standing::possible ? 0 : 1;
+    CHECK(named <= 1);
+  }
+}
+
 TEST_CASE("poor data get a clear answer and no confident name") {
   const Diagnosis few = diagnosed(straight(), measured({.targets = 3, .runs = 1, .both_ways = false}, 0.3, nothing));
   CHECK(few.verdict == Verdict::cannot_tell);

@@ -190,6 +190,12 @@ TEST_CASE("the deviance does not depend on what the model itself can take") {
         Approx(deviance_of(run.data, {run.noise, 0.0}, run.left_out, run.mean(), run.drift(), run.target)));
 }
 
+TEST_CASE("readings that the model reproduces whatever they are tell of no law of noise") {
+  const OneRun run([](double) { return 0.0; });
+  const MatrixXd all = MatrixXd::Identity(run.target.size(), run.target.size());
+  CHECK(deviance_of(run.data, {run.noise, 0.0}, run.left_out, all, run.drift(), run.target) == 0.0);
+}
+
 TEST_CASE("of columns that follow from the others none is kept, nor one that only an outlier shows") {
   const OneRun run([](double) { return 0.0; });
   MatrixXd columns(run.target.size(), 4);

@@ -73,7 +73,7 @@ TEST_CASE("without repeats the noise is what smooth columns leave, and says so")
   CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
 }
 
-TEST_CASE("what a place shows there and back is no noise where nothing was repeated") {
+TEST_CASE("what a place shows there and back, alike or with its sign turned, is no noise where nothing was repeated") {
   const auto rough = [](const Reading& r) { return 15.0 * std::sin(7.7 * p(r)); };  // no neighbour says it
   const Plan once{.step_mm = 50.0, .targets = 20, .runs = 1};
   const auto noise_um = [&](const Truth& truth) {
@@ -83,7 +83,8 @@ TEST_CASE("what a place shows there and back is no noise where nothing was repea
   CHECK(both.noise_um == Approx(kWhite_um).epsilon(0.35));  // 18 degrees of freedom: 17 %, two sigmas
   CHECK(both.dof == 18.0);
   CHECK_FALSE(both.from_repeats);
-  CHECK(noise_um([&](const Reading& r) { return rough(r) * d(r); }).noise_um > 5.0);
+  CHECK(noise_um([&](const Reading& r) { return rough(r) * d(r); }).noise_um == Approx(kWhite_um).epsilon(0.35));
+  CHECK(noise_um([&](const Reading& r) { return rough(r) * (2.0 + d(r)); }).noise_um > 5.0);
 }
 
 TEST_CASE("noise that lasts over several readings is recognised as correlated") {
@@ -177,13 +178,20 @@ TEST_CASE("one outlier in a thousand squares leaves their robust mean alone") {
   CHECK(robust_mean_square({}) == 0.0);
 }
 
-TEST_CASE("readings at one place are repeats under one feed only, and share the place under every feed") {
-  Measured m = white();
-  m.data.feed_mm_min.assign(m.data.size(), 1000.0);
+TEST_CASE("readings at one place are repeats under one feed and in one set-up only, and share the place under all") {
+  const Measured m = white();
+  Observations feeds = m.data, set_ups = m.data;
+  feeds.feed_mm_min.assign(m.data.size(), 1000.0);
+  set_ups.extras["set_up"].assign(m.data.size(), 1.0);
   for (std::size_t k = 0; k < m.data.size(); ++k)
-    if (m.data.run[k] == 3) m.data.feed_mm_min[k] = 4000.0;
-  CHECK(repeats_of(m.data).nodes == 164);
-  CHECK(places_of(m.data).nodes == 82);
+    if (m.data.run[k] == 3) {
+      feeds.feed_mm_min[k] = 4000.0;
+      set_ups.extras["set_up"][k] = kNotMeasured;
+    }
+  for (const Observations& data : {feeds, set_ups}) {
+    CHECK(repeats_of(data).nodes == 164);
+    CHECK(places_of(data).nodes == 82);
+  }
 }
 
 TEST_CASE("positions a hundredth of a micrometre apart are one target, a micrometre apart two") {
