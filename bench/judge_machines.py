@@ -3,6 +3,7 @@
 Written from the documents alone, as bench/judge is; its head says more.
 """
 import dataclasses
+import functools
 import itertools
 import math
 
@@ -118,7 +119,7 @@ class Setup:
         self.m = [(self.at[:, k] - self.axes[k].datum) / 1000 for k in range(3)]
         self.hours = (self.time - self.time[0]) / 3600
         self.session = float(self.time[-1] - self.time[0])
-        self.n = len(self.time)
+        self.n, self.kept = len(self.time), {}
         if "map" in wishes:
             self.add_map(r)
         if "known" in wishes:
@@ -165,12 +166,12 @@ class Setup:
                     for target in targets[::approach]:
                         clock += dwell * r.uniform(0.9, 1.1)
                         at = [target if other == axis else parked[other] for other in range(3)]
-                        rows += [(axis, sense, approach, run, rounded(clock, 0.1), feeds[level], loads[level],
+                        rows += [(axis, sense, approach, run, clock, feeds[level], loads[level],
                                   abs(target - start), *at) for sense in senses]
                 clock += pause * r.uniform(0.5, 1.5)
         table = np.array(rows)
         self.axis, self.sense, self.approach, self.run = (table[:, k].astype(int) for k in range(4))
-        self.time, self.feed, self.load, self.travel, self.at = *table[:, 4:7].T, np.round(table[:, 7], 3), table[:, 8:]
+        self.time, self.feed, self.load, self.travel, self.at = rounded(table[:, 4], 0.1), *table[:, 5:7].T, np.round(table[:, 7], 3), table[:, 8:]
         self.before, last = np.full(len(rows), -1), {}  # of each reading the one before of its run and sense
         for k, key in enumerate(zip(self.run, self.sense)):
             self.before[k] = last.get(key, -1)
@@ -263,6 +264,15 @@ class Setup:
             out = np.where((of == 0) | (approach == of), np.interp(where, p, value), out)
         return out
 
+    def waves(self, axis, v):
+        """Sine and cosine of one and two periods; those of a whole grid are kept."""
+        if len(v) > 20 and axis in self.kept:
+            return self.kept[axis]
+        found = [wave(k * TURN * 1000 * self.m[axis] / v) for k in (1, 2) for wave in (np.sin, np.cos)]
+        if len(v) > 20:
+            self.kept[axis] = found
+        return found
+
     def parts(self, t, v):
         """The columns of an effect that is no curve; with a nonlinear parameter, v (values × 1), each (values × readings)."""
         m = self.m[t.axis]
@@ -271,7 +281,7 @@ class Setup:
             case "scale": return [m]
             case "cyclic":
                 on = (t.approach == 0) | ((self.axis == t.axis) & (self.approach == t.approach))
-                return [on * wave(k * TURN * 1000 * m / v) for k in (1, 2) for wave in (np.sin, np.cos)]
+                return [on * wave for wave in self.waves(t.axis, v)]
             case "backlash": return [self.approach / 2]
             case "step": return [1.0 * (self.at[:, t.axis] > v)]
             case "sag": return [m**2, np.abs(m) ** 3]
@@ -300,17 +310,18 @@ class Setup:
             case "map_shift": return [self.map_at(self.approach, v) - self.map_at(self.approach)]
             case "map_direction_swap": return [self.map_at(-self.approach) - self.map_at(self.approach)]
 
-    def columns(self, t, values=None, curve=CURVE):
-        """At each value of the nonlinear parameter; shape (values × readings × coefficients)."""
+    def columns(self, t, values=None, curve=CURVE, place=-1):
+        """At each value of the nonlinear parameter; shape (values × readings × coefficients), the coefficients at this place."""
         on = np.ones(self.n, bool) if t.sense is None else self.sense == t.sense
         if t.id in OWN_AXIS:
             on = on & (self.axis == t.axis)
         if t.id == "angular":
-            return self.angular(t)[None]
+            return np.moveaxis(self.angular(t)[None], -1, place)
         if t.id in ("progressive", "reversal_curve"):
-            return (self.smooth(t, on, curve) * (self.approach[:, None] / 2 if t.id == "reversal_curve" else 1.0))[None]
+            bends = self.smooth(t, on, curve) * (self.approach[:, None] / 2 if t.id == "reversal_curve" else 1.0)
+            return np.moveaxis(bends[None], -1, place)
         v = np.array([t.nonlinear] if values is None else values, float)[:, None]
-        return np.stack([np.atleast_2d(part * on) for part in self.parts(t, v if t.id in NONLINEAR else None)], axis=-1)
+        return np.stack([np.atleast_2d(part * on) for part in self.parts(t, v if t.id in NONLINEAR else None)], axis=place)
 
     def contribution(self, t):
         return self.columns(t)[0] @ np.array(t.coefficients)
@@ -349,6 +360,7 @@ class Setup:
         inside = any(np.ptp(column[self.run == run]) > 1e-6 * largest for run in np.unique(self.run))
         return largest > 0 and (inside or len(np.unique(np.round(column / largest * 1e6))) >= 4)
 
+    @functools.cached_property
     def library(self):
         """Every effect at every place where these readings could show it."""
         terms, shows = [], self.shows
@@ -409,7 +421,7 @@ class Setup:
                 "one run noisy": lambda: on * r.normals(self.n)}
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(frozen=True)
 class Noise:
     law: str = "white"
     sigma: float = 1.0  # of a reading, rounding included
@@ -440,7 +452,7 @@ class Projector:
     """Least squares beside a base model: who can stand for whom, by projections; no list made by hand."""
 
     def __init__(self, s, noise, base):
-        self.s, self.noise, self.library, self.log_n = s, noise, s.library(), math.log(s.n)
+        self.s, self.noise, self.log_n, self.kept = s, noise, math.log(s.n), {}
         white = self.whitened(np.hstack([np.zeros((s.n, 0))] + [s.free_columns(t) for t in base if not t.given]))
         left, values, _ = np.linalg.svd(white / np.maximum(np.linalg.norm(white, axis=0), 1e-300), full_matrices=False)
         self.base = left[:, values > 1e-7]
@@ -448,7 +460,9 @@ class Projector:
     def whitened(self, values):
         """Divided by sigma, the correlation inside runs taken out (Cochrane and Orcutt); readings are the last axis but one."""
         rho, before = self.noise.correlation, self.s.before
-        fresh = (values - rho * values[..., before, :]) / math.sqrt(1 - rho**2) if rho else values
+        if not rho:
+            return values / self.noise.sigma
+        fresh = (values - rho * values[..., before, :]) / math.sqrt(1 - rho**2)
         return np.where((before >= 0)[:, None], fresh, values) / self.noise.sigma
 
     def beside_base(self, white):
@@ -457,38 +471,55 @@ class Projector:
     def rest(self, um):
         return self.beside_base(self.whitened(um[:, None]))[:, 0]
 
-    def at(self, t, values, rest):
-        """What the term leaves at each value (chi²), and how many parameters it takes."""
-        raw = self.whitened(self.s.columns(t, values))
-        own = self.beside_base(self.beside_base(raw))
-        searched = 1 if t.id in NONLINEAR else 0
+    def block(self, t, values):
+        """The term's columns beside the base at each value (values × coefficients × readings), of length one unless its size is fixed,
+        their lengths, how many are not zero, and inverse eigenvalues and eigenvectors of their products."""
+        raw = self.s.columns(t, values, place=1)
+        raw = np.swapaxes(self.whitened(np.swapaxes(raw, 1, 2)), 1, 2) if self.noise.correlation else raw / self.noise.sigma
+        own = raw.reshape(-1, self.s.n)
+        lengths = np.sqrt(np.einsum("ij,ij->i", own, own))
+        for _ in range(2):
+            own = own - (own @ self.base) @ self.base.T
         if t.id in FIXED:
-            return np.sum((rest[:, None] - own) ** 2, axis=(1, 2)), np.full(len(own), searched)
-        size = np.linalg.norm(own, axis=1)
-        shows = size > 1e-6 * np.linalg.norm(raw, axis=1)
-        size = np.maximum(size, 1e-300)
-        own = np.where(shows[:, None], own / size[:, None], 0.0)
-        along = np.einsum("gnk,n->gk", own, rest)
-        if own.shape[2] == 1:
-            low, high = LIMITS.get(t.id, (-math.inf, math.inf))
-            taken = np.where(shows, np.clip(along, low * size, high * size), 0.0)
-            return rest @ rest + np.sum(taken**2 - 2 * taken * along, axis=1), searched + shows[:, 0]
-        eigen, vectors = np.linalg.eigh(np.einsum("gnk,gnl->gkl", own, own))
+            return own, None, np.zeros(len(own), int), None, None
+        size = np.sqrt(np.einsum("ij,ij->i", own, own))
+        shows, size = size > 1e-6 * lengths, np.maximum(size, 1e-300)
+        own = own * (shows / size)[:, None]
+        if raw.shape[1] == 1:
+            return own, size, shows, None, None
+        own = own.reshape(raw.shape)
+        eigen, vectors = np.linalg.eigh(own @ own.swapaxes(1, 2))
         kept = eigen > 1e-11
-        parts = np.einsum("gkl,gk->gl", vectors, along) ** 2 / np.where(kept, eigen, 1.0)
-        return rest @ rest - np.sum(parts * kept, axis=1), searched + kept.sum(axis=1)
+        return own, size, kept.sum(axis=1), kept / np.where(kept, eigen, 1.0), vectors
+
+    def at(self, t, values, rest, keep=False):
+        """What the term leaves at each value (chi²), and how many parameters it takes; keep: of these values its columns are."""
+        if t not in self.kept or not keep:
+            found = self.block(t, values)
+            if keep:
+                self.kept[t] = found
+        own, size, count, inverse, vectors = self.kept[t] if keep else found
+        count = count + (1 if t.id in NONLINEAR else 0)
+        if t.id in FIXED:
+            return np.sum((rest - own) ** 2, axis=1), count
+        along = own @ rest
+        if inverse is not None:
+            return rest @ rest - np.sum((along[:, None] @ vectors)[:, 0] ** 2 * inverse, axis=1), count
+        low, high = LIMITS.get(t.id, (-math.inf, math.inf))
+        taken = np.clip(along, low * size, high * size)
+        return rest @ rest + taken**2 - 2 * taken * along, count
 
     def best(self, t, rest):
         """(score, chi² left, parameters, term) at the best nonlinear parameter; nothing if it cannot be one or shows nothing."""
         tried = np.array(self.s.grid(t))
         if not len(tried) or not self.s.may_be_candidate(t):
             return None
-        def least(values):
-            excess, count = self.at(t, values, rest)
+        def least(values, keep=False):
+            excess, count = self.at(t, values, rest, keep)
             score = np.round(excess + count * self.log_n, 6)  # equals, whatever the processor's rounding
             k = int(np.argmin(score))
             return float(score[k]), float(excess[k]), int(count[k]), t.but(nonlinear=float(values[k]))
-        found, order = least(tried), np.sort(tried)
+        found, order = least(tried, keep=True), np.sort(tried)
         if len(order) > 1 and t.id != "step":
             place = int(np.searchsorted(order, found[3].nonlinear))
             low, high = order[max(0, place - 1)], order[min(place + 1, len(order) - 1)]
@@ -501,7 +532,7 @@ class Projector:
     def ranked(self, rest, without=()):
         """The best of each name, best first."""
         found = {}
-        for t in self.library:
+        for t in self.s.library:
             now = self.best(t, rest) if t.id not in without else None
             if now and (t.name not in found or now[0] < found[t.name][0]):
                 found[t.name] = now
@@ -514,7 +545,7 @@ class Projector:
         """(required, allowed, simplest); nothing where another effect is not clearly worse. Required reproduce it to within
         1/50 of the noise with no more parameters, allowed with more."""
         rest, own, required, allowed, simplest = self.rest(um), self.parameters_of(truth), [], [], True
-        for t in self.library:
+        for t in self.s.library:
             other = self.best(t, rest) if t.name != truth.name and not {t.name, t.id} & {*without} else None
             if other and other[1] >= self.s.n * SAME**2 and other[1] + (other[2] - own) * self.log_n <= CLEAR:
                 return None
