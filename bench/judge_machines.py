@@ -9,7 +9,7 @@ import math
 
 from judging import np, rounded
 
-AXES, TURN = "XYZ", 2 * math.pi
+AXES, LETTERS, TURN = "XYZ", "XYZABC", 2 * math.pi
 SAME = 1 / 50  # of the noise, to which a rival reproduces the truth
 CLEAR = 25.0  # by which any other effect must score worse
 CURVE, FREE_CURVE = 8, 12  # Legendre degrees from 2 on; of a free curve a few more than "about ten" degrees of freedom
@@ -33,6 +33,21 @@ class Axis:
         return [float(rounded(first + step * k + off * r.uniform(-1.0, 1.0), 0.001)) for k in range(count)]
 
 
+class Rotary:
+    """Limits and targets in degrees."""
+    datum, pitches, line = 0.0, {}, None
+
+    def __init__(self, r):
+        self.low, self.high = r.choice([(0.0, 360.0), (0.0, 360.0), (-180.0, 180.0), (-120.0, 120.0), (0.0, 180.0), (-110.0, 30.0)])
+
+    def targets(self, r, count, moved):
+        step = (self.high - self.low) / count
+        off = r.uniform(0.1, 0.35) * step if moved else 0.0
+        last = r.choice([0, 1]) if self.high - self.low == 360 else 1  # whether a turn is closed
+        targets = self.low + step * np.arange(count + last) + off * np.array([r.uniform(-1.0, 1.0) for _ in range(count + last)])
+        return [float(target) for target in np.clip(np.round(targets, 3), self.low, self.high)]
+
+
 @dataclasses.dataclass(frozen=True)
 class Term:
     """One effect at one place; with its numbers the contribution is columns(nonlinear) times coefficients."""
@@ -49,7 +64,7 @@ class Term:
 
     @property
     def name(self):
-        return f"{self.id}:{AXES[self.axis]}:{self.code if self.sense is None else 'E' + AXES[self.sense]}"
+        return f"{self.id}:{LETTERS[self.axis]}:{self.code if self.sense is None else 'E' + LETTERS[self.sense]}"
 
     def but(self, **changed):
         return dataclasses.replace(self, **changed)
@@ -94,6 +109,8 @@ class Setup:
     """A machine and its readings in the order of time, one array a column; what effects of docs/physics.md add to them.
 
     `wishes`: what an effect needs to show."""
+    of_grid = ("step",)  # whose nonlinear parameter has no values between those of the grid
+    true_pitch = 0.0  # mm, where the machine file has another
 
     def __init__(self, r, wishes):
         self.name = f"machine {r.randint(100, 999)}"
@@ -107,7 +124,9 @@ class Setup:
         runs = r.randint(1, 2) if few or r.chance(0.15) else r.randint(3, 6)
         several = {"feeds", "loads"} & wishes
         runs = max(runs, 3 if several and few else r.randint(4, 6) if several else 3 if "runs" in wishes and not few else 1)
-        if len(passes) > 1:
+        if "volume" in wishes:
+            runs = r.randint(1, 2)
+        elif len(passes) > 1:
             runs = min(max(runs, 2), 3)
         self.both = bool({"both", "travel"} & wishes) or r.chance(0.6)
         self.shows = {"feed": bool({"feeds", "one_feed"} & wishes) or r.chance(0.15),
@@ -116,7 +135,7 @@ class Setup:
                       "air": bool({"air", "one_weather", "similar_air"} & wishes) or r.chance(0.15)}
         self.travel_along(r, wishes, passes, runs)
         self.add_climates(r, wishes)
-        self.m = [(self.at[:, k] - self.axes[k].datum) / 1000 for k in range(3)]
+        self.m = [(self.at[:, k] - axis.datum) / 1000 for k, axis in enumerate(self.axes)]
         self.hours = (self.time - self.time[0]) / 3600
         self.session = float(self.time[-1] - self.time[0])
         self.n, self.kept = len(self.time), {}
@@ -124,6 +143,8 @@ class Setup:
             self.add_map(r)
         if "known" in wishes:
             self.add_known(r)
+        if "pitch" in wishes:
+            self.mistake_pitch(r)
 
     def passes(self, r, wishes, count):
         """Lines to travel: (moving axis, senses, parked coordinates, targets)."""
@@ -143,6 +164,15 @@ class Setup:
             axis, lever, sense = (AXES.index(letter) for letter in r.choice(LEVER_LINES))
             targets = self.axes[axis].targets(r, max(8, count // 2), self.moved)
             return [(axis, [sense], place, targets) for place in beside[lever][::r.choice([1, 2])]]
+        if "volume" in wishes:
+            self.layout = "volume"
+            senses, passes = (0, 1, 2) if r.chance(0.7) else sorted(r.sample(range(3), 2)), []
+            targets = [axis.targets(r, r.randint(11, 15), self.moved) for axis in self.axes]
+            for axis in range(3):
+                for a, b in [(0, 0), (-1, 0), (0, -1)] + [(-1, -1)] * r.chance(0.4):
+                    parked = [targets[k][a if k == (axis + 1) % 3 else b] for k in range(3)]
+                    passes.append((axis, senses, parked, targets[axis]))
+            return passes
         self.layout = "line"
         axis = sense = r.randint(0, 2)
         square = next((word for word in sorted(wishes) if word in SQUARENESS), None)
@@ -165,13 +195,14 @@ class Setup:
                     start = targets[0] - overrun if approach > 0 else targets[-1] + overrun
                     for target in targets[::approach]:
                         clock += dwell * r.uniform(0.9, 1.1)
-                        at = [target if other == axis else parked[other] for other in range(3)]
+                        at = [target if other == axis else parked[other] for other in range(len(self.axes))]
                         rows += [(axis, sense, approach, run, clock, feeds[level], loads[level],
                                   abs(target - start), *at) for sense in senses]
                 clock += pause * r.uniform(0.5, 1.5)
         table = np.array(rows)
         self.axis, self.sense, self.approach, self.run = (table[:, k].astype(int) for k in range(4))
-        self.time, self.feed, self.load, self.travel, self.at = rounded(table[:, 4], 0.1), *table[:, 5:7].T, np.round(table[:, 7], 3), table[:, 8:]
+        self.time, self.feed, self.load = rounded(table[:, 4], 0.1), *table[:, 5:7].T
+        self.travel, self.at = np.round(table[:, 7], 3), table[:, 8:]
         self.before, last = np.full(len(rows), -1), {}  # of each reading the one before of its run and sense
         for k, key in enumerate(zip(self.run, self.sense)):
             self.before[k] = last.get(key, -1)
@@ -198,6 +229,12 @@ class Setup:
             values[("t_spindle_degC", "t_column_degC")[k]] = even if "ramp" in wishes and k == 0 else climate()
         exact = "ramp" in wishes or "similar_air" in wishes  # sensors whose equality is the point are not rounded
         self.sensors = {name: rounded(degC, 1e-6 if exact else 0.01) for name, degC in values.items()}
+        if "sensors_exchanged" in wishes:
+            one, other = r.sample(sorted(self.sensors), 2)
+            self.sensors |= {one: self.sensors[other], other: self.sensors[one]}
+        if "time_exchanged" in wishes:  # with a sensor that only rises, so that rows remain in the order of their time
+            degC = r.uniform(17.5, 24.0) + r.uniform(1.5, 5.0) * (1 - np.exp(-r.uniform(2.0, 6.0) * u))
+            self.sensors["t_spindle_degC"], self.time = self.time, rounded(degC, 1e-4)
         constant, hPa, percent = bool({"one_weather", "similar_air"} & wishes), r.uniform(940.0, 1030.0), r.uniform(30.0, 65.0)
         self.pressure = rounded(hPa + 0 * u if constant else climate(hPa), 0.01)
         self.humidity = rounded(percent + 0 * u if constant else climate(percent), 0.1)
@@ -222,6 +259,26 @@ class Setup:
         letter = r.choice([other for other in range(3) if other != axis])
         p = np.round(np.linspace(self.axes[axis].low, self.axes[axis].high, 41), 2)
         self.known = ("E" + "ABC"[letter] + AXES[axis], p, np.round(np.cumsum(r.uniform(2.0, 6.0) * r.normals(41)), 2))
+
+    def mistake_pitch(self, r):
+        """In the machine file, 1 to 2 % from that of a wave that the readings show."""
+        axis = int(self.axis[0])
+        span, count = np.ptp(self.at[:, axis]), len(self.targets(axis))
+        shown = [pitch for pitch in PITCHES["screw"][1] if (1.1 if self.moved else 2.2) * span / (count - 1) <= pitch <= 0.35 * span]
+        if shown:
+            self.true_pitch = float(r.choice(shown))
+            self.axes[axis].pitches["screw"] = float(rounded(self.true_pitch * (1 + r.signed(0.01, 0.02)), 0.001))
+
+    def period(self, r, axis):
+        """Of a wave to hide: a little longer than the grid's shortest."""
+        span = max(1e-3, np.ptp(self.at[:, axis]) / 1000)
+        step = 1000 * span / (len(np.unique(self.at[:, axis])) - 1)
+        drawn = r.log(min(300 * span, (1.1 if self.moved else 2.2) * step), 350 * span)
+        drawn = self.axes[axis].pitches.get("screw", drawn) if r.chance(0.6) else drawn
+        return self.true_pitch or drawn
+
+    def place_columns(self):
+        return dict(zip(("x_mm", "y_mm", "z_mm"), self.at.T))
 
     def place(self, axis):
         """−1 … 1 over what the set covers of an axis."""
@@ -329,7 +386,7 @@ class Setup:
     def free_columns(self, t):
         """What a base term takes when it is fitted: its columns, and the derivative by its nonlinear parameter."""
         own = self.columns(t, curve=FREE_CURVE if t.id == "progressive" else CURVE)[0]
-        if t.id not in NONLINEAR or t.id == "step":
+        if t.id not in NONLINEAR or t.id in self.of_grid:
             return own
         step = 1e-5 * max(1e-3, abs(t.nonlinear))
         ahead, behind = self.columns(t, [t.nonlinear + step, t.nonlinear - step]) @ np.array(t.coefficients)
@@ -419,6 +476,44 @@ class Setup:
         on, u, turn = self.run == r.randint(1, int(self.run[-1])), (self.place(self.axis[0]) + 1) / 2, r.uniform(0.3, 0.7)
         return {"offset of one run": lambda: 1.0 * on, "one run rotated": lambda: on * (u - turn),
                 "one run noisy": lambda: on * r.normals(self.n)}
+
+
+class Turn(Setup):
+    """Readings of the angular positions of a rotary axis: degrees where others have mm. What turns comes back: its waves are whole
+    fractions of a turn, also over part of it, and it has no scale."""
+    of_grid = ("step", "cyclic")
+
+    def __init__(self, r, wishes):
+        super().__init__(r, wishes)
+        self.letter = LETTERS[self.axis[0]]
+        self.chain = self.chain.replace("T", self.letter + "T") if r.chance(0.7) else self.chain + self.letter
+        self.shows |= {"feed": False, "travel": False}  # in mm
+
+    def passes(self, r, wishes, count):
+        self.layout, axis = "line", r.randint(3, 5)
+        self.axes += [Rotary(r)] * 3
+        return [(axis, [axis], [0.0] * 6, self.axes[axis].targets(r, count, self.moved))]
+
+    def most(self, share):
+        """Waves a turn that the targets show."""
+        targets = self.targets(self.axis[0])
+        return max(1, int(share * (len(targets) - 1) / (1 if self.moved else 2) * 360 / np.ptp(targets)))
+
+    def period(self, r, axis):
+        return 360.0 / round(r.log(1.0, self.most(0.9)))
+
+    def grid(self, t):
+        return [360.0 / k for k in range(1, self.most(1.0) + 1)] if t.id == "cyclic" else super().grid(t)
+
+    def place_columns(self):
+        return {f"{self.letter.lower()}_deg": self.at[:, self.axis[0]]}
+
+    @functools.cached_property
+    def library(self):
+        axis = int(self.axis[0])
+        ids = ["offset", "cyclic", "step", "time_drift"] + ["backlash", "reversal_curve"] * self.both
+        terms = [Term(id, axis, axis) for id in ids] + [Term("cyclic", axis, axis, approach=way) for way in (1, -1) if self.both]
+        return terms + [Term("thermal_drift", axis, axis, sensor=sensor) for sensor in self.sensors]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -520,7 +615,7 @@ class Projector:
             k = int(np.argmin(score))
             return float(score[k]), float(excess[k]), int(count[k]), t.but(nonlinear=float(values[k]))
         found, order = least(tried, keep=True), np.sort(tried)
-        if len(order) > 1 and t.id != "step":
+        if len(order) > 1 and t.id not in self.s.of_grid:
             place = int(np.searchsorted(order, found[3].nonlinear))
             low, high = order[max(0, place - 1)], order[min(place + 1, len(order) - 1)]
             for _ in range(2):
