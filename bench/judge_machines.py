@@ -2,12 +2,13 @@
 
 Written from the documents alone, as bench/judge is; its head says more.
 """
+import copy
 import dataclasses
 import functools
 import itertools
 import math
 
-from judging import np, rounded
+from judging import np, number, rounded
 
 AXES, LETTERS, TURN = "XYZ", "XYZABC", 2 * math.pi
 SAME = 1 / 50  # of the noise, to which a rival reproduces the truth
@@ -139,6 +140,7 @@ class Setup:
         self.hours = (self.time - self.time[0]) / 3600
         self.session = float(self.time[-1] - self.time[0])
         self.n, self.kept = len(self.time), {}
+        self.zeros = np.zeros((self.n, 0))  # columns that belong to the set-up, in every base
         if "map" in wishes:
             self.add_map(r)
         if "known" in wishes:
@@ -164,15 +166,6 @@ class Setup:
             axis, lever, sense = (AXES.index(letter) for letter in r.choice(LEVER_LINES))
             targets = self.axes[axis].targets(r, max(8, count // 2), self.moved)
             return [(axis, [sense], place, targets) for place in beside[lever][::r.choice([1, 2])]]
-        if "volume" in wishes:
-            self.layout = "volume"
-            senses, passes = (0, 1, 2) if r.chance(0.7) else sorted(r.sample(range(3), 2)), []
-            targets = [axis.targets(r, r.randint(11, 15), self.moved) for axis in self.axes]
-            for axis in range(3):
-                for a, b in [(0, 0), (-1, 0), (0, -1)] + [(-1, -1)] * r.chance(0.4):
-                    parked = [targets[k][a if k == (axis + 1) % 3 else b] for k in range(3)]
-                    passes.append((axis, senses, parked, targets[axis]))
-            return passes
         self.layout = "line"
         axis = sense = r.randint(0, 2)
         square = next((word for word in sorted(wishes) if word in SQUARENESS), None)
@@ -188,21 +181,23 @@ class Setup:
         feeds = [float(rounded(feed * (0.4 + 0.8 * k), 50.0)) if "feeds" in wishes else feed for k in range(3)]
         loads = [float(rounded(most * 0.5 * k, 5.0)) if "loads" in wishes else load for k in range(3)]
         rows, clock, run = [], 0.0, 0
-        for axis, senses, parked, targets in passes:
+        for line, (axis, senses, parked, targets) in enumerate(passes):
             for k in range(runs):
                 level, run = (k + run // 3) % 3, run + 1
                 for approach in (1, -1) if self.both else (1,):
                     start = targets[0] - overrun if approach > 0 else targets[-1] + overrun
                     for target in targets[::approach]:
                         clock += dwell * r.uniform(0.9, 1.1)
-                        at = [target if other == axis else parked[other] for other in range(len(self.axes))]
+                        at = parked(target) if callable(parked) else [
+                            target if other == axis else parked[other] for other in range(len(self.axes))]
                         rows += [(axis, sense, approach, run, clock, feeds[level], loads[level],
-                                  abs(target - start), *at) for sense in senses]
+                                  abs(target - start), *at, line) for sense in senses]
                 clock += pause * r.uniform(0.5, 1.5)
         table = np.array(rows)
         self.axis, self.sense, self.approach, self.run = (table[:, k].astype(int) for k in range(4))
         self.time, self.feed, self.load = rounded(table[:, 4], 0.1), *table[:, 5:7].T
-        self.travel, self.at = np.round(table[:, 7], 3), table[:, 8:]
+        self.travel, self.at = np.round(table[:, 7], 3), table[:, 8:-1]
+        self.line = table[:, -1].astype(int)
         self.before, last = np.full(len(rows), -1), {}  # of each reading the one before of its run and sense
         for k, key in enumerate(zip(self.run, self.sense)):
             self.before[k] = last.get(key, -1)
@@ -516,6 +511,67 @@ class Turn(Setup):
         return terms + [Term("thermal_drift", axis, axis, sensor=sensor) for sensor in self.sensors]
 
 
+class Volume(Setup):
+    """Lines along X, Y and Z at several places, in half of the sets body diagonals too: a reading there is the sum of the errors of all
+    directions along it, with the approach that each axis has there, and the zero of each run is the set-up's."""
+    motions = ()
+
+    def __init__(self, r, wishes):
+        super().__init__(r, wishes)
+        self.shows |= {"feed": False, "travel": False}
+        self.on_path = np.isin(self.line, list(self.diagonals))
+        self.zeros = 1.0 * (self.run[:, None] == np.unique(self.run[self.on_path]))
+        self.motions = [self.parted(axis) for axis in range(3)] if self.diagonals else ()
+
+    def passes(self, r, wishes, count):
+        self.layout, self.diagonals, passes = "volume", {}, []
+        diagonals = r.randint(1, 4) * r.chance(0.5)
+        senses = (0, 1, 2) if diagonals or r.chance(0.5) else sorted(r.sample(range(3), 2))
+        targets = [axis.targets(r, r.randint(11, 15), self.moved) for axis in self.axes]
+        for axis in range(3):
+            for a, b in [(0, 0), (-1, 0), (0, -1)] + [(-1, -1)] * r.chance(0.4):
+                parked = [targets[k][a if k == (axis + 1) % 3 else b] for k in range(3)]
+                passes.append((axis, senses, parked, targets[axis]))
+        for ways in r.sample(["PPP", "PNP", "PPN", "PNN"], diagonals):
+            start, end = (np.array([of[0 if (way == "P") == first else -1] for of, way in zip(targets, ways)]) for first in (True, False))
+            length = np.linalg.norm(end - start)
+            ends = (" ".join(map(number, corner)) for corner in (start, end))
+            self.diagonals[len(passes)] = f"diagonal {ways} from {' to '.join(ends)}", (end - start) / length
+            places = lambda at, start=start, toward=(end - start) / length: np.round(start + at * toward, 4)
+            passes.append((0, [0], places, list(length * np.linspace(0, 1, r.randint(11, 15)))))
+        return passes
+
+    def parted(self, axis):
+        """The readings as motions of this axis, along a diagonal one in each direction."""
+        of, motions = np.repeat(np.arange(self.n), np.where(self.on_path, 3, 1)), copy.copy(self)
+        for name, values in vars(self).items():
+            if isinstance(values, np.ndarray) and len(values) == self.n:
+                setattr(motions, name, values[of])
+        motions.n, motions.kept, motions.m = len(of), {}, [m[of] for m in self.m]
+        motions.sensors, motions.share = {name: degC[of] for name, degC in self.sensors.items()}, np.ones(len(of))
+        motions.first = np.searchsorted(of, np.arange(self.n))
+        for line, (_, toward) in self.diagonals.items():
+            on = motions.line == line
+            motions.axis[on], motions.sense[on] = axis, np.tile(range(3), on.sum() // 3)
+            motions.approach[on] *= int(np.sign(toward[axis]))
+            motions.share[on] = toward[motions.sense[on]]
+        return motions
+
+    def targets(self, axis):
+        return np.unique(self.at[(self.axis == axis) & ~self.on_path, axis])
+
+    def place_columns(self):
+        paths = {"path": [self.diagonals.get(line, [""])[0] for line in self.line]} if self.diagonals else {}
+        return super().place_columns() | paths
+
+    def columns(self, t, values=None, curve=CURVE, place=-1):
+        if not self.motions:
+            return super().columns(t, values, curve, place)
+        motions = self.motions[t.axis]
+        raw = Setup.columns(motions, t, values, curve) * motions.share[:, None]
+        return np.moveaxis(np.add.reduceat(raw, motions.first, axis=1), -1, place)
+
+
 @dataclasses.dataclass(frozen=True)
 class Noise:
     law: str = "white"
@@ -548,7 +604,7 @@ class Projector:
 
     def __init__(self, s, noise, base):
         self.s, self.noise, self.log_n, self.kept = s, noise, math.log(s.n), {}
-        white = self.whitened(np.hstack([np.zeros((s.n, 0))] + [s.free_columns(t) for t in base if not t.given]))
+        white = self.whitened(np.hstack([s.zeros] + [s.free_columns(t) for t in base if not t.given]))
         left, values, _ = np.linalg.svd(white / np.maximum(np.linalg.norm(white, axis=0), 1e-300), full_matrices=False)
         self.base = left[:, values > 1e-7]
 

@@ -37,8 +37,8 @@ class Draw(random.Random):
 
 
 def number(value):
-    """Always with a decimal point, as TOML tells numbers from integers."""
-    return repr(round(float(value), 6) + 0.0)
+    """Always with a decimal point, as TOML tells numbers from integers; a text as it is."""
+    return value if isinstance(value, str) else repr(round(float(value), 6) + 0.0)
 
 
 def rounded(value, step):
