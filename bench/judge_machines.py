@@ -629,11 +629,13 @@ class Projector:
         raw = np.swapaxes(self.whitened(np.swapaxes(raw, 1, 2)), 1, 2) if self.noise.correlation else raw / self.noise.sigma
         own = raw.reshape(-1, self.s.n)
         lengths = np.sqrt(np.einsum("ij,ij->i", own, own))
-        for _ in range(2):
-            own = own - (own @ self.base) @ self.base.T
+        own = own - (own @ self.base) @ self.base.T
+        size = np.sqrt(np.einsum("ij,ij->i", own, own))
+        if (small := size < 0.01 * lengths).any():  # where digits were lost, once more
+            own[small] -= (own[small] @ self.base) @ self.base.T
+            size[small] = np.linalg.norm(own[small], axis=1)
         if t.id in FIXED:
             return own, None, np.zeros(len(own), int), None, None
-        size = np.sqrt(np.einsum("ij,ij->i", own, own))
         shows, size = size > 1e-6 * lengths, np.maximum(size, 1e-300)
         own = own * (shows / size)[:, None]
         if raw.shape[1] == 1:
