@@ -537,8 +537,8 @@ class Volume(Setup):
             length = np.linalg.norm(end - start)
             ends = (" ".join(map(number, corner)) for corner in (start, end))
             self.diagonals[len(passes)] = f"diagonal {ways} from {' to '.join(ends)}", (end - start) / length
-            places = lambda at, start=start, toward=(end - start) / length: np.round(start + at * toward, 4)
-            passes.append((0, [0], places, list(length * np.linspace(0, 1, r.randint(11, 15)))))
+            passes.append((0, [0], lambda at, start=start, toward=(end - start) / length: np.round(start + at * toward, 4),
+                           list(length * np.linspace(0, 1, r.randint(11, 15)))))
         return passes
 
     def parted(self, axis):
