@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 
+#include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/statistics.hpp"
@@ -163,10 +165,17 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
   const bool periodic = definition.traits.periodic;
   if (!periodic && definition.search.has_slope) return {};
   std::vector<Choice> values{member};
-  for (const Choice& peak : search.peaks_of(space, member.family)) {
+  std::vector<Choice> peaks = search.peaks_of(space, member.family);
+  const double coarse = periodic ? kIndistinguishableHarmonic + kCoarse * member.gain : kIndistinguishable;
+  std::erase_if(peaks, [&](const Choice& peak) { return peak.gain < member.gain - coarse; });
+  if (periodic && !family.grid.empty())
+    if (const double seen = frequency_seen(search.data(), family, member.nonlinear);
+        seen * std::ranges::max(family.grid) > 1.0) {  // what even targets show, though the grid may pass by it
+      peaks.push_back(member);
+      peaks.back().nonlinear = 1.0 / seen;
+    }
+  for (const Choice& peak : peaks) {
     if (values.size() >= kMostValues) break;
-    const double coarse = periodic ? kIndistinguishableHarmonic + kCoarse * member.gain : kIndistinguishable;
-    if (peak.gain < member.gain - coarse) continue;
     const Choice choice = search.refined_choice(space, member.family, peak.nonlinear);
     if (!fits_as_well(choice, member)) continue;
     const bool known = periodic && std::ranges::any_of(values, [&](const Choice& value) {

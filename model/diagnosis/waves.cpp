@@ -51,7 +51,8 @@ double travel_of(const Observations& data, const Family& family) {
   return greatest - least;
 }
 
-/// Turns a mm of a wave as its targets show it: at even ones it looks like a slower wave (Nyquist).
+}  // namespace
+
 double frequency_seen(const Observations& data, const Family& family, double period) {
   const std::vector<double> places = acting_positions(data.motions(), family.acting, *family.effect.axis);
   const double step =
@@ -60,8 +61,6 @@ double frequency_seen(const Observations& data, const Family& family, double per
     if (std::abs(places[i] - places[i - 1] - step) > kEvenStep * step) return 1.0 / period;
   return std::abs(1.0 / period - std::round(step / period) / step);
 }
-
-}  // namespace
 
 bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
   if (!family.effect.traits().periodic) return true;

@@ -32,6 +32,9 @@ namespace ecs::model {
 /// and no step stands on the line of one.
 [[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
 
+/// Turns a mm of a wave as its targets show it: at even ones it looks like a slower wave (Nyquist).
+[[nodiscard]] double frequency_seen(const Observations& data, const Family& family, double period);
+
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
 [[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
 
