@@ -20,6 +20,9 @@ namespace {
 /// short travel, and ratios of small whole numbers are further apart.
 constexpr double kSamePitch = 0.01;
 constexpr int kMostOfPitch = 10;
+/// It is surely another beyond four standard deviations, each a ten-thousandth at least: a machine that is 10 degC
+/// warmer.
+constexpr double kSurelyOther = 4.0, kLeastSigma = 1e-4;
 /// Targets a period that show its shape, and a period to suggest where none was fitted.
 constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0, kUsualPeriod_deg = 360.0;
 /// Less of the residual is no evidence in words, whatever a test says: a person sees no difference.
@@ -43,23 +46,33 @@ std::string part_of_turn(double period_deg) {
   return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
 }
 
-/// "the pitch of its screw", "1/2 of the pitch of its scale" for a period that matches a fact of the machine within a
-/// percent; "" if none does.
-std::string pitch_match(const EffectInstance& effect, const Observations& data) {
+/// "= the pitch of its screw", "= 1/2 of the pitch of its scale" for a period that matches a fact of the machine within
+/// a percent, "surely not …" where the readings exclude that; "" if none does.
+std::string pitch_match(const EffectInstance& effect, const std::optional<double>& sigma_mm, const Observations& data) {
   const auto period = searched_value(effect);
   if (!effect.traits().periodic || !period || !effect.axis) return "";
-  if (effect.rotary) return part_of_turn(*period);
+  if (effect.rotary) {
+    const std::string part = part_of_turn(*period);
+    return part.empty() ? "" : "= " + part;
+  }
   const auto& axis = data.machine.axes[index_of(*effect.axis)];
   if (!axis) return "";
   const auto named = [&](const std::optional<double>& pitch, const char* name) -> std::string {
     if (!pitch) return "";
-    for (int n = 1; n <= kMostOfPitch; ++n) {
-      if (std::abs(*period * n / *pitch - 1.0) < kSamePitch)
-        return n == 1 ? fmt::format("the pitch of its {}", name) : fmt::format("1/{} of the pitch of its {}", n, name);
-      if (std::abs(*period / (n * *pitch) - 1.0) < kSamePitch)
-        return fmt::format("{} times the pitch of its {}", n, name);
+    const auto said = [&](double expected, const std::string& which) {
+      const double off = std::abs(*period - expected);
+      if (off >= kSamePitch * expected) return std::string();
+      if (!sigma_mm || off <= kSurelyOther * std::max(*sigma_mm, kLeastSigma * expected))
+        return fmt::format("= {}the pitch of its {}", which, name);
+      return fmt::format("surely not {}the pitch of its {}, {:.6g} mm by the machine file: check that", which, name,
+                         expected);
+    };
+    std::string text;
+    for (int n = 1; n <= kMostOfPitch && text.empty(); ++n) {
+      text = said(*pitch / n, n == 1 ? "" : fmt::format("1/{} of ", n));
+      if (text.empty()) text = said(n * *pitch, fmt::format("{} times ", n));
     }
-    return "";
+    return text;
   };
   const std::string screw = named(axis->screw_pitch_mm, "screw");
   return screw.empty() ? named(axis->scale_pitch_mm, "scale") : screw;
@@ -118,8 +131,9 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
     if (!is_known(parameter)) return "an undetermined amount";
     return size_text(parameter.value, unit) + (effect.traits().is_curve ? " rms" : "");
   }
-  const std::string pitch = pitch_match(effect, data);
-  return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " = ", pitch);
+  const std::string pitch = pitch_match(effect, parameter.sigma, data);
+  const std::string as_aside = pitch.empty() || pitch.starts_with("= ") ? pitch : fmt::format("({})", pitch);
+  return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " ", as_aside);
 }
 
 /// All that is known and not nothing: "12 um and 4.5 um/m".
@@ -415,8 +429,11 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
   std::string text = candidate.in_answer() && joint && !proved_alone(candidate, diagnosis)
                          ? evidence_together(candidate, diagnosis, *joint)
                          : evidence_alone(candidate, diagnosis);
-  if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())
-    text += fmt::format("; the period {:.5g} {} is {}", *searched_value(candidate.effect), data.position_unit(), pitch);
+  for (const ParameterEstimate& one : candidate.parameters)
+    if (const std::string pitch = pitch_match(candidate.effect, one.sigma, data);
+        one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
+      text += fmt::format("; the period {:.5g} {} is {}", one.value, data.position_unit(),
+                          pitch.starts_with("= ") ? pitch.substr(2) : pitch);
   return text + fmt::format(". What tells it apart: {}.", candidate.effect.definition().tells_apart);
 }
 
