@@ -34,12 +34,42 @@ constexpr double kAtLimit = 0.005;
 /// A refinement ends at this share of its range: a peak is missed by the square of it, 1e-10 of its height, which no
 /// answer shows.
 constexpr double kRefined = 1e-5;
-constexpr std::size_t kMostKept = 128;  ///< whitened columns of choices
+constexpr std::size_t kMostKept = 256;  ///< values of families beside the base
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
 /// What is left of columns beside a basis; twice is enough for all digits (Parlett 1980, 6.9).
-MatrixXd left_beside(const MatrixXd& q, MatrixXd columns) { return without(q, without(q, std::move(columns))); }
+template <class Basis>
+MatrixXd left_beside_basis(const Basis& q, MatrixXd columns) {
+  for (int twice = 0; twice < 2 && q.cols() > 0; ++twice) columns.noalias() -= q * (q.transpose() * columns).eval();
+  return columns;
+}
+
+/// Adds columns to what is absorbed of which that is taken off. @param before  their squares before it was
+void absorb_left(Space& space, const MatrixXd& left, const VectorXd& before) {
+  MatrixXd fresh(left.rows(), left.cols());
+  Index count = 0;
+  for (Index j = 0; j < left.cols(); ++j) {
+    VectorXd v = left.col(j);
+    const auto taken = fresh.leftCols(count);
+    for (int twice = 0; twice < 2 && count > 0; ++twice) v.noalias() -= taken * (taken.transpose() * v).eval();
+    const double square = v.squaredNorm();
+    if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
+    v /= std::sqrt(square);
+    fresh.col(count++) = v;
+    space.y -= v * v.dot(space.y);
+  }
+  if (count == 0) return;
+  const Index had = space.q.cols();
+  space.q.conservativeResize(space.y.size(), had + count);
+  space.q.rightCols(count) = fresh.leftCols(count);
+}
+
+bool same_values(const std::vector<Choice>& a, const std::vector<Choice>& b) {
+  return std::ranges::equal(a, b, [](const Choice& one, const Choice& other) {
+    return one.family == other.family && one.nonlinear == other.nonlinear && one.columns == other.columns;
+  });
+}
 
 /// Seeks the greatest value of `f` in a range, to `tolerance`, from a start inside where it is known: parabolas through
 /// the best three points, golden sections where they do not serve (Brent 1973, 5.8).
@@ -100,24 +130,7 @@ double mean_step(const Observations& data, const Family& family) {
 }  // namespace
 
 void absorb(Space& space, const MatrixXd& white_columns) {
-  const VectorXd before = white_columns.colwise().squaredNorm();
-  const MatrixXd left = left_beside(space.q, white_columns);
-  MatrixXd fresh(left.rows(), left.cols());
-  Index count = 0;
-  for (Index j = 0; j < left.cols(); ++j) {
-    VectorXd v = left.col(j);
-    const auto taken = fresh.leftCols(count);
-    for (int twice = 0; twice < 2 && count > 0; ++twice) v.noalias() -= taken * (taken.transpose() * v).eval();
-    const double square = v.squaredNorm();
-    if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
-    v /= std::sqrt(square);
-    fresh.col(count++) = v;
-    space.y -= v * v.dot(space.y);
-  }
-  if (count == 0) return;
-  const Index had = space.q.cols();
-  space.q.conservativeResize(space.y.size(), had + count);
-  space.q.rightCols(count) = fresh.leftCols(count);
+  absorb_left(space, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
 }
 
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
@@ -199,20 +212,16 @@ Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
 Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) const {
   if (has_places(f)) return choice_in(view_of(space, f), f, nonlinear);
   const Family& family = families_[f];
-  const Columns columns = regressors_.columns(family.effect, nonlinear, family.acting);
+  const BesideBase& of = beside_base(f, nonlinear);
+  const MatrixXd left = left_beside(space, of.columns);
   Choice choice;
-  if (columns.fixed.size() > 0) {
-    const VectorXd white = whitener_(columns.fixed);
-    const VectorXd left = left_beside(space.q, white);
-    choice.gain =
-        left.squaredNorm() <= kAbsorbed * white.squaredNorm() ? -1.0 : 2.0 * left.dot(space.y) - left.squaredNorm();
+  if (family.effect.traits().fixed_size) {
+    const double square = left.squaredNorm();
+    choice.gain = square <= kAbsorbed * of.squares(0) ? -1.0 : 2.0 * left.col(0).dot(space.y) - square;
     choice.cost = price_of(family, nonlinear).of(0);
   } else {
-    const MatrixXd white = whitener_(columns.of);
-    const VectorXd original = white.colwise().squaredNorm();
-    const MatrixXd left = left_beside(space.q, white);
     const auto& variants = banks_[f].variants;
-    choice = choice_of(best_gain(family, variants, left.transpose() * left, left.transpose() * space.y, original,
+    choice = choice_of(best_gain(family, variants, left.transpose() * left, left.transpose() * space.y, of.squares,
                                  kAbsorbed, price_of(family, nonlinear)),
                        variants);
   }
@@ -281,31 +290,42 @@ Columns Search::columns_of(const Choice& choice) const {
   return chosen;
 }
 
-const MatrixXd& Search::white_columns_of(const Choice& choice) const {
-  if (white_columns_.size() >= kMostKept) white_columns_.clear();
-  const auto [at, is_new] =
-      white_columns_.try_emplace(std::tuple(choice.family, choice.nonlinear, choice.columns), MatrixXd());
+const Search::BesideBase& Search::beside_base(std::size_t f, double nonlinear) const {
+  if (beside_base_.size() >= kMostKept) beside_base_.clear();
+  const auto [at, is_new] = beside_base_.try_emplace({f, nonlinear});
   if (is_new) {
-    const Columns columns = columns_of(choice);
-    at->second = whitener_(columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of);
+    const Columns columns = regressors_.columns(families_[f].effect, nonlinear, families_[f].acting);
+    const MatrixXd white = whitener_(columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of);
+    at->second = {left_beside_basis(base_.q, white), white.colwise().squaredNorm()};
   }
   return at->second;
+}
+
+MatrixXd Search::left_beside(const Space& space, MatrixXd columns) const {
+  return left_beside_basis(space.q.rightCols(space.q.cols() - base_.q.cols()), std::move(columns));
+}
+
+void Search::absorb_choice(Space& space, const Choice& choice) const {
+  const BesideBase& of = beside_base(choice.family, choice.nonlinear);
+  absorb_left(space, left_beside(space, of.columns(Eigen::all, choice.columns)), of.squares(choice.columns));
 }
 
 Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
   Solution solution;
   solution.chosen = chosen;
   solution.own = own;
-  solution.space = base_;
-  for (const Choice& choice : own) absorb(solution.space, white_columns_of(choice));
+  const bool is_known = !own.empty() && same_values(own, alone_.own);
+  solution.space = is_known ? alone_.space : base_;
+  if (!is_known)
+    for (const Choice& choice : own) absorb_choice(solution.space, choice);
   solution.chi2_before = own.empty() ? base_.chi2() : alone_.space.chi2();
   for (Choice& choice : solution.chosen) {
     const double before = solution.space.chi2();
     const Index had = solution.space.q.cols();
     if (families_[choice.family].effect.traits().fixed_size)
-      solution.space.y -= left_beside(solution.space.q, white_columns_of(choice)).col(0);
+      solution.space.y -= left_beside(solution.space, beside_base(choice.family, choice.nonlinear).columns).col(0);
     else
-      absorb(solution.space, white_columns_of(choice));
+      absorb_choice(solution.space, choice);
     choice.gain = before - solution.space.chi2();
     if (families_[choice.family].effect.traits().is_curve) {  // functions that another curve has too are paid for once
       const std::size_t fresh = static_cast<std::size_t>(solution.space.q.cols() - had);

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -187,8 +186,8 @@ class Search {
   [[nodiscard]] Price price_of(const Family& family, double nonlinear) const;
   [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
   /// Scores of all values of a family, best first, at most this many; those that gain nothing left out.
-  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
-                                              const Eigen::VectorXd& y, std::size_t most) const;
+  /// @param seen  at_motions() of a space
+  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Space& seen, std::size_t most) const;
   /// At a limit of its range: it is another effect under its name.
   [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
@@ -203,8 +202,18 @@ class Search {
   [[nodiscard]] Solution best_alone() const;
   /// The best of all values for each own term in turn, then of all together.
   [[nodiscard]] Solution alone_with(bool far) const;
-  /// Columns of a choice, whitened; the latest are kept, for neighbouring solutions share most of theirs.
-  [[nodiscard]] const Eigen::MatrixXd& white_columns_of(const Choice& choice) const;
+  /// Columns of a family at one value, whitened, what the base spans taken off; an effect of fixed size has one.
+  struct BesideBase {
+    Eigen::MatrixXd columns;
+    Eigen::VectorXd squares;  ///< before it was taken off
+  };
+  /// The latest are kept: every space is an extension of the base, and most effects are looked at beside many of them.
+  [[nodiscard]] const BesideBase& beside_base(std::size_t family, double nonlinear) const;
+  /// Columns of beside_base() less what `space` has absorbed since.
+  [[nodiscard]] Eigen::MatrixXd left_beside(const Space& space, Eigen::MatrixXd beside_base) const;
+  void absorb_choice(Space& space, const Choice& choice) const;
+  /// What a space has absorbed beyond the base, and what is left there, for products with motions; the latest is kept.
+  [[nodiscard]] const Space& at_motions(const Space& space) const;
 
   const Regressors& regressors_;
   const Whitener& whitener_;
@@ -217,7 +226,8 @@ class Search {
   std::vector<FamilyBank> banks_;
   std::vector<Item> items_;
   std::vector<double> grams_;
-  mutable std::map<std::tuple<std::size_t, double, std::vector<Eigen::Index>>, Eigen::MatrixXd> white_columns_;
+  mutable std::map<std::pair<std::size_t, double>, BesideBase> beside_base_;
+  mutable Space seen_, seen_at_motions_;  ///< of at_motions(): the space beyond the base, and the answer
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.

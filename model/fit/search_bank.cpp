@@ -39,6 +39,17 @@ MatrixXd Search::at_motions(const MatrixXd& white) const {
   return regressors_.motions_from(whitener_.transposed(white));
 }
 
+const Space& Search::at_motions(const Space& space) const {
+  const auto more = space.q.rightCols(space.q.cols() - base_.q.cols());
+  const bool is_known =
+      seen_.y.size() == space.y.size() && seen_.q.cols() == more.cols() && seen_.y == space.y && seen_.q == more;
+  if (!is_known) {
+    seen_ = {more, space.y};
+    seen_at_motions_ = {at_motions(seen_.q), at_motions(MatrixXd(space.y))};
+  }
+  return seen_at_motions_;
+}
+
 MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
   const FamilyBank& bank = banks_[f];
   const std::vector<std::size_t>& acting = families_[f].acting.rows;
@@ -193,12 +204,11 @@ void Search::build_bank() {
 
 Search::View Search::view_of(const Space& space, std::size_t f) const {
   const FamilyBank& bank = banks_[f];
-  const Index base = base_.q.cols(), more = space.q.cols() - base;
+  const Space& seen = at_motions(space);
   View view;
-  view.y = gathered(f, at_motions(MatrixXd(space.y))).col(0);
+  view.y = gathered(f, seen.y).col(0);
   view.q.resize(bank.nodes, space.q.cols());
-  view.q.leftCols(base) = bank.base_q;
-  view.q.rightCols(more) = gathered(f, at_motions(MatrixXd(space.q.rightCols(more))));
+  view.q << bank.base_q, gathered(f, seen.q);
   return view;
 }
 

@@ -185,14 +185,13 @@ bool is_fraction_of_turn(double period_deg) {
 
 }  // namespace
 
-std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, const VectorXd& y,
-                                      std::size_t most) const {
+std::vector<Choice> Search::scores_of(std::size_t f, const Space& seen, std::size_t most) const {
   const Family& family = families_[f];
   const FamilyBank& bank = banks_[f];
   const MatrixXf& columns = bank.shapes->columns;
-  const VectorXd z = (columns.transpose() * gathered(f, y).cast<float>()).cast<double>();
+  const VectorXd z = (columns.transpose() * gathered(f, seen.y).cast<float>()).cast<double>();
   MatrixXd lost;
-  if (more_q.cols() > 0) lost = (gathered(f, more_q).cast<float>().transpose() * columns).cast<double>();
+  if (seen.q.cols() > 0) lost = (gathered(f, seen.q).cast<float>().transpose() * columns).cast<double>();
   struct Scored {
     Gain gain;
     std::size_t item = 0;
@@ -254,8 +253,8 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
 bool Search::too_steep(const Space& space, const Choice& choice) const {
   const EffectInstance& effect = families_[choice.family].effect;
   if (effect.sense && is_rotation(*effect.sense)) return false;
-  const MatrixXd white = without(space.q, white_columns_of(choice));
-  const double amplitude_um = least_squares(white, space.y).norm();
+  const MatrixXd wave = beside_base(choice.family, choice.nonlinear).columns(Eigen::all, choice.columns);
+  const double amplitude_um = least_squares(left_beside(space, wave), space.y).norm();
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }
 
@@ -284,18 +283,16 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
-  return scores_of(f, at_motions(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols()))),
-                   at_motions(MatrixXd(space.y)).col(0), items_.size());
+  return scores_of(f, at_motions(space), items_.size());
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
-  const VectorXd y = at_motions(MatrixXd(space.y)).col(0);
-  const MatrixXd more_q = at_motions(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols())));
+  const Space& seen = at_motions(space);
   std::vector<std::vector<Choice>> peaks(candidates_);
   std::vector<Choice> list;
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
-    peaks[f] = scores_of(f, more_q, y, kMostPeaks);
+    peaks[f] = scores_of(f, seen, kMostPeaks);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
   sort_greatest_first(list, score_of);
