@@ -482,24 +482,31 @@ SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise
 Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
   const auto n = static_cast<Eigen::Index>(data_.size());
   Eigen::MatrixXd sets = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(count));
+  std::vector<std::vector<double>> memories(noise_.shapes.size());  // of each shape drawn, at each reading
   for (Eigen::Index b = 0; b < sets.cols(); ++b) {
-    const NoiseShape& shape = noise_.shapes[any_(random_)];
+    const std::size_t number = any_(random_);
+    const NoiseShape& shape = noise_.shapes[number];
+    std::vector<double>& memory_at = memories[number];
     const double widen = std::sqrt(spread_.freedom() / spread_(random_));
     const auto memory_since = [&](std::size_t before, std::size_t k) {
       if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
       if (std::isnan(data_.time_s[k]) || std::isnan(data_.time_s[before])) return 0.0;
       return std::exp(-std::max(0.0, data_.time_s[k] - data_.time_s[before]) / shape.time);
     };
+    if (memory_at.empty() && shape.share > 0.0) {
+      memory_at.resize(data_.size());
+      for (const NoiseGroup& group : noise_.groups)
+        for (std::size_t i = 0; i < group.rows.size(); ++i)
+          memory_at[group.rows[i]] = memory_since(group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
+    }
     for (std::size_t g = 0; g < noise_.groups.size(); ++g) {
       const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
       const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
       double state = correlated > 0.0 ? normal_(random_) : 0.0;
-      std::size_t before = noise_.groups[g].rows.front();
       for (const std::size_t k : noise_.groups[g].rows) {
         if (correlated > 0.0) {
-          const double memory = memory_since(before, k);
+          const double memory = memory_at[k];
           state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal_(random_);
-          before = k;
         }
         if (!left_out_[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal_(random_) + correlated * state;
       }
@@ -510,7 +517,7 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
 
 Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out) {
   steps_.reserve(data.size());
-  const std::vector<std::size_t> pass = passes_of(data);
+  const std::vector<std::size_t> pass = noise.has_time ? std::vector<std::size_t>() : passes_of(data);
   for (const NoiseGroup& group : noise.groups) {
     const double stationary = group.correlated * group.correlated;
     const double white = group.white * group.white;

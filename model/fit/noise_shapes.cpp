@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
@@ -14,6 +15,7 @@ namespace ecs::model {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// What takes longer is no turbulence: readings where there is no time, else seconds (about three correlation times of
@@ -50,17 +52,12 @@ constexpr double kLeastRatio = 1e-3, kGreatestRatio = 1e3;
 /// scatter is known to a few per cent itself, so that a small excess costs little and a double one everything.
 constexpr double kPriceOfExcess = 0.1;
 
-/// Orders of a polynomial and the deviations of a pass: few columns, worked on row by row.
-using RowMajor =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, Eigen::Dynamic, kMostDegree + 2>;
-using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostDegree + 2>;
-
 /// Readings of one pass in order, with the time of each, and its low polynomial in time.
 struct Pass {
   std::size_t group = 0;
   std::vector<std::size_t> rows;
   std::vector<double> time;  ///< s, or readings
-  RowMajor columns;          ///< orders of the polynomial, then the deviations
+  MatrixXd columns;          ///< orders of the polynomial, then the deviations
 };
 
 /// Chebyshev polynomials of the time of a pass and the deviations: what a pass as a whole does need not be noise.
@@ -150,26 +147,34 @@ struct PassFit {
   double ln_determinant = 0.0;
   double freedom = 0.0;
 };
-PassFit fitted_pass(const Pass& pass, double share, double time) {
-  RowMajor columns = pass.columns;
-  const Index n = columns.rows(), orders = columns.cols() - 1;
+/// What a process of this correlation time remembers at each reading of the one before.
+std::vector<double> memories_of(const Pass& pass, double time) {
+  std::vector<double> memories(pass.time.size(), 0.0);
+  for (std::size_t i = 1; i < memories.size(); ++i) memories[i] = std::exp((pass.time[i - 1] - pass.time[i]) / time);
+  return memories;
+}
+
+/// @tparam kColumns  of the pass: a row is worked on at once
+template <int kColumns>
+PassFit fitted_columns(const Pass& pass, double share, const std::vector<double>& memories) {
+  constexpr Index kRowsALogarithm = 16;  // the product of their variances is far from the least of a double
+  using Row = Eigen::Matrix<double, 1, kColumns>;
+  Eigen::Matrix<double, Eigen::Dynamic, kColumns> columns = pass.columns;
+  const Index n = columns.rows(), orders = kColumns - 1;
   PassFit fit;
-  double variance = share, step_of_memory = -1.0, memory = 0.0;
-  Row state = Row::Zero(columns.cols());
+  double variance = share, innovations = 1.0;
+  Row state = Row::Zero();
   for (Index i = 0; i < n; ++i) {
-    if (i > 0) {
-      const double step = pass.time[static_cast<std::size_t>(i)] - pass.time[static_cast<std::size_t>(i - 1)];
-      if (step != step_of_memory) memory = std::exp(-step / time);
-      step_of_memory = step;
-      variance = memory * memory * (variance - share) + share;
-      state *= memory;
-    }
-    const double innovation = variance + 1.0 - share;
+    const double memory = memories[static_cast<std::size_t>(i)];
+    variance = memory * memory * (variance - share) + share;
+    state *= memory;
+    const double innovation = variance + 1.0 - share, gain = variance / innovation;
     const Row fresh = columns.row(i) - state;
-    state += variance / innovation * fresh;
-    variance *= 1.0 - variance / innovation;
-    columns.row(i) = fresh / std::sqrt(innovation);
-    fit.ln_determinant += std::log(innovation);
+    state += gain * fresh;
+    variance *= 1.0 - gain;
+    columns.row(i) = fresh * (1.0 / std::sqrt(innovation));
+    innovations *= innovation;
+    if (i % kRowsALogarithm == 0 || i + 1 == n) fit.ln_determinant += std::log(std::exchange(innovations, 1.0));
   }
   fit.low.resize(orders);
   for (Index j = 0; j < orders; ++j) {  // modified Gram-Schmidt (Golub and Van Loan 2013, 5.2.8)
@@ -187,6 +192,13 @@ PassFit fitted_pass(const Pass& pass, double share, double time) {
   return fit;
 }
 
+PassFit fitted_pass(const Pass& pass, double share, const std::vector<double>& memories) {
+  static_assert(kMostDegree == 5);
+  constexpr std::array kFits{fitted_columns<2>, fitted_columns<3>, fitted_columns<4>,
+                             fitted_columns<5>, fitted_columns<6>, fitted_columns<7>};
+  return kFits[static_cast<std::size_t>(pass.columns.cols() - 2)](pass, share, memories);
+}
+
 /// The passes without the few that scatter far more than the others of their group: something happened there.
 std::vector<Pass> quiet_passes(std::vector<Pass> passes, std::size_t groups) {
   // a choice: a pass of 2.5 times the median level is no chance; where a fifth of them are so, that is the noise
@@ -194,7 +206,7 @@ std::vector<Pass> quiet_passes(std::vector<Pass> passes, std::size_t groups) {
   std::vector<std::vector<double>> squares(groups);
   std::vector<double> square(passes.size(), kNotMeasured), limit(passes.size(), 0.0);
   for (std::size_t i = 0; i < passes.size(); ++i) {
-    const PassFit fit = fitted_pass(passes[i], 0.0, 1.0);
+    const PassFit fit = fitted_pass(passes[i], 0.0, memories_of(passes[i], 1.0));
     if (fit.freedom < kFewestPassFreedom) continue;
     square[i] = fit.residual.squaredNorm() / fit.freedom;
     limit[i] = kFar * (1.0 + kThreeSigma * std::sqrt(2.0 / fit.freedom));
@@ -318,12 +330,19 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
   }
   const double judged = std::min(1.0, static_cast<double>(kMostJudged) / static_cast<double>(data.size()));
   std::vector<double> nats_white;
+  std::vector<std::vector<double>> memories(
+      passes.size());  // of the shape before: shapes of one time follow each other
+  double time_of_memories = kNotMeasured;
   const auto weigh = [&](NoiseShape& shape) {
+    for (std::size_t i = 0; i < passes.size() && shape.time != time_of_memories; ++i)
+      memories[i] = memories_of(passes[i], shape.time);
+    time_of_memories = shape.time;
     std::vector<std::vector<double>> squares(groups.size());
     std::vector<double> freedom(groups.size(), 0.0), count(groups.size(), 0.0), level(groups.size(), 0.0);
     std::vector<PassFit> fits;
-    for (const Pass& pass : passes) {
-      fits.push_back(fitted_pass(pass, shape.share, shape.time));
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      const Pass& pass = passes[i];
+      fits.push_back(fitted_pass(pass, shape.share, memories[i]));
       for (const double r : fits.back().residual) squares[pass.group].push_back(r * r);
       freedom[pass.group] += fits.back().freedom;
       count[pass.group] += static_cast<double>(fits.back().residual.size());
