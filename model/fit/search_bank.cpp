@@ -155,7 +155,13 @@ void Search::build_grams(std::size_t f) {
   const auto n = static_cast<Index>(regressors_.motions().size());
   const Shapes& shapes = *bank.shapes;
   MatrixXf weight, base_q;
-  if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes) {
+  const bool few_places = !shapes.place_mm.empty() && bank.nodes <= kMostNodes;
+  for (std::size_t other = 0; other < f && few_places && !has_places(f); ++other)
+    if (has_places(other) && banks_[other].node_of == bank.node_of && families_[other].acting.rows == rows) {
+      bank.weight = banks_[other].weight;
+      bank.base_q = banks_[other].base_q;
+    }
+  if (few_places && !has_places(f)) {
     MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
     for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
     const MatrixXd white = whitener_(regressors_.readings_from(std::move(indicators)));
@@ -163,6 +169,8 @@ void Search::build_grams(std::size_t f) {
     bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
     bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
     bank.base_q = white.transpose() * base_.q;
+  }
+  if (has_places(f)) {
     weight = bank.weight.cast<float>();
     base_q = bank.base_q.cast<float>();
   }
