@@ -482,11 +482,14 @@ SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise
 Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
   const auto n = static_cast<Eigen::Index>(data_.size());
   Eigen::MatrixXd sets = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(count));
-  std::vector<std::vector<double>> memories(noise_.shapes.size());  // of each shape drawn, at each reading
+  struct Memory {
+    double kept = 0.0, fresh = 1.0;  ///< of the reading before; new beside it
+  };
+  std::vector<std::vector<Memory>> memories(noise_.shapes.size());  // of each shape drawn, at each reading
   for (Eigen::Index b = 0; b < sets.cols(); ++b) {
     const std::size_t number = any_(random_);
     const NoiseShape& shape = noise_.shapes[number];
-    std::vector<double>& memory_at = memories[number];
+    std::vector<Memory>& memory_at = memories[number];
     const double widen = std::sqrt(spread_.freedom() / spread_(random_));
     const auto memory_since = [&](std::size_t before, std::size_t k) {
       if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
@@ -496,18 +499,17 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
     if (memory_at.empty() && shape.share > 0.0) {
       memory_at.resize(data_.size());
       for (const NoiseGroup& group : noise_.groups)
-        for (std::size_t i = 0; i < group.rows.size(); ++i)
-          memory_at[group.rows[i]] = memory_since(group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
+        for (std::size_t i = 0; i < group.rows.size(); ++i) {
+          const double kept = memory_since(group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
+          memory_at[group.rows[i]] = {kept, std::sqrt(std::max(0.0, 1.0 - kept * kept))};
+        }
     }
     for (std::size_t g = 0; g < noise_.groups.size(); ++g) {
       const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
       const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
       double state = correlated > 0.0 ? normal_(random_) : 0.0;
       for (const std::size_t k : noise_.groups[g].rows) {
-        if (correlated > 0.0) {
-          const double memory = memory_at[k];
-          state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal_(random_);
-        }
+        if (correlated > 0.0) state = memory_at[k].kept * state + memory_at[k].fresh * normal_(random_);
         if (!left_out_[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal_(random_) + correlated * state;
       }
     }
@@ -561,31 +563,39 @@ Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std:
   }
 }
 
-void Whitener::apply(const double* from, double* to) const {
-  double state = 0.0;
-  for (const Step& step : steps_) {
-    if (step.scale == 0.0) {
-      to[step.row] = 0.0;
-      continue;
+template <int kColumns>
+void Whitener::apply(const double* from, double* to, Eigen::Index rows) const {
+  Eigen::Vector<double, kColumns> state = Eigen::Vector<double, kColumns>::Zero();
+  for (const Step& step : steps_)
+    for (Eigen::Index j = 0; j < kColumns; ++j) {
+      const auto at = static_cast<Eigen::Index>(step.row) + j * rows;
+      if (step.scale == 0.0) {
+        to[at] = 0.0;
+        continue;
+      }
+      const double expected = step.memory * state(j);
+      const double innovation = from[at] - expected;
+      state(j) = expected + step.gain * innovation;
+      to[at] = innovation * step.scale;
     }
-    const double expected = step.memory * state;
-    const double innovation = from[step.row] - expected;
-    state = expected + step.gain * innovation;
-    to[step.row] = innovation * step.scale;
-  }
 }
 
-void Whitener::apply_transposed(const double* from, double* to) const {
-  double later = 0.0;  // what the steps after this one owe to its state
+template <int kColumns>
+void Whitener::apply_transposed(const double* from, double* to, Eigen::Index rows) const {
+  Eigen::Vector<double, kColumns> later =
+      Eigen::Vector<double, kColumns>::Zero();  // what the steps after this one owe to its state
   for (std::size_t i = steps_.size(); i-- > 0;) {
     const Step& step = steps_[i];
-    if (step.scale == 0.0) {
-      to[step.row] = 0.0;
-      continue;
+    for (Eigen::Index j = 0; j < kColumns; ++j) {
+      const auto at = static_cast<Eigen::Index>(step.row) + j * rows;
+      if (step.scale == 0.0) {
+        to[at] = 0.0;
+        continue;
+      }
+      const double scaled = step.scale * from[at];
+      to[at] = scaled + step.gain * later(j);
+      later(j) = step.memory * ((1.0 - step.gain) * later(j) - scaled);
     }
-    const double scaled = step.scale * from[step.row];
-    to[step.row] = scaled + step.gain * later;
-    later = step.memory * ((1.0 - step.gain) * later - scaled);
   }
 }
 
@@ -596,21 +606,36 @@ double Whitener::ln_determinant() const {
   return sum;
 }
 
-Eigen::MatrixXd Whitener::transposed(const Eigen::MatrixXd& white) const {
-  Eigen::MatrixXd out(white.rows(), white.cols());
-  for (Eigen::Index j = 0; j < white.cols(); ++j) apply_transposed(white.col(j).data(), out.col(j).data());
+namespace {
+
+/// Each step waits for the one before: several columns at once take little longer than one.
+constexpr int kAtOnce = 4;
+
+template <class Several, class One>
+Eigen::MatrixXd by_columns(const Eigen::MatrixXd& columns, const Several& several, const One& one) {
+  Eigen::MatrixXd out(columns.rows(), columns.cols());
+  Eigen::Index j = 0;
+  for (; j + kAtOnce <= columns.cols(); j += kAtOnce) several(columns.col(j).data(), out.col(j).data(), columns.rows());
+  for (; j < columns.cols(); ++j) one(columns.col(j).data(), out.col(j).data(), columns.rows());
   return out;
 }
 
+}  // namespace
+
+Eigen::MatrixXd Whitener::transposed(const Eigen::MatrixXd& white) const {
+  return by_columns(
+      white, [&](auto... columns) { apply_transposed<kAtOnce>(columns...); },
+      [&](auto... column) { apply_transposed<1>(column...); });
+}
+
 Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd white(columns.rows(), columns.cols());
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) apply(columns.col(j).data(), white.col(j).data());
-  return white;
+  return by_columns(
+      columns, [&](auto... several) { apply<kAtOnce>(several...); }, [&](auto... one) { apply<1>(one...); });
 }
 
 Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& column) const {
   Eigen::VectorXd white(column.size());
-  apply(column.data(), white.data());
+  apply<1>(column.data(), white.data(), column.size());
   return white;
 }
 

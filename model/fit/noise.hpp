@@ -128,8 +128,11 @@ class Whitener {
     double scale = 0.0;  ///< 1/standard deviation of the innovation; 0: left out
   };
   std::vector<Step> steps_;  ///< group after group; memory 0 at the start of each
-  void apply(const double* from, double* to) const;
-  void apply_transposed(const double* from, double* to) const;
+  /// So many columns of this many rows, one behind the other.
+  template <int kColumns>
+  void apply(const double* from, double* to, Eigen::Index rows) const;
+  template <int kColumns>
+  void apply_transposed(const double* from, double* to, Eigen::Index rows) const;
 };
 
 /// Mean of squares without those beyond twenty times the variance that their median shows; 0 for none.
