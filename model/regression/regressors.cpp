@@ -266,12 +266,14 @@ Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Ac
   const std::size_t count = definition.leading_columns() + basis.size();
   Eigen::MatrixXd columns =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions_.size()), static_cast<Eigen::Index>(count));
+  std::map<double, Eigen::RowVectorXd> at_place;  // targets repeat
   for (const std::size_t k : acting.rows) {
     const double p = motions_.p_mm(k, *effect.axis);
     const double factor = definition.curve_factor({motions_, k, effect}) * chain_factor(motions_, k, effect);
-    for (std::size_t f = 0; f < count; ++f)
-      columns(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
-          factor * curve_function(definition, basis, f, p);
+    const auto [at, is_new] = at_place.try_emplace(p, columns.cols());
+    for (std::size_t f = 0; f < count && is_new; ++f)
+      at->second(static_cast<Eigen::Index>(f)) = curve_function(definition, basis, f, p);
+    columns.row(static_cast<Eigen::Index>(k)) = factor * at->second;
   }
   return columns;
 }
