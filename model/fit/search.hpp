@@ -25,6 +25,11 @@ struct Space {
   [[nodiscard]] double chi2() const { return y.squaredNorm(); }
 };
 
+[[nodiscard]] inline bool same_matrix(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
 /// Adds whitened columns to what is absorbed; columns that are (nearly) absorbed already do not count.
 void absorb(Space& space, const Eigen::MatrixXd& white_columns);
 
@@ -145,11 +150,6 @@ class Search {
     std::size_t gram = 0;  ///< place of its products in `grams_`: count × count, then the original squares
     bool coarse = false;   ///< part of the thinner grid that the blanks use
     Price price{};
-  };
-  /// Shapes of a family at all its values, once per place instead of once per reading.
-  struct Shapes {
-    std::vector<double> place_mm;  ///< of each node; empty: every reading is a node of its own
-    Eigen::MatrixXf columns;       ///< (nodes × columns)
   };
   struct FamilyBank {
     std::vector<Eigen::Index> node_of;  ///< per acting row

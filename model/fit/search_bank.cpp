@@ -68,7 +68,7 @@ void Search::build_shapes(std::size_t f) {
   FamilyBank& bank = banks_[f];
   const EffectDefinition& definition = family.effect.definition();
   const bool of_place = definition.columns_of_place != nullptr && regressors_.data().through_chain.empty();
-  Shapes shapes;
+  Shapes shapes{family.effect, family.grid, family.facts, {}, {}};
   const std::vector<std::size_t>& rows = family.acting.rows;
   if (of_place) {
     std::vector<double> p;
@@ -83,6 +83,11 @@ void Search::build_shapes(std::size_t f) {
   }
 
   const bool periodic = definition.traits.periodic;
+  const auto kept = std::ranges::find_if(regressors_.shapes(), [&](const auto& one) {
+    return one->grid == shapes.grid && one->facts == shapes.facts && one->place_mm == shapes.place_mm &&
+           (of_place ? one->effect.id == shapes.effect.id : !periodic && one->effect == shapes.effect);
+  });
+  if (kept != regressors_.shapes().end()) bank.shapes = *kept;
   Index total = 0;
   bank.first = items_.size();
   const auto add = [&](double value, Index count, bool coarse) {
@@ -90,6 +95,9 @@ void Search::build_shapes(std::size_t f) {
     total += count;
   };
   Index count = periodic ? 2 : 1;
+  if (bank.shapes && !of_place)
+    count = bank.shapes->columns.cols() / static_cast<Index>(shapes.grid.size() + shapes.facts.size());
+  const bool by_part = !of_place && !bank.shapes;
   std::vector<MatrixXd> parts;
   const auto part_at = [&](double value) {
     const Columns columns = regressors_.motion_columns(family.effect, value, family.acting);
@@ -102,7 +110,7 @@ void Search::build_shapes(std::size_t f) {
   for (const bool coarse : {true, false})  // the thinner grid for simulated noise comes first, in one piece
     for (std::size_t i = 0; i < family.grid.size(); ++i) {
       if (coarse != (!periodic || i % 2 == 0)) continue;
-      if (!of_place) {
+      if (by_part) {
         parts.push_back(part_at(family.grid[i]));
         if (periodic) parts.back().conservativeResize(Eigen::NoChange, count);  // the fundamental
         count = parts.back().cols();
@@ -110,17 +118,12 @@ void Search::build_shapes(std::size_t f) {
       add(family.grid[i], count, coarse);
     }
   for (const double value : family.facts) {
-    if (!of_place) parts.push_back(part_at(value));
+    if (by_part) parts.push_back(part_at(value));
     add(value, periodic ? static_cast<Index>(definition.column_count()) : count, false);
   }
   bank.last = items_.size();
 
-  for (std::size_t other = 0; other < f && of_place; ++other)
-    if (families_[other].effect.id == family.effect.id && families_[other].grid == family.grid &&
-        families_[other].facts == family.facts && banks_[other].shapes->place_mm == shapes.place_mm) {
-      bank.shapes = banks_[other].shapes;
-      return;
-    }
+  if (bank.shapes) return;
   shapes.columns.resize(bank.nodes, total);
   for (std::size_t i = bank.first; i < bank.last; ++i) {
     const Item& item = items_[i];
@@ -129,6 +132,7 @@ void Search::build_shapes(std::size_t f) {
                  : parts[i - bank.first].cast<float>();
   }
   bank.shapes = std::make_shared<const Shapes>(std::move(shapes));
+  regressors_.keep(bank.shapes);
 }
 
 void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXf& left, const MatrixXf& right,

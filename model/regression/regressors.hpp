@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,15 @@ struct Columns {
   Eigen::MatrixXd of;       ///< (readings × linear coefficients), 0 where the effect does not act
   Eigen::VectorXd fixed;    ///< part that no coefficient scales (size 0: none)
   std::size_t leading = 0;  ///< curves: the first this many are mean and slope, then functions of rising roughness
+};
+
+/// Columns of an effect at all values that a search tries, a row for each reading that it acts on; of one that depends
+/// on the position of its axis alone a row for each place.
+struct Shapes {
+  EffectInstance effect;
+  std::vector<double> grid, facts;  ///< the values
+  std::vector<double> place_mm;     ///< of each row; empty: of readings
+  Eigen::MatrixXf columns;
 };
 
 class Regressors {
@@ -67,6 +77,10 @@ class Regressors {
   [[nodiscard]] Eigen::MatrixXd readings_from(Eigen::MatrixXd of_motions) const;
   [[nodiscard]] Eigen::MatrixXd motions_from(Eigen::MatrixXd of_readings) const;
 
+  /// What searches have made of these readings, for the next ones: noise and model do not change it.
+  [[nodiscard]] const std::vector<std::shared_ptr<const Shapes>>& shapes() const { return shapes_; }
+  void keep(std::shared_ptr<const Shapes> shapes) const { shapes_.push_back(std::move(shapes)); }
+
   /// Whether lines along the axis of an angular error see it through different levers at one target, which tells it
   /// from other shapes of position.
   [[nodiscard]] bool lever_varies(const EffectInstance& effect) const;
@@ -77,6 +91,7 @@ class Regressors {
   const Observations& data_;
   const Observations& motions_;
   mutable std::map<std::string, CurveBasis> bases_;
+  mutable std::vector<std::shared_ptr<const Shapes>> shapes_;
 };
 
 /// Function of a column of an effect that is a curve, without its factor: mean and slope that it keeps, then `basis`.
