@@ -36,17 +36,33 @@ Structure::Structure(const Observations& data, const Whitener& whitener, double 
   for (const Variable& variable : variables_) white_.push_back(whitener(variable.columns));
 }
 
-StructureTest Structure::test_of(const Space& space, std::size_t variable) const {
+Structure::Beyond Structure::beyond(const Space& space, std::size_t variable) const {
   Space more = space;
-  const double before = more.chi2();
   absorb(more, white_[variable]);
+  return {more.q.rightCols(more.q.cols() - space.q.cols()), more.chi2()};
+}
+
+const std::vector<Structure::Beyond>& Structure::all_beyond(const Space& space) const {
+  if (beyond_.size() == variables_.size() && same_matrix(latest_.y, space.y) && same_matrix(latest_.q, space.q))
+    return beyond_;
+  latest_ = space;
+  beyond_.clear();
+  for (std::size_t v = 0; v < variables_.size(); ++v) beyond_.push_back(beyond(space, v));
+  return beyond_;
+}
+
+StructureTest Structure::test_of(const Space& space, std::size_t variable, const Beyond& beyond) const {
   StructureTest test;
   test.variable = variables_[variable].name;
-  test.gain = before - more.chi2();
-  test.freedom = static_cast<double>(more.q.cols() - space.q.cols());
+  test.gain = space.chi2() - beyond.chi2;
+  test.freedom = static_cast<double>(beyond.q.cols());
   test.excess = (test.gain - test.freedom) / static_cast<double>(space.y.size());
   test.minus_log_p = minus_log_p(test.gain, test.freedom, noise_freedom_);
   return test;
+}
+
+StructureTest Structure::test_of(const Space& space, std::size_t variable) const {
+  return test_of(space, variable, beyond(space, variable));
 }
 
 std::vector<StructureTest> tests_beyond_position(const Observations& data, const Whitener& whitener,
@@ -61,7 +77,7 @@ std::vector<StructureTest> tests_beyond_position(const Observations& data, const
 
 std::vector<StructureTest> Structure::tests(const Space& space) const {
   std::vector<StructureTest> tests;
-  for (std::size_t v = 0; v < variables_.size(); ++v) tests.push_back(test_of(space, v));
+  for (std::size_t v = 0; v < variables_.size(); ++v) tests.push_back(test_of(space, v, all_beyond(space)[v]));
   return tests;
 }
 
@@ -73,12 +89,10 @@ double largest_of(const std::vector<StructureTest>& tests) {
 
 std::vector<double> Structure::largest_of(const Space& space, const MatrixXf& noise_replicates) const {
   std::vector<double> largest(static_cast<std::size_t>(noise_replicates.cols()), 0.0);
-  for (std::size_t v = 0; v < variables_.size(); ++v) {
-    Space more = space;
-    absorb(more, white_[v]);
-    const Index fresh = more.q.cols() - space.q.cols();
+  for (const Beyond& beyond : all_beyond(space)) {
+    const Index fresh = beyond.q.cols();
     if (fresh == 0) continue;
-    const MatrixXf products = more.q.rightCols(fresh).cast<float>().transpose() * noise_replicates;
+    const MatrixXf products = beyond.q.cast<float>().transpose() * noise_replicates;
     for (Index b = 0; b < noise_replicates.cols(); ++b) {
       double& top = largest[static_cast<std::size_t>(b)];
       top = std::max(top, minus_log_p(static_cast<double>(products.col(b).squaredNorm()), static_cast<double>(fresh),

@@ -38,9 +38,21 @@ class Structure {
   [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
 
  private:
+  /// What a variable adds to a space.
+  struct Beyond {
+    Eigen::MatrixXd q;  ///< orthonormal
+    double chi2 = 0.0;  ///< that it leaves
+  };
+  [[nodiscard]] Beyond beyond(const Space& space, std::size_t variable) const;
+  [[nodiscard]] StructureTest test_of(const Space& space, std::size_t variable, const Beyond& beyond) const;
+  /// Of all variables; kept for the latest space, for its tests and replicates.
+  [[nodiscard]] const std::vector<Beyond>& all_beyond(const Space& space) const;
+
   std::vector<Variable> variables_;
   std::vector<Eigen::MatrixXd> white_;
   double noise_freedom_;
+  mutable Space latest_;
+  mutable std::vector<Beyond> beyond_;
 };
 
 /// The tests of what each variable explains beyond the position along the measured line. @param tests  those of
