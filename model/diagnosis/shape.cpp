@@ -54,6 +54,7 @@ struct ShapeFit {
   }
 };
 
+using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -75,7 +76,10 @@ std::vector<double> steps(double least, double most, double step) {
 
 class ShapeSearch {
  public:
-  explicit ShapeSearch(const Points& points) : points_(points), y_(static_cast<Index>(points.size())) {
+  explicit ShapeSearch(const Points& points)
+      : points_(points),
+        y_(static_cast<Index>(points.size())),
+        inverse_sigma_(Eigen::Map<const ArrayXd>(points.sigma.data(), y_.size()).inverse()) {
     for (Index i = 0; i < y_.size(); ++i) y_(i) = mean(i) / sigma(i);
     constant_ = fitted({[](double) { return 1.0; }}, nullptr);
   }
@@ -97,7 +101,7 @@ class ShapeSearch {
   /// The best single wave.
   [[nodiscard]] ShapeFit wave() const {
     ShapeFit best{ShapeKind::wave, constant_, 4.0};
-    const auto look = [&](double waves) { keep_better(best, wave_at(waves, 0.0, 0.0)); };
+    const auto look = [&](double waves) { keep_better(best, fitted_to(turns(waves, 0.0), inverse_sigma_, waves)); };
     for (const double waves : steps(kFewestWaves, most_waves(), kStepOfWaves)) look(waves);
     const double middle = best.waves;
     for (int i = -kFineSteps; i <= kFineSteps && middle > 0.0; ++i) look(middle + i * kStepOfWaves / kFineSteps);
@@ -140,18 +144,33 @@ class ShapeSearch {
     return (y_ - columns * solved).squaredNorm();
   }
 
-  /// A wave with sizes that fall by e^(−decay·x), or by e^(decay·(1 − x)) where that is negative: three sizes by the
-  /// normal equations.
-  [[nodiscard]] ShapeFit wave_at(double waves, double bend, double decay) const {
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d products = Eigen::Vector3d::Zero();
-    for (Index i = 0; i < y_.size(); ++i) {
-      const double x = place(i), angle = phase(x, waves, bend);
-      const double size = decay >= 0.0 ? std::exp(-decay * x) : std::exp(decay * (1.0 - x));
-      const Eigen::Vector3d row = Eigen::Vector3d(1.0, size * std::sin(angle), size * std::cos(angle)) / sigma(i);
-      squares += row * row.transpose();
-      products += y_(i) * row;
+  /// Sine and cosine at the points.
+  struct Turns {
+    ArrayXd sine, cosine;
+    /// Both turned further at each point.
+    void turn_by(const Turns& more) {
+      const ArrayXd turned = sine * more.cosine + cosine * more.sine;
+      cosine = cosine * more.cosine - sine * more.sine;
+      sine = turned;
     }
+  };
+  [[nodiscard]] Turns turns(double waves, double bend) const {
+    Turns at{ArrayXd(y_.size()), ArrayXd(y_.size())};
+    for (Index i = 0; i < y_.size(); ++i) {
+      const double angle = phase(place(i), waves, bend);
+      at.sine(i) = std::sin(angle);
+      at.cosine(i) = std::cos(angle);
+    }
+    return at;
+  }
+  /// A mean and a wave: three sizes by the normal equations.
+  [[nodiscard]] ShapeFit fitted_to(const Turns& turns, const ArrayXd& sizes, double waves) const {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> columns(y_.size(), 3);
+    columns.col(0) = inverse_sigma_;
+    columns.col(1) = turns.sine * sizes;
+    columns.col(2) = turns.cosine * sizes;
+    const Eigen::Matrix3d squares = columns.transpose().lazyProduct(columns);
+    const Eigen::Vector3d products = columns.transpose().lazyProduct(y_);
     ShapeFit fit;
     fit.sizes = solved_symmetric(squares, products);
     fit.left = std::max(0.0, y_.squaredNorm() - fit.sizes.dot(products));
@@ -223,26 +242,40 @@ class ShapeSearch {
   }
 
   [[nodiscard]] ShapeFit chirp() const {
+    constexpr double kStepOfBend = 2.0 * kStepOfWaves;
     ShapeFit best{ShapeKind::chirp, constant_, 5.0};
-    for (const double waves : steps(kFewestWaves, std::min(most_waves(), kMostWavesOfChirp), kStepOfWaves))
-      for (const double bend : steps(-1.5 * waves, 1.5 * waves, 2.0 * kStepOfWaves)) {
-        ShapeFit fit = wave_at(waves, bend, 0.0);
+    const Turns more = turns(0.0, kStepOfBend);
+    for (const double waves : steps(kFewestWaves, std::min(most_waves(), kMostWavesOfChirp), kStepOfWaves)) {
+      Turns now = turns(waves, -1.5 * waves);
+      for (const double bend : steps(-1.5 * waves, 1.5 * waves, kStepOfBend)) {
+        ShapeFit fit = fitted_to(now, inverse_sigma_, waves);
+        now.turn_by(more);
         fit.first = waves - 0.5 * bend;
         fit.second = waves + 0.5 * bend;
         keep_better(best, fit);
       }
+    }
     return best;
   }
 
+  /// Sizes fall by e^(−decay·x), or by e^(decay·(1 − x)) where that is negative.
   [[nodiscard]] ShapeFit fading_wave() const {
     ShapeFit best{ShapeKind::fading_wave, constant_, 5.0};
-    for (const double waves : steps(kFewestWaves, most_waves(), kStepOfWaves))
-      for (const double decay : {-6.0, -3.5, -2.0, -1.0, 1.0, 2.0, 3.5, 6.0}) {
-        ShapeFit fit = wave_at(waves, 0.0, decay);
+    std::vector<std::pair<double, ArrayXd>> fading;
+    for (const double decay : {-6.0, -3.5, -2.0, -1.0, 1.0, 2.0, 3.5, 6.0}) {
+      ArrayXd& sizes = fading.emplace_back(decay, inverse_sigma_).second;
+      for (Index i = 0; i < y_.size(); ++i)
+        sizes(i) *= decay >= 0.0 ? std::exp(-decay * place(i)) : std::exp(decay * (1.0 - place(i)));
+    }
+    for (const double waves : steps(kFewestWaves, most_waves(), kStepOfWaves)) {
+      const Turns now = turns(waves, 0.0);
+      for (const auto& [decay, sizes] : fading) {
+        ShapeFit fit = fitted_to(now, sizes, waves);
         fit.first = decay > 0.0 ? 1.0 : std::exp(decay);
         fit.second = decay > 0.0 ? std::exp(-decay) : 1.0;
         keep_better(best, fit);
       }
+    }
     return best;
   }
 
@@ -256,6 +289,7 @@ class ShapeSearch {
 
   const Points& points_;
   VectorXd y_;  ///< in standard deviations
+  ArrayXd inverse_sigma_;
   double constant_ = 0.0;
 };
 
