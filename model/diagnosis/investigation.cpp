@@ -439,11 +439,10 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       return tail_probability(structure.largest_of(space, replicates.beside(space)), largest_of(tests));
     };
     if (found.entry_score < kBeyondAll) replicates.draw_up_to(kStructureReplicates * options.noise_replicates);
-    found.structure_p_before = chance_beside(alone, found.before);
     if (!found.solution.chosen.empty())
       found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution);
     if (found.cross_validated_share < kLeastCrossValidatedAlone &&
-        found.structure_p_before > kStructureChance * options.false_naming_limit) {
+        chance_beside(alone, found.before) > kStructureChance * options.false_naming_limit) {
       // no structure but for an effect without proof: that is noise
       found.solution = search.alone();
       found.groups.clear();
@@ -451,7 +450,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     }
     if (found.solution.chosen.empty()) {
       found.after = found.before;
-      found.structure_p_after = found.structure_p_before;
+      found.structure_p_after = chance_beside(alone, found.before);
       found.closest = search.expand(alone, kClosest);
     } else {
       judge(regressors, base, search, whitener, noise_freedom, found);

@@ -50,7 +50,7 @@ struct Found {
   std::vector<double> replicate_scores;        ///< best of each noise replicate
   std::vector<StructureTest> before, after;    ///< structure of the residual without and with the effects found
   std::vector<StructureTest> beyond_position;  ///< the former, of each variable beyond the position along the line
-  double structure_p_before = 1.0, structure_p_after = 1.0;
+  double structure_p_after = 1.0;
   double entry_score = 0.0;
   double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
                                        ///< fitted to, the lesser
