@@ -155,8 +155,9 @@ class Search {
     std::vector<Eigen::Index> node_of;  ///< per acting row
     Eigen::Index nodes = 0;
     std::shared_ptr<const Shapes> shapes;
-    Eigen::MatrixXd weight;                           ///< whitened node indicators, multiplied out; few nodes only
-    Eigen::MatrixXd base_q;                           ///< the base seen from the nodes (nodes × rank)
+    std::size_t like = 0;    ///< first family of the same nodes: it has the weight, and sums over nodes are the same
+    Eigen::MatrixXd weight;  ///< whitened node indicators, multiplied out; few places only
+    Eigen::MatrixXd base_q;  ///< the base seen from the nodes (nodes × rank)
     std::vector<std::vector<Eigen::Index>> variants;  ///< sets of columns that may be used
     std::size_t first = 0, last = 0;                  ///< its items
   };
@@ -178,7 +179,9 @@ class Search {
   [[nodiscard]] Eigen::MatrixXd at_motions(const Eigen::MatrixXd& white) const;
   /// Sums of values of motions over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
-  [[nodiscard]] bool has_places(std::size_t family) const { return banks_[family].weight.size() > 0; }
+  [[nodiscard]] bool has_places(std::size_t family) const {
+    return !banks_[family].shapes->place_mm.empty() && banks_[banks_[family].like].weight.size() > 0;
+  }
   [[nodiscard]] View view_of(const Space& space, std::size_t family) const;
   [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.

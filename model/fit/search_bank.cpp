@@ -159,24 +159,19 @@ void Search::build_grams(std::size_t f) {
   const auto n = static_cast<Index>(regressors_.motions().size());
   const Shapes& shapes = *bank.shapes;
   MatrixXf weight, base_q;
-  const bool few_places = !shapes.place_mm.empty() && bank.nodes <= kMostNodes;
-  for (std::size_t other = 0; other < f && few_places && !has_places(f); ++other)
-    if (has_places(other) && banks_[other].node_of == bank.node_of && families_[other].acting.rows == rows) {
-      bank.weight = banks_[other].weight;
-      bank.base_q = banks_[other].base_q;
-    }
-  if (few_places && !has_places(f)) {
+  FamilyBank& like = banks_[bank.like];
+  if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes && like.weight.size() == 0) {
     MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
     for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
     const MatrixXd white = whitener_(regressors_.readings_from(std::move(indicators)));
-    bank.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
-    bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
-    bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
-    bank.base_q = white.transpose() * base_.q;
+    like.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
+    like.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
+    like.weight.triangularView<Eigen::StrictlyUpper>() = like.weight.transpose();
+    like.base_q = white.transpose() * base_.q;
   }
   if (has_places(f)) {
-    weight = bank.weight.cast<float>();
-    base_q = bank.base_q.cast<float>();
+    weight = like.weight.cast<float>();
+    base_q = like.base_q.cast<float>();
   }
   for (Index from = 0; from < shapes.columns.cols();) {
     Index end = from;  // whole items only
@@ -202,6 +197,10 @@ void Search::build_bank() {
   for (std::size_t f = 0; f < families_.size(); ++f) {
     heed_cancel();
     build_shapes(f);
+    const auto same_nodes = [&](std::size_t other) {
+      return banks_[other].node_of == banks_[f].node_of && families_[other].acting.rows == families_[f].acting.rows;
+    };
+    while (!same_nodes(banks_[f].like)) ++banks_[f].like;
     build_grams(f);
     const EffectInstance& effect = families_[f].effect;
     const bool natural = !effect.sense || natural_axis(regressors_.data(), *effect.sense) == effect.axis;
@@ -220,7 +219,7 @@ Search::View Search::view_of(const Space& space, std::size_t f) const {
   View view;
   view.y = gathered(f, seen.y).col(0);
   view.q.resize(bank.nodes, space.q.cols());
-  view.q << bank.base_q, gathered(f, seen.q);
+  view.q << banks_[bank.like].base_q, gathered(f, seen.q);
   return view;
 }
 
@@ -230,7 +229,7 @@ Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) cons
   const EffectDefinition& definition = family.effect.definition();
   const MatrixXd columns =
       place_columns(definition, bank.shapes->place_mm, nonlinear, static_cast<Index>(definition.column_count()));
-  const MatrixXd weighted = bank.weight * columns;
+  const MatrixXd weighted = banks_[bank.like].weight * columns;
   MatrixXd gram = columns.transpose() * weighted;
   const VectorXd original = gram.diagonal();
   const MatrixXd absorbed = view.q.transpose() * columns;

@@ -422,10 +422,12 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
 std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
   std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
   const MatrixXd spread = at_motions(blanks.cast<double>());
+  std::map<std::size_t, MatrixXf> seen_by;  // of the first family of the same nodes
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
     const FamilyBank& bank = banks_[f];
-    const MatrixXf seen = gathered(f, spread).cast<float>();
+    MatrixXf& seen = seen_by[bank.like];
+    if (seen.size() == 0) seen = gathered(f, spread).cast<float>();
     constexpr Index kPiece = 256;
     for (std::size_t i = bank.first; i < bank.last;) {
       if (!items_[i].coarse) {
