@@ -348,9 +348,10 @@ bool Search::in_ranges(const std::vector<Choice>& chosen) const {
 }
 
 Choice Search::best_own(const Space& space, std::size_t f, bool far) const {
-  std::vector<Choice> peaks = peaks_of(space, f);
   const Family& family = families_[f];
-  if (!far && family.far) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < *family.far; });
+  const bool only_near = !far && family.far;
+  std::vector<Choice> peaks = peaks_of(space, f, only_near ? kAllPeaks : kMostPeaks);
+  if (only_near) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < *family.far; });
   Choice best;
   best.family = f;
   best.nonlinear = family.grid.empty() ? family.facts.front() : family.grid.front();
@@ -396,12 +397,12 @@ std::vector<Choice> without_one(std::vector<Choice> choices, std::size_t i) {
 Choice Search::best_value(const Space& space, const Choice& now, bool all_periods) const {
   const Family& family = families_[now.family];
   if (family.effect.traits().periodic) {
-    const std::vector<Choice> peaks = all_periods ? peaks_of(space, now.family) : std::vector<Choice>{};
+    const std::vector<Choice> peaks = all_periods ? peaks_of(space, now.family, kMostPeaks) : std::vector<Choice>{};
     return best_period(space, peaks.empty() ? std::vector{now} : peaks);
   }
   Choice best = refined_choice(space, now.family, now.nonlinear);
   if (family.grid.size() < 2) return best;
-  const std::vector<Choice> peaks = peaks_of(space, now.family);
+  const std::vector<Choice> peaks = peaks_of(space, now.family, 1);
   if (peaks.empty() || peaks.front().nonlinear == now.nonlinear) return best;
   const Choice other = refined_choice(space, now.family, peaks.front().nonlinear);
   return other.score() > best.score() ? other : best;

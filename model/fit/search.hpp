@@ -81,6 +81,8 @@ struct SearchStopped {};
 
 class Search {
  public:
+  static constexpr auto kAllPeaks = static_cast<std::size_t>(-1);
+
   /// @param base      columns that the model absorbs (not whitened), without those of `own`
   /// @param residual  readings less what the model holds fixed (not whitened)
   /// @param own       terms of the model whose searched parameter is free: it is searched again beside every set of
@@ -120,8 +122,9 @@ class Search {
   /// Columns of a choice in readings' units: fitted part and fixed part.
   [[nodiscard]] Columns columns_of(const Choice& choice) const;
 
-  /// Scores of all values of a family beyond `space`, best first.
-  [[nodiscard]] std::vector<Choice> peaks_of(const Space& space, std::size_t family) const;
+  /// Scores of all values of a family beyond `space`, best first, at most this many.
+  [[nodiscard]] std::vector<Choice> peaks_of(const Space& space, std::size_t family,
+                                             std::size_t most = kAllPeaks) const;
   [[nodiscard]] const Observations& data() const { return regressors_.data(); }
   [[nodiscard]] const Observations& motions() const { return regressors_.motions(); }
 
@@ -142,6 +145,8 @@ class Search {
   [[nodiscard]] Choice refined_choice(const Space& space, std::size_t family, double nonlinear) const;
 
  private:
+  static constexpr std::size_t kMostPeaks = 6;  ///< of a scan that are looked at
+
   /// One value of a family's nonlinear parameter in the bank.
   struct Item {
     std::size_t family = 0;

@@ -161,8 +161,8 @@ namespace {
 
 using Eigen::MatrixXf;
 
-/// Peaks of a scan looked at, and of them those that differ from the best by more than a share of its period.
-constexpr std::size_t kMostPeaks = 6, kOtherPeaks = 2;
+/// Peaks of a scan looked at that differ from the best by more than a share of its period.
+constexpr std::size_t kOtherPeaks = 2;
 constexpr double kSamePeak = 0.02;
 /// Refining a period that is known from its double or half raises its score by no more than this. A choice: its
 /// frequency is off by half the rounding of the refinement.
@@ -215,10 +215,12 @@ std::vector<Choice> Search::scores_of(std::size_t f, const Space& seen, std::siz
     if (gain.gain > 0.0) list.push_back({gain, i});
   }
   const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(most, list.size()));
-  std::partial_sort(list.begin(), end, list.end(), [](const Scored& a, const Scored& b) {
+  const auto is_before = [](const Scored& a, const Scored& b) {
     const double score_a = a.gain.score(), score_b = b.gain.score();
     return score_a > score_b || (score_a == score_b && a.item < b.item);
-  });
+  };
+  std::nth_element(list.begin(), end, list.end(), is_before);
+  std::sort(list.begin(), end, is_before);
   std::vector<Choice> choices;
   for (auto one = list.begin(); one != end; ++one)
     choices.push_back(completed(choice_of(one->gain, bank.variants), f, items_[one->item].nonlinear));
@@ -284,8 +286,8 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
          gain - free * family.ln_readings - dearer(gain, free);
 }
 
-std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
-  return scores_of(f, at_motions(space), items_.size());
+std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f, std::size_t most) const {
+  return scores_of(f, at_motions(space), most);
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
