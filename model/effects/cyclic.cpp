@@ -16,6 +16,8 @@ namespace {
 /// At targets that are whole multiples of a period its sine is 0: what rounding leaves of it (1e-12) would be fitted
 /// with amplitudes of metres.
 double unless_rounding(double value) { return std::abs(value) < 1e-9 ? 0.0 : value; }
+double sine_of(double angle_rad) { return unless_rounding(std::sin(angle_rad)); }
+double cosine_of(double angle_rad) { return unless_rounding(std::cos(angle_rad)); }
 
 /// Euclid's algorithm ends at this share of the least step: what is left is rounding of the file.
 constexpr double kRestOfStep = 1e-3;
@@ -165,12 +167,11 @@ EffectDefinition cyclic() {
       .columns_of_place =
           [](double p_mm, double searched, std::span<double> row) {
             const double angle = 2.0 * std::numbers::pi * p_mm / searched;
-            const double sine = std::sin(angle), cosine = std::cos(angle);
-            row[0] = unless_rounding(sine);
-            row[1] = unless_rounding(cosine);
-            if (row.size() < 4) return;
-            row[2] = unless_rounding(2.0 * sine * cosine);
-            row[3] = unless_rounding((cosine - sine) * (cosine + sine));
+            for (std::size_t j = 0; j + 1 < row.size(); j += 2) {
+              const double harmonic = static_cast<double>(j / 2 + 1);
+              row[j] = sine_of(harmonic * angle);
+              row[j + 1] = cosine_of(harmonic * angle);
+            }
           },
       .column_sets = {{0, 1}, {0, 1, 2, 3}},
       .search = {.tried = periods, .assumed = assumed_period, .limits = period_limits},
