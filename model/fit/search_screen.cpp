@@ -214,16 +214,11 @@ std::vector<Choice> Search::scores_of(std::size_t f, const Space& seen, std::siz
       gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
     if (gain.gain > 0.0) list.push_back({gain, i});
   }
-  const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(most, list.size()));
-  const auto is_before = [](const Scored& a, const Scored& b) {
-    const double score_a = a.gain.score(), score_b = b.gain.score();
-    return score_a > score_b || (score_a == score_b && a.item < b.item);
-  };
-  std::nth_element(list.begin(), end, list.end(), is_before);
-  std::sort(list.begin(), end, is_before);
+  sort_greatest_first(
+      list, [](const Scored& scored) { return scored.gain.score(); }, most);
   std::vector<Choice> choices;
-  for (auto one = list.begin(); one != end; ++one)
-    choices.push_back(completed(choice_of(one->gain, bank.variants), f, items_[one->item].nonlinear));
+  for (const Scored& one : list)
+    choices.push_back(completed(choice_of(one.gain, bank.variants), f, items_[one.item].nonlinear));
   return choices;
 }
 

@@ -56,23 +56,36 @@ struct Interval {
 inline constexpr double kEqualShare = 1e-5;
 
 /// Sorts the greatest first. Neighbours in that order that are equal keep the order that they had, so that no rounding
-/// ranks them. @param value  of one of the list
+/// ranks them. @param value  of one of the list  @param most  so many of the greatest are kept
 template <class List, class Value>
-void sort_greatest_first(List& list, const Value& value) {
-  std::vector<std::pair<double, std::size_t>> order;
+void sort_greatest_first(List& list, const Value& value, std::size_t most = static_cast<std::size_t>(-1)) {
+  using Valued = std::pair<double, std::size_t>;
+  std::vector<Valued> order;
   for (std::size_t i = 0; i < list.size(); ++i) order.emplace_back(value(list[i]), i);
-  std::ranges::stable_sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (auto from = order.begin(); from != order.end();) {
+  const auto is_before = [](const Valued& a, const Valued& b) {
+    return a.first > b.first || (a.first == b.first && a.second < b.second);
+  };
+  const auto are_equal = [](const Valued& greater, const Valued& less) {
+    return greater.first - less.first <= kEqualShare * std::max(1.0, std::abs(greater.first));
+  };
+  most = std::min(most, order.size());
+  auto end = order.begin() + static_cast<std::ptrdiff_t>(most);
+  for (bool is_whole = false; !is_whole;) {  // equals of the last one kept come along
+    std::nth_element(order.begin(), end, order.end(), is_before);
+    std::sort(order.begin(), end, is_before);
+    is_whole = end == order.begin() || end == order.end() ||
+               !are_equal(*std::prev(end), *std::min_element(end, order.end(), is_before));
+    if (!is_whole) end += std::min(end - order.begin(), order.end() - end);
+  }
+  for (auto from = order.begin(); from != end;) {
     auto to = std::next(from);
-    while (to != order.end() &&
-           std::prev(to)->first - to->first <= kEqualShare * std::max(1.0, std::abs(std::prev(to)->first)))
-      ++to;
+    while (to != end && are_equal(*std::prev(to), *to)) ++to;
     std::sort(from, to, [](const auto& a, const auto& b) { return a.second < b.second; });
     from = to;
   }
   List sorted;
-  sorted.reserve(list.size());
-  for (const auto& one : order) sorted.push_back(std::move(list[one.second]));
+  sorted.reserve(most);
+  for (std::size_t i = 0; i < most; ++i) sorted.push_back(std::move(list[order[i].second]));
   list = std::move(sorted);
 }
 
