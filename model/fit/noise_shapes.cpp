@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <utility>
 
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
@@ -157,12 +156,11 @@ std::vector<double> memories_of(const Pass& pass, double time) {
 /// @tparam kColumns  of the pass: a row is worked on at once
 template <int kColumns>
 PassFit fitted_columns(const Pass& pass, double share, const std::vector<double>& memories) {
-  constexpr Index kRowsALogarithm = 16;  // the product of their variances is far from the least of a double
   using Row = Eigen::Matrix<double, 1, kColumns>;
-  Eigen::Matrix<double, Eigen::Dynamic, kColumns> columns = pass.columns;
+  Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor> columns = pass.columns;
   const Index n = columns.rows(), orders = kColumns - 1;
   PassFit fit;
-  double variance = share, innovations = 1.0;
+  double variance = share;
   Row state = Row::Zero();
   for (Index i = 0; i < n; ++i) {
     const double memory = memories[static_cast<std::size_t>(i)];
@@ -172,9 +170,8 @@ PassFit fitted_columns(const Pass& pass, double share, const std::vector<double>
     const Row fresh = columns.row(i) - state;
     state += gain * fresh;
     variance *= 1.0 - gain;
-    columns.row(i) = fresh * (1.0 / std::sqrt(innovation));
-    innovations *= innovation;
-    if (i % kRowsALogarithm == 0 || i + 1 == n) fit.ln_determinant += std::log(std::exchange(innovations, 1.0));
+    columns.row(i) = fresh / std::sqrt(innovation);
+    fit.ln_determinant += std::log(innovation);
   }
   fit.low.resize(orders);
   for (Index j = 0; j < orders; ++j) {  // modified Gram-Schmidt (Golub and Van Loan 2013, 5.2.8)
