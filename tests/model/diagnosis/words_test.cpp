@@ -32,6 +32,14 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
                                                   estimate_of("amplitude_um", "um", 6.83)};
   CHECK(finding_text(wave, parameters, data) ==
         "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward");
+  std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
+  known.front().sigma = 0.004;
+  CHECK(finding_text(screw_wave(9.95), known, data) ==
+        "X positions with a periodic error of +-6.8 um, 9.950 mm (surely not the pitch of its screw, 10 mm by the "
+        "machine "
+        "file: check that)");
+  known.front().sigma = 0.02;
+  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm = the pitch of its screw"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
                                                      estimate_of("amplitude_um", "um", 0.6),
                                                      estimate_of("amplitude2_um", "um", 4.1)};
