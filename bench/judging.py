@@ -143,6 +143,17 @@ def interval(right, count):
     return 100 * low, 100 * (p[at_least[right + 1] < 0.975].max(initial=0.0) if right < count else 1.0)
 
 
+def f_tail(f, k, v):
+    """The chance that F(k, v) exceeds f: a beta integral, its variable sin².
+    >>> [round(f_tail(*one), 4) for one in ((4.9646, 1, 10), (3.3258, 5, 10), (99.0, 2, 2), (0.0, 3, 4))]
+    [0.05, 0.05, 0.01, 1.0]
+    """
+    angle = np.linspace(0.0, math.pi / 2, 20001)
+    density = np.sin(angle) ** (v - 1) * np.cos(angle) ** (k - 1)
+    below = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
+    return float(np.interp(math.asin(math.sqrt(v / (v + k * f))), angle, below) / below[-1])
+
+
 def distance(some):
     """To the oracle on the same cases in points, with its 95 % interval (Agresti and Min 2005)."""
     n, lost, won = len(some), *(sum(one["oracle"] == oracle and one["right"] != oracle for one in some) for oracle in (True, False))
@@ -151,7 +162,7 @@ def distance(some):
 
 
 def report(order, results):
-    others = ["oracle", "stepwise"] + [name for name in RIVALS if any(name in one for one in results)]
+    others = ["oracle", *(name for name in ("blind", "stepwise", *RIVALS) if any(name in one for one in results))]
     print(f"{'row':<18}{'right':>10}{'%':>7}{'95 % interval':>16}{'behind the oracle':>21}"
           f"{''.join(f'{name:>10}' for name in others)}{'named':>7}{'median s':>10}{'worst s':>9}")
     rows = {row: [one for one in results if one["row"] == row and "right" in one] for row in order}
