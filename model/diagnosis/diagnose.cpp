@@ -147,7 +147,7 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
 
 double false_naming_of(const Found& found, const Choice& choice) {
   const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
-  return std::max(least, tail_probability(found.replicate_scores, choice.score()));
+  return std::max(least, found.false_naming(choice.score()));
 }
 
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const VectorXd& before,

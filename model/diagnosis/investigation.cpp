@@ -334,6 +334,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
   if (known_little) found.chance_of_closest = beside.chance;
   if (!beside.is_more) return false;
+  if (known_little) found.stands_out = beside.best;
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(beside.best);
   const Solution with = search.solution(chosen, found.solution.own);
@@ -426,13 +427,19 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     if (found.entry_score < kBeyondAll)
       found.solution =
           best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
-    const LinearProblem all = joined(base, search, found.solution);
+    LinearProblem all = joined(base, search, found.solution);
     if (round < kMostRounds && noise_changed(data, all, whitener, options.plain, found.noise, found.left_out)) continue;
     if (looks < kMostLooks && !options.plain &&
         took_noise_beside_best(base, search, whitener, replicates, options, found)) {
       ++looks;
       round = -1;
       continue;
+    }
+    if (found.solution.chosen.empty() && found.stands_out) {
+      found.solution = search.refined({*found.stands_out});
+      all = joined(base, search, found.solution);
+    } else {
+      found.stands_out.reset();
     }
     weigh(regressors, base, search, found);
     const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
@@ -470,6 +477,10 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     found.wanders = wanders(data, found.noise, residual, found.left_out);
     return found;
   }
+}
+
+double Found::false_naming(double score) const {
+  return stands_out ? chance_of_closest.value_or(1.0) : tail_probability(replicate_scores, score);
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {

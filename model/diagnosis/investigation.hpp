@@ -55,18 +55,21 @@ struct Found {
   double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
                                        ///< fitted to, the lesser
   std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
-  std::optional<double> chance_of_closest;  ///< that noise of any size looks like the best of them, where the readings
-                                            ///< tell little of the noise
-  std::optional<RunOffset> bad_run;         ///< explains the residual as well as the effects do
-  std::optional<NoisyRun> noisy;            ///< scatters more than the others
-  std::optional<OddPass> odd_pass;          ///< where nothing is found: stands off the others
-  std::optional<StepOfRuns> step;           ///< explains more than any one run does: no run is bad then
-  bool wanders = false;                     ///< what was taken for noise does
-  bool wander_is_evident = false;           ///< in what the effects found leave: is_wandering()
-  std::optional<FreeWave> wave;             ///< in what is left, with another phase in every pass
-  std::string run_note;                     ///< a run that explains nearly as much as an effect found, "" for none
-  std::string objection;                    ///< why the effects found are no causes although they explain, "" for none
-  std::string doubt;  ///< why they are not proved although nothing speaks against them, "" for none
+  /// That noise of any size looks like the best of them, where the readings tell little of the noise; of the effect
+  /// that is named for this alone.
+  std::optional<double> chance_of_closest;
+  std::optional<Choice> stands_out;  ///< the effect that noise of any size does not look like
+  [[nodiscard]] double false_naming(double score) const;
+  std::optional<RunOffset> bad_run;  ///< explains the residual as well as the effects do
+  std::optional<NoisyRun> noisy;     ///< scatters more than the others
+  std::optional<OddPass> odd_pass;   ///< where nothing is found: stands off the others
+  std::optional<StepOfRuns> step;    ///< explains more than any one run does: no run is bad then
+  bool wanders = false;              ///< what was taken for noise does
+  bool wander_is_evident = false;    ///< in what the effects found leave: is_wandering()
+  std::optional<FreeWave> wave;      ///< in what is left, with another phase in every pass
+  std::string run_note;              ///< a run that explains nearly as much as an effect found, "" for none
+  std::string objection;             ///< why the effects found are no causes although they explain, "" for none
+  std::string doubt;                 ///< why they are not proved although nothing speaks against them, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;
 };

@@ -46,11 +46,17 @@ bool loses_to_noise(double value, const std::vector<double>& replicates) {
   return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
 }
 
-/// What an effect explains that takes this share of the squares of noise whose size is not known.
-double ratio_of(double share, double freedom) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); }
+/// What an effect of k coefficients explains that takes this share of the squares of noise whose size is not known,
+/// less its price: it falls with k as the chance of the F test rises, which is the integral of (1 - share)^((freedom -
+/// k)/2).
+double ratio_of(const Choice& one, double squares, double freedom) {
+  const double spare = std::max(0.0, freedom - static_cast<double>(one.columns.size()));
+  return -spare * std::log(std::max(1.0 - one.gain / squares, kLeastDivisor)) - one.cost;
+}
 
-/// The greatest ratio less its price that an effect reaches on each column of noise. The ratio is the greatest of its
-/// tangents, and one tangent is the score on noise of one size: K times the share, K from `freedom` on.
+/// The greatest ratio that an effect reaches on each column of noise. The ratio is the greatest of its tangents, and
+/// one tangent is the score on noise of one size: K times the share, K from `freedom` on, where each coefficient costs
+/// ln(K / freedom) more.
 std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, double freedom) {
   std::vector<double> best(static_cast<std::size_t>(noise.cols()), -kBeyondAll);
   bool rises = true;
@@ -59,7 +65,7 @@ std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, dou
     for (Index b = 0; b < sets.cols(); ++b)
       sets.col(b) *=
           static_cast<float>(std::sqrt(larger * freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
-    const std::vector<double> scores = search.best_scores(sets);
+    const std::vector<double> scores = search.best_scores(sets, std::log(larger));
     rises = false;
     for (std::size_t b = 0; b < best.size(); ++b) {
       const double at_tangent = scores[b] - freedom * (larger - 1.0 - std::log(larger));
@@ -92,7 +98,7 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
 BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
                                      const std::vector<Choice>& choices, double freedom,
                                      const DiagnoseOptions& options) {
-  const auto here = [&](const Choice& one) { return ratio_of(one.gain / space.chi2(), freedom) - one.cost; };
+  const auto here = [&](const Choice& one) { return ratio_of(one, space.chi2(), freedom); };
   BesideNoise beside{*std::ranges::max_element(choices, {}, here)};
   std::vector<double> of_noise;
   const auto look_at = [&](std::size_t count) {
@@ -104,9 +110,9 @@ BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, R
   look_at(std::min(kFirstReplicates, options.noise_replicates));
   if (loses_to_noise(here(beside.best), of_noise)) return beside;
   look_at(options.noise_replicates);
-  beside.chance = tail_probability(of_noise, here(beside.best));
-  beside.is_more =
-      here(beside.best) > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
+  const bool refined = !search.families()[beside.best.family].effect.definition().searched_parameter().empty();
+  beside.chance = tail_probability(of_noise, here(beside.best) - (refined ? kRefinement : 0.0));
+  beside.is_more = beside.chance <= options.false_naming_limit;
   return beside;
 }
 

@@ -207,12 +207,12 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   std::vector<std::size_t> proved, likely;
   for (std::size_t g = 0; g < found.groups.size(); ++g) {
     const Group& group = found.groups[g];
-    if (group.denied) continue;
+    if (group.denied || (found.stands_out && group.e_value.value_or(kSpeaksFor) < kSpeaksFor)) continue;
     if (!group.wander && (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
              (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
-             tail_probability(found.replicate_scores, group.member.score()) <= kLikelyChance)
+             found.false_naming(group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
   if (!explained) {
@@ -257,6 +257,7 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
     likely = likely || standings[g] == Standing::likely;
     all_said = all_said && standings[g] != Standing::possible;
   }
+  if (proved.empty() && !likely && noise && in.found.stands_out) return Verdict::adequate;  // or too little known of it
   if (proved.empty()) return likely ? Verdict::likely_effect : Verdict::unexplained_structure;
   if (noise && in.found.objection.empty() && all_said) return Verdict::missing_effect;
   return share_of_found(in, proved) >= kPartExplained && !is_shape_that_repeats(in.found, proved)
@@ -306,11 +307,13 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure more places",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
-  if (!in.found.closest.empty() && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
+  std::optional<Choice> closest = in.found.stands_out;
+  if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
+  if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
     return fmt::format(
         "these readings tell too little of the noise: {} would explain what is left, and noise alone looks like it in "
         "{:.1g} % of cases: measure the same lines again",
-        place_text(in.found.families[in.found.closest.front().family].effect), kPercent * *in.found.chance_of_closest);
+        place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
   Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
   for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;

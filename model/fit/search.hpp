@@ -129,7 +129,8 @@ class Search {
   [[nodiscard]] const Observations& motions() const { return regressors_.motions(); }
 
   /// For noise alone (columns of `blanks`: independent, of size one, base removed): best score of each column.
-  [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks) const;
+  /// @param dearer  price of each coefficient beside its usual one
+  [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks, double dearer = 0.0) const;
 
   /// Whether each effect with a physical range may have a size inside it beside the others.
   [[nodiscard]] bool in_ranges(const std::vector<Choice>& chosen) const;
@@ -190,7 +191,8 @@ class Search {
   [[nodiscard]] View view_of(const Space& space, std::size_t family) const;
   [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
-  void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, std::vector<double>& top) const;
+  void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, double dearer,
+                std::vector<double>& top) const;
   [[nodiscard]] Price price_of(const Family& family, double nonlinear) const;
   [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
   /// Scores of all values of a family, best first, at most this many; those that gain nothing left out.

@@ -366,7 +366,8 @@ std::vector<std::pair<Choice, Choice>> Search::hidden_pairs(const Space& space, 
   return pairs;
 }
 
-void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std::vector<double>& top) const {
+void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, double dearer,
+                      std::vector<double>& top) const {
   const Family& family = families_[item.family];
   const Eigen::Map<const MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
   const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
@@ -410,13 +411,13 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
       }
       const bool complete = family.effect.traits().is_curve ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
       if (free == 0 || !complete) continue;
-      const double cost = item.price.of(free);
+      const double cost = item.price.of(free) + dearer * static_cast<double>(free);
       for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);
     }
   }
 }
 
-std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
+std::vector<double> Search::best_scores(const MatrixXf& blanks, double dearer) const {
   std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
   const MatrixXd spread = at_motions(blanks.cast<double>());
   std::map<std::size_t, MatrixXf> seen_by;  // of the first family of the same nodes
@@ -437,7 +438,7 @@ std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
         width += items_[++last].count;
       const MatrixXf z = bank.shapes->columns.middleCols(items_[i].start, width).transpose() * seen;
       for (std::size_t j = i; j <= last; ++j)
-        raise_by(items_[j], z.middleRows(items_[j].start - items_[i].start, items_[j].count), best);
+        raise_by(items_[j], z.middleRows(items_[j].start - items_[i].start, items_[j].count), dearer, best);
       i = last + 1;
     }
   }
