@@ -334,7 +334,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
   if (known_little) found.chance_of_closest = beside.chance;
   if (!beside.is_more) return false;
-  if (known_little) found.stands_out = beside.best;
+  if (known_little && search.beats_free_values(space, beside.best)) found.stands_out = beside.best;
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(beside.best);
   const Solution with = search.solution(chosen, found.solution.own);

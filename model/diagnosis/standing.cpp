@@ -38,6 +38,8 @@ constexpr double kSpeaksFor = 1.0;
 /// rms of those fitted: two, for four times the squares are no chance.
 constexpr double kMostHeldOut = 2.0;
 constexpr std::size_t kPartsLeftOut = 5;
+/// Without repeats the noise has to be known to a third: two standard deviations of an estimate of so many degrees.
+constexpr double kDegreesWithoutRepeats = 20.0;
 /// Readings that tell little of the noise do not show that nothing is missing where noise explains as much as the
 /// closest candidate does in fewer cases than this: the usual level of a test.
 constexpr double kRareOfNoise = 0.05;
@@ -314,6 +316,10 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "these readings tell too little of the noise: {} would explain what is left, and noise alone looks like it in "
         "{:.1g} % of cases: measure the same lines again",
         place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
+  if (!in.found.noise.pure.from_repeats && in.found.noise.pure.dof < kDegreesWithoutRepeats)
+    return "nothing was repeated, and so few readings do not tell noise from what may be missing: measure the same "
+           "lines "
+           "again";
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
   Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
   for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;
