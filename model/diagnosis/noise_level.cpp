@@ -60,7 +60,8 @@ double ratio_of(const Choice& one, double squares, double freedom) {
 std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, double freedom) {
   std::vector<double> best(static_cast<std::size_t>(noise.cols()), -kBeyondAll);
   bool rises = true;
-  for (double larger = 1.0; rises && larger < kLargest; larger *= kLarger) {
+  double larger = 1.0;
+  while (rises && larger < kLargest) {
     MatrixXf sets = noise;
     for (Index b = 0; b < sets.cols(); ++b)
       sets.col(b) *=
@@ -72,6 +73,7 @@ std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, dou
       rises = rises || at_tangent > best[b];
       best[b] = std::max(best[b], at_tangent);
     }
+    larger *= kLarger;
   }
   return best;
 }

@@ -134,7 +134,11 @@ double interval_between(const std::vector<Pass>& passes, bool has_time) {
 std::vector<double> times_tried(bool has_time, double interval_s) {
   if (!has_time) return {kTimes_readings.begin(), kTimes_readings.end()};
   std::vector<double> times(kTimes_s.begin(), kTimes_s.end());
-  for (double time = 0.5 * kTimes_s.front(); time >= interval_s; time *= 0.5) times.push_back(time);
+  double time = 0.5 * kTimes_s.front();
+  while (time >= interval_s) {
+    times.push_back(time);
+    time *= 0.5;
+  }
   return times;
 }
 

@@ -13,6 +13,7 @@
 
 #include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include "model/fit/compare.hpp"
@@ -280,12 +281,13 @@ TEST_CASE("twelve readings there and back, once, are likely a lost motion that v
   const Plan plan{.step_mm = 57.0, .targets = 6, .runs = 1};
   int right = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Diagnosis found = diagnosed(
-        straight(),
-        measured(
-            plan, 0.3,
-            [&](const Reading& r) { return 0.5 * d(r) * lost_um[static_cast<std::size_t>(p(r) / 57.0 + 0.5) % 6]; },
-            seed));
+    const Diagnosis found =
+        diagnosed(straight(), measured(
+                                  plan, 0.3,
+                                  [&](const Reading& r) {
+                                    return 0.5 * d(r) * lost_um.at(static_cast<std::size_t>(std::lround(p(r) / 57.0)));
+                                  },
+                                  seed));
     CHECK(found.verdict != Verdict::adequate);
     CHECK(found.verdict != Verdict::missing_effect);
     right +=
